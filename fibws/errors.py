@@ -380,6 +380,10 @@ class HubError(FibwsError):
     """The hub cannot start or continue."""
 
 
+class FederationError(FibwsError):
+    """Another hub, or the connection to it, does not do what was expected."""
+
+
 class Ros1Error(FibwsError):
     """A ROS 1 node, or a program that speaks its protocols, cannot be served."""
 

@@ -41,7 +41,8 @@ BELOW = {
     "interfaces": {"errors", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
-    "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"},
+    "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
+    | {"hub_address", "credentials", "tls"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
@@ -91,6 +92,10 @@ BELOW_IN_HUB = {
     | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.settings"},
+    "federation": {"errors", "names", "access.rights", "interfaces", "protocol.websocket"}
+    | {"credentials", "hub_address", "tls", "hub.federation", "hub.graph", "hub.audit"}
+    | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}
+    | {"hub.zenoh_session"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "access.rights", "hub.graph"}
     | {"hub.delivery", "hub.rosapi", "hub.log_text", "hub.audit"},
 }

@@ -19,7 +19,9 @@ import pytest
 
 import fibws
 from fibws.cli.commands import command as fibws_command
+from fibws.cli.hub import HubCommands
 from fibws.hub import Hub, Settings
+from fibws.hub.settings import flag_of
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.std_msgs import Float64, String
 
@@ -259,6 +261,9 @@ def check_options(command: click.Command, arguments: list[str]) -> None:
     context = _context(command)
     while isinstance(command, click.Group):
         name = next(iter(arguments), "")
+        if isinstance(command, HubCommands) and (not name or name.startswith("-")):
+            command = import_module("fibws.hub.__main__").command
+            break
         found = command.get_command(context, name)
         assert found is not None, f"{command.name} has no command {name!r}"
         command, arguments = found, arguments[1:]
@@ -280,7 +285,7 @@ def test_table_of_settings_is_that_of_the_code() -> None:
     page = PAGES[DOCS / "operations.md"]
     rows = re.findall(r"^\| `--([a-z0-9-]+)` \| `?([^|`]*)`? \| (.*) \|$", page, re.MULTILINE)
     assert rows == [
-        (setting.name.replace("_", "-"), written(setting.default), setting.metadata["help"])
+        (flag_of(setting), written(setting.default), setting.metadata["help"])
         for setting in dataclasses.fields(Settings)
     ]
 

@@ -34,7 +34,7 @@ import secrets
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, date, datetime, time
 from pathlib import Path
 from typing import Any, Self
@@ -49,13 +49,14 @@ PREFIX = "fibws_"
 """How tokens begin, so that programs that look for published secrets find them."""
 ANONYMOUS = "anonymous"
 """The principal of clients without a token."""
-ROS1 = "ros1"
-"""The principal of ROS 1 nodes, which have no tokens; the hub admits them by their addresses."""
+NETWORKS = ("ros1", "ros2", "zenoh", "join")
+"""The principals of what joins without a token of the hub: nodes of ROS 1 and of ROS 2, the hubs on
+a zenoh network, and the hubs that this one joins."""
 _DIGEST = re.compile(r"[0-9a-f]{64}")
-_SECTIONS = ("tokens", "certificates", ANONYMOUS, ROS1)
+_SECTIONS = ("tokens", "certificates", ANONYMOUS, *NETWORKS)
 _EVERYTHING: dict[Right, tuple[str, ...]] = {right: ("/**",) for right in RIGHTS}
-ALL_OF_ROS1 = Principal(ROS1, Rights(_EVERYTHING, name=ROS1))
-"""ROS 1 nodes where no section limits what they may do."""
+_UNLIMITED = {name: Principal(name, Rights(_EVERYTHING, name=name)) for name in NETWORKS}
+"""The same principals where no section limits what they may do."""
 _KEYS = ("sha256", "expires", "admin", "allow", "deny", "limits")
 
 
@@ -67,13 +68,13 @@ class Tokens:
         tokens: by the digests of their tokens.
         certificates: by the common names of their certificates.
         anonymous: the principal of clients without a token; None if these may not connect.
-        ros1: the principal of ROS 1 nodes.
+        networks: the principals of `NETWORKS`.
     """
 
     tokens: Mapping[str, Principal]
     certificates: Mapping[str, Principal]
     anonymous: Principal | None
-    ros1: Principal = ALL_OF_ROS1
+    networks: Mapping[str, Principal] = field(default_factory=_UNLIMITED.copy)
 
     @classmethod
     def load(cls, path: Path) -> Self:
@@ -111,10 +112,12 @@ class Tokens:
         anonymous = None
         if ANONYMOUS in document:
             anonymous = _principal(ANONYMOUS, _table(document, ANONYMOUS), ANONYMOUS)
-        ros1 = ALL_OF_ROS1
-        if ROS1 in document:
-            ros1 = _principal(ROS1, _table(document, ROS1), ROS1)
-        return cls(tokens, certificates, anonymous, ros1)
+        networks = {
+            name: _principal(name, _table(document, name), name)
+            for name in NETWORKS
+            if name in document
+        }
+        return cls(tokens, certificates, anonymous, {**_UNLIMITED, **networks})
 
     def find(self, token: str) -> Principal | None:
         """Return the principal of a token, which may have expired; None if it is unknown."""
@@ -165,7 +168,7 @@ class TokenFile:
         """Remove a principal's token.
 
         Raises:
-            AccessError: there is no such token, or the file is invalid or cannot be written.
+            AccessError: the token is unknown, or the file is invalid or cannot be written.
         """
         with self._edit() as (document, names):
             if name not in names:

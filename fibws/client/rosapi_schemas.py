@@ -18,8 +18,34 @@ _NODES: Schema = [
         "own": "bool",
         "api": "string",
         "fault": "string",
+        "hub": "string",
     }
 ]
+_HUB: Mapping[str, Schema] = {
+    "id": "string",
+    "name": "string",
+    "version": "string",
+    "link": "string",
+    "distance": "uint32",
+    "nodes": "uint32",
+}
+_LINK: Mapping[str, Schema] = {
+    "kind": "string",
+    "address": "string",
+    "name": "string",
+    "id": "string",
+    "version": "string",
+    "fault": "string",
+    "since": _TIME,
+    "round_trip": "float64",
+    "clock_offset": "float64",
+    "messages_sent": "uint64",
+    "messages_received": "uint64",
+    "bytes_sent": "uint64",
+    "bytes_received": "uint64",
+    "dropped": "uint64",
+    "lost": "uint64",
+}
 _SUBSCRIPTION: Mapping[str, Schema] = {
     "node": "string",
     "queue_length": "uint32",
@@ -67,6 +93,7 @@ RESPONSES: Mapping[str, Mapping[str, Schema]] = {
         "services": [_SERVICE],
         "actions": [{**_SERVICE, "over_topics": "bool"}],
     },
+    "/rosapi/hubs": {"stamp": _TIME, "hub": _HUB, "links": [_LINK], "hubs": [_HUB]},
     "/rosapi/statistics": {"stamp": _TIME, "topics": [_STATISTICS], "clients": [_CLIENT]},
     "/rosapi/topics": {"topics": ["string"], "types": ["string"]},
     "/rosapi/topics_for_type": {"topics": ["string"]},

@@ -24,7 +24,7 @@ from fibws.hub import log_output
 from fibws.hub.announcement import announcement
 from fibws.hub.monitoring.service_manager import ServiceManager
 from fibws.hub.server import Hub
-from fibws.hub.settings import MIB, Settings
+from fibws.hub.settings import MIB, Settings, flag_of
 
 if sys.platform != "win32":
     import resource
@@ -52,13 +52,13 @@ def _read_config(context: click.Context, _: click.Parameter, path: Path | None) 
         values = tomllib.loads(path.read_text())
     except (OSError, ValueError) as error:
         raise click.BadParameter(f"{path}: {error}") from error
-    defaults = {field.name: field.default for field in dataclasses.fields(Settings)}
+    known = {flag_of(field).replace("-", "_"): field for field in dataclasses.fields(Settings)}
+    context.default_map = {}
     for name, value in values.items():
-        if name not in defaults:
+        if name not in known:
             raise click.BadParameter(f"{path}: unknown setting {name}")
-        if defaults[name] == () and isinstance(value, str):
-            values[name] = [value]
-    context.default_map = values
+        is_one = known[name].default == () and isinstance(value, str)
+        context.default_map[known[name].name] = [value] if is_one else value
 
 
 def _options(function: Callable[..., None]) -> Callable[..., None]:
@@ -71,17 +71,22 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
         many = get_origin(type_) is tuple
         if type_ == int | None:
             type_ = int
-        flag = field.name.replace("_", "-")
+        flag = flag_of(field)
         function = click.option(
             f"--{flag}/--no-{flag}" if type_ is bool else f"--{flag}",
+            field.name,
             type=_PATH if Path in get_args(type_) else get_args(type_)[0] if many else type_,
             multiple=many,
             default=field.default,
             show_default=not many,
-            envvar=[f"FIBWS_{field.name.upper()}", *OTHER_VARIABLES.get(field.name, ())],
+            envvar=[_variable(flag), *OTHER_VARIABLES.get(field.name, ())],
             help=field.metadata["help"],
         )(function)
     return function
+
+
+def _variable(flag: str) -> str:
+    return f"FIBWS_{flag.replace('-', '_').upper()}"
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})

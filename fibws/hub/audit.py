@@ -131,6 +131,17 @@ class Audit:
         text = f"{_named(client)} has lost its name to another client"
         self._record(logging.WARNING, "name_taken", text, client)
 
+    def hub_joined(self, hub: str, address: str, *, node: str) -> None:
+        """Record that another hub is reached; ``node`` stands for the link."""
+        text = f"Hub {printable(hub)} is connected ({printable(address)})"
+        self._record(logging.INFO, "hub_joined", text, {"hub": hub, "node": node})
+
+    def hub_lost(self, hub: str, reason: str, *, node: str) -> None:
+        """Record that another hub is not reached any more."""
+        text = f"Hub {printable(hub)} is lost: {printable(reason)}"
+        fields = {"hub": hub, "node": node, "why": reason}
+        self._record(logging.WARNING, "hub_lost", text, fields)
+
     def reloaded(self, what: str) -> None:
         """Record that something was read again, such as ``tokens`` or ``certificates``."""
         self._record(logging.INFO, "reloaded", f"Reloaded {what}", {"what": what})

@@ -6,6 +6,8 @@ import asyncio
 import errno
 import ipaddress
 import logging
+import secrets
+import socket
 import time
 import uuid
 from collections import deque
@@ -16,12 +18,17 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from fibws import __version__
+from fibws.access.rights import Principal
 from fibws.errors import FibwsError, HubError, NotAllowed
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import machine_addresses
 from fibws.hub.audit import Audit, Identity
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
+from fibws.hub.federation import link
+from fibws.hub.federation.connections import Join, LinkEndpoint
+from fibws.hub.federation.federation import Federation
+from fibws.hub.federation.records import HubInfo
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
@@ -47,6 +54,7 @@ from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import KILLED, RESTART, SHUTDOWN
 
 if TYPE_CHECKING:
+    from fibws.hub.federation.zenoh_backplane import ZenohBackplane
     from fibws.hub.ros1.server import Ros1Server
 
 logger = logging.getLogger("fibws.hub")
@@ -108,6 +116,10 @@ class Hub:
         )
         self.endpoints: Endpoints
         """The protocols that clients may speak, once entered."""
+        self.federation: Federation
+        """The other hubs, once entered."""
+        self._joins: list[Join] = []
+        self._zenoh: ZenohBackplane | None = None
         self.audit: Audit
         """Records logins, refusals and changes, once entered."""
         self._connections: set[Connection] = set()
@@ -163,6 +175,7 @@ class Hub:
                 port=self.port,
                 address=address,
                 run_id=str(uuid.uuid1()),
+                hubs=lambda caller: self.federation.report(caller, self._broken_links()),
             )
         except FibwsError:  # The parameters may have no room for even the first ones.
             self._server.close()
@@ -173,6 +186,7 @@ class Hub:
         rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
         self.endpoints = Endpoints(rosbridge.open)
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
+        self._federate()
         self._requests = requests = HttpRequests(
             self.settings, read_files(), OWN_NODES, partial(_refuse_origin, self.audit)
         )
@@ -200,6 +214,7 @@ class Hub:
             lag=self._lag,
             probes=self._probes,
             watchers=watchers,
+            links=lambda: [*self.federation.links(), *self._broken_links()],
             loop=type(loop).__module__.partition(".")[0],
         )
         requests.add_route("/metrics", metrics.respond)
@@ -229,6 +244,9 @@ class Hub:
         loop.set_exception_handler(self._on_exception)
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         self._lag.start()
+        for join in self._joins:
+            join.start()
+        await self._join_zenoh()
         await self._server.start_serving()
         for listening in self._server.sockets:
             with listening.dup() as same:
@@ -250,7 +268,7 @@ class Hub:
             self.graph,
             self.settings,
             self.audit,
-            principal=self._authentication.ros1 if self._authentication is not None else None,
+            principal=self._network_principal("ros1"),
             kill=self._kill,
             shut_down=lambda reason: self.stop_requested(reason),
         )
@@ -261,6 +279,57 @@ class Hub:
             self._server.close()
             raise
         self.ros1 = ros1
+
+    def _federate(self) -> None:
+        """Let other hubs join this one, and prepare to join others."""
+        name = self.settings.hub_name or socket.gethostname().partition(".")[0]
+        hub = HubInfo(id=secrets.token_hex(8), name=name, version=__version__)
+        loop = asyncio.get_running_loop()
+        self.federation = Federation(self.graph, hub, loop, self.settings, self.audit)
+        principal = partial(self._network_principal, "join")
+        self._joins = [
+            Join(address, self.federation, self.settings, principal)
+            for address in dict.fromkeys(self.settings.join)
+        ]
+        self.endpoints.add(
+            lambda opening: LinkEndpoint(opening, self.federation, self.settings),
+            subprotocol=link.SUBPROTOCOL,
+        )
+
+    async def _join_zenoh(self) -> None:
+        """Join the other hubs on a zenoh network, if the settings want that."""
+        settings = self.settings
+        if not (settings.zenoh or settings.zenoh_listen):
+            return
+        from fibws.hub.federation.zenoh_backplane import ZenohBackplane  # Most hubs need none.
+
+        self._zenoh = ZenohBackplane(
+            self.federation,
+            self.federation.hub,
+            asyncio.get_running_loop(),
+            principal=self._network_principal("zenoh"),
+            domain=settings.domain,
+            listen=settings.zenoh_listen,
+            connect=settings.zenoh,
+            config=settings.zenoh_config,
+            max_queued=settings.max_queued_bytes,
+        )
+        try:
+            await self._zenoh.open()
+        except FibwsError:
+            await self.close()
+            raise
+
+    def _broken_links(self) -> list[dict[str, Any]]:
+        """Return the links that should be there and are not, as fibws_msgs/HubLink."""
+        found = [join.report() for join in self._joins if join.fault]
+        if self._zenoh is not None and not self._zenoh.peers:
+            found.append(self._zenoh.report())
+        return found
+
+    def _network_principal(self, name: str) -> Principal | None:
+        """Return the principal of what joins without a token; see `token_file.NETWORKS`."""
+        return self._authentication.network(name) if self._authentication is not None else None
 
     def _kill(self, node: str, reason: str) -> bool:
         """End a client, as a ROS 1 program has asked for; return whether it is one."""
@@ -311,6 +380,10 @@ class Hub:
         self._server.close()
         self._sweeper.cancel()
         self._lag.stop()
+        for join in self._joins:
+            await join.close()
+        if self._zenoh is not None:
+            await self._zenoh.close()
         for connection in list(self._connections):
             connection.close(SHUTDOWN)
         try:
@@ -321,6 +394,7 @@ class Hub:
             await self._empty.wait()
         if self.ros1 is not None:
             await self.ros1.close()
+        self.federation.close()
         self._own.close()
         await self._threads.close()
         with suppress(TimeoutError):  # Clients may be in the middle of their TLS handshake.
@@ -344,7 +418,7 @@ class Hub:
         if self._authentication is not None:
             self._authentication.reload()
             if self.ros1 is not None:
-                self.ros1.set_principal(self._authentication.ros1)
+                self.ros1.set_principal(self._authentication.network("ros1"))
             self._check_logins(self._authentication)
         if use_certificate is not None:
             use_certificate()
@@ -380,6 +454,8 @@ class Hub:
             "max_incoming_bytes": self.settings.max_total_incoming_bytes,
             "topics": len(self.graph.topics),
             "ros1_port": self.ros1.port if self.ros1 is not None else None,
+            "links": len(self.federation.peers),
+            "links_down": len(self._broken_links()),
             "ros1_nodes": len(self.ros1.nodes.by_name) if self.ros1 is not None else 0,
             "dropped": self._clients.dropped(),
             "slow_clients": [

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
 
-from fibws.errors import HubError
+from fibws.access.rights import check_glob
+from fibws.errors import AccessError, HubError
 from fibws.hub.websocket.origins import is_allowable
 from fibws.hub.websocket.proxies import Network, parse_network
 
@@ -17,11 +18,19 @@ MIB = 1024 * KIB
 URL_PATH = r"(/[A-Za-z0-9._~!$&'()*+,;=:@%-]+)*/?"
 """The segments of a URL's path (RFC 3986, section 3.3)."""
 
+GLOBAL_NAME = r"(/[A-Za-z]\w*)+"
+
 LOG_FORMATS = ("text", "json")
 
 
-def _setting(default: Any, help_: str) -> Any:
-    return field(default=default, metadata={"help": help_})
+def _setting(default: Any, help_: str, flag: str = "") -> Any:
+    """Return a setting; its flag is its name, unless another one is given."""
+    return field(default=default, metadata={"help": help_, "flag": flag})
+
+
+def flag_of(setting: Field[Any]) -> str:
+    """Return the flag of a setting, without the dashes before it."""
+    return setting.metadata["flag"] or setting.name.replace("_", "-")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,6 +103,50 @@ class Settings:
         "File that remembers the ROS 1 nodes for when the hub is restarted; by default in "
         "~/.local/state/fibws.",
     )
+    hub_name: str = _setting(
+        "", "Name of this hub for people and other hubs; by default the name of the machine."
+    )
+    join: tuple[str, ...] = _setting(
+        (),
+        "URL of another hub to join, such as wss://cloud.example/?token=...; its nodes and this "
+        "hub's share one graph. May be repeated.",
+    )
+    join_prefix: str = _setting(
+        "",
+        "Name, such as /robot7, below which the nodes and topics of this hub appear at the hubs "
+        "that it joins, and outside of which it sees nothing of them.",
+        flag="as",
+    )
+    join_export: tuple[str, ...] = _setting(
+        (),
+        "Glob of topics, services, actions and parameters that the joined hubs get, such as "
+        "/scan or /camera/**; may be repeated. Default: all.",
+        flag="export",
+    )
+    join_import: tuple[str, ...] = _setting(
+        (),
+        "Glob of topics, services, actions and parameters to take from the joined hubs; may be "
+        "repeated. Default: all.",
+        flag="import",
+    )
+    share_params: tuple[str, ...] = _setting(
+        (),
+        "Namespace of parameters, such as /fleet, that this hub shares with the others; may be "
+        "repeated. The last change wins.",
+    )
+    zenoh_listen: tuple[str, ...] = _setting(
+        (),
+        "Endpoint, such as tcp/0.0.0.0:7447, to let other hubs join over zenoh; may be repeated.",
+    )
+    zenoh: tuple[str, ...] = _setting(
+        (),
+        "Endpoint of another hub, or of a zenohd, to join over zenoh, such as tcp/lab:7447; or "
+        "auto, to find hubs on the local network. May be repeated.",
+    )
+    zenoh_config: Path | None = _setting(
+        None, "zenoh's own configuration file (JSON5), for TLS and access control."
+    )
+    domain: str = _setting("default", "Name of the group of hubs on the zenoh network to join.")
     interfaces: tuple[Path, ...] = _setting(
         (), "Folder of message definitions (PACKAGE/msg/*.msg); may be repeated."
     )
@@ -211,14 +264,14 @@ class Settings:
         for setting in fields(self):
             value = getattr(self, setting.name)
             if isinstance(value, int | float) and not 0 <= value < math.inf:
-                flag = setting.name.replace("_", "-")
-                raise HubError(f"--{flag} must be >= 0 and finite, got {value}")
+                raise HubError(f"--{flag_of(setting)} must be >= 0 and finite, got {value}")
         if self.log_format not in LOG_FORMATS:
             raise HubError(f"--log-format must be text or json, got {self.log_format}")
         for flag, port in (("port", self.port), ("ros1", self.ros1 or 0)):
             if port > 65535:
                 raise HubError(f"--{flag} must be between 0 and 65535, got {port}")
         self._check_tls()
+        self._check_join()
         if not re.fullmatch(URL_PATH, self.url_path):
             raise HubError(f"--url-path must be a path such as /robot, got {self.url_path}")
         for network in self.trusted_proxy:
@@ -246,6 +299,21 @@ class Settings:
     def has_tls(self) -> bool:
         """Whether clients connect with TLS."""
         return self.cert is not None or self.self_signed
+
+    def _check_join(self) -> None:
+        if self.join_prefix and not re.fullmatch(GLOBAL_NAME, self.join_prefix):
+            raise HubError(f"--as must be a global name such as /robot7, got {self.join_prefix}")
+        for namespace in self.share_params:
+            if not re.fullmatch(GLOBAL_NAME, namespace):
+                raise HubError(
+                    f"--share-params must be a global name such as /fleet, got {namespace}"
+                )
+        for flag, globs in (("export", self.join_export), ("import", self.join_import)):
+            for glob in globs:
+                try:
+                    check_glob(glob)
+                except AccessError as error:
+                    raise HubError(f"--{flag}: {error}") from None
 
     def _check_tls(self) -> None:
         if self.cert is not None and self.key is None:

@@ -11,6 +11,8 @@ __all__ = [
     "ActionInfo",
     "ClientStatistics",
     "ConflictInfo",
+    "HubInfo",
+    "HubLink",
     "NodeInfo",
     "PublisherInfo",
     "PublisherStatistics",
@@ -70,6 +72,43 @@ class ConflictInfo(ros.Message):
 
 
 @dataclass(slots=True, eq=False, repr=False)
+class HubInfo(ros.Message):
+    """fibws_msgs/HubInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/HubInfo"
+
+    id: str = ""
+    name: str = ""
+    version: str = ""
+    link: str = ""
+    distance: int = 0
+    nodes: int = 0
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class HubLink(ros.Message):
+    """fibws_msgs/HubLink"""
+
+    _type: ClassVar[str] = "fibws_msgs/HubLink"
+
+    kind: str = ""
+    address: str = ""
+    name: str = ""
+    id: str = ""
+    version: str = ""
+    fault: str = ""
+    since: ros.Time = field(default_factory=ros.Time)
+    round_trip: float = 0.0
+    clock_offset: float = 0.0
+    messages_sent: int = 0
+    messages_received: int = 0
+    bytes_sent: int = 0
+    bytes_received: int = 0
+    dropped: int = 0
+    lost: int = 0
+
+
+@dataclass(slots=True, eq=False, repr=False)
 class NodeInfo(ros.Message):
     """fibws_msgs/NodeInfo"""
 
@@ -81,6 +120,7 @@ class NodeInfo(ros.Message):
     own: bool = False
     api: str = ""
     fault: str = ""
+    hub: str = ""
 
 
 @dataclass(slots=True, eq=False, repr=False)

@@ -12,6 +12,9 @@ __all__ = [
     "GetGraph",
     "GetGraphRequest",
     "GetGraphResponse",
+    "GetHubs",
+    "GetHubsRequest",
+    "GetHubsResponse",
     "GetStatistics",
     "GetStatisticsRequest",
     "GetStatisticsResponse",
@@ -53,6 +56,33 @@ class GetGraph(ros.Service[GetGraphRequest, GetGraphResponse]):
     _type = "fibws_msgs/GetGraph"
     Request: TypeAlias = GetGraphRequest
     Response: TypeAlias = GetGraphResponse
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class GetHubsRequest(ros.Message):
+    """fibws_msgs/GetHubsRequest"""
+
+    _type: ClassVar[str] = "fibws_msgs/GetHubsRequest"
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class GetHubsResponse(ros.Message):
+    """fibws_msgs/GetHubsResponse"""
+
+    _type: ClassVar[str] = "fibws_msgs/GetHubsResponse"
+
+    stamp: ros.Time = field(default_factory=ros.Time)
+    hub: fibws_msgs.HubInfo = field(default_factory=lambda: fibws_msgs.HubInfo())
+    links: list[fibws_msgs.HubLink] = field(default_factory=list)
+    hubs: list[fibws_msgs.HubInfo] = field(default_factory=list)
+
+
+class GetHubs(ros.Service[GetHubsRequest, GetHubsResponse]):
+    """fibws_msgs/GetHubs"""
+
+    _type = "fibws_msgs/GetHubs"
+    Request: TypeAlias = GetHubsRequest
+    Response: TypeAlias = GetHubsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)

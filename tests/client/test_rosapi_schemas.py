@@ -21,6 +21,7 @@ from fibws.interfaces import Interfaces
 
 TYPES = {
     "/rosapi/graph": "fibws_msgs/GetGraph",
+    "/rosapi/hubs": "fibws_msgs/GetHubs",
     "/rosapi/statistics": "fibws_msgs/GetStatistics",
     "/rosapi/topics": "rosapi/Topics",
     "/rosapi/topics_for_type": "rosapi/TopicsForType",

@@ -20,7 +20,7 @@ import pytest
 from conftest import Faults, StartHub
 from websockets.exceptions import InvalidStatus
 
-from fibws.access.token_file import ALL_OF_ROS1
+from fibws.access.token_file import Tokens
 from fibws.hub import Hub
 from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.rosapi.nodes import OWN_NODES
@@ -189,7 +189,7 @@ class SilentNode(ExternalNode):
 async def test_ros1_node_is_unregistered_by_admins_alone(
     hub: Hub, world: World, attacker: Client
 ) -> None:
-    hub.graph.enter(SilentNode(hub.graph), "/lidar", ALL_OF_ROS1)
+    hub.graph.enter(SilentNode(hub.graph), "/lidar", Tokens({}, {}, None).networks["ros1"])
     response = await attacker.call("/rosapi/unregister_node", node="/lidar")
     assert not response["result"] or not response["values"]["success"], response
     assert "/lidar" in hub.graph.nodes

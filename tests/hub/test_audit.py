@@ -133,6 +133,8 @@ def test_changes_are_recorded_with_their_author(
     audit.node_killed("/camera", node="/joystick")
     audit.node_unregistered("/lidar", node="/joystick")
     audit.name_taken(node="/camera", principal="robot", ip="10.0.0.9")
+    audit.hub_joined("cloud", "wss://cloud", node="/hub")
+    audit.hub_lost("cloud", "the connection was closed", node="/hub")
     audit.reloaded("tokens")
     audit.reload_failed("certificates", "file not found")
     joystick = {"node": "/joystick", "principal": "guest", "ip": "10.0.0.7"}
@@ -143,6 +145,8 @@ def test_changes_are_recorded_with_their_author(
         {"event": "node_killed", "killed": "/camera", **joystick},
         {"event": "node_unregistered", "unregistered": "/lidar", **joystick},
         {"event": "name_taken", "node": "/camera", "principal": "robot", "ip": "10.0.0.9"},
+        {"event": "hub_joined", "hub": "cloud", "node": "/hub"},
+        {"event": "hub_lost", "hub": "cloud", "node": "/hub", "why": "the connection was closed"},
         {"event": "reloaded", "what": "tokens"},
         {"event": "reload_failed", "what": "certificates", "error": "file not found"},
     ]

@@ -30,6 +30,7 @@ from websockets.typing import Origin
 from fibws import __version__
 from fibws.hub import Settings
 from fibws.hub.__main__ import command
+from fibws.hub.settings import flag_of
 
 PATIENCE = 60
 
@@ -374,7 +375,7 @@ def test_help_lists_every_setting_with_its_default(flag: str) -> None:
     result = CliRunner().invoke(command, [flag])
     assert result.exit_code == 0, result.output
     for field in dataclasses.fields(Settings):
-        assert f"--{field.name.replace('_', '-')}" in result.output
+        assert f"--{flag_of(field)}" in result.output
     assert "9090" in result.output
 
 

@@ -93,10 +93,9 @@ class Authentication:
             self._web_tokens.reload()
         self._tokens = tokens
 
-    @property
-    def ros1(self) -> Principal:
-        """The principal of ROS 1 nodes."""
-        return self._tokens.ros1
+    def network(self, name: str) -> Principal:
+        """Return the principal of what joins without a token; see `token_file.NETWORKS`."""
+        return self._tokens.networks[name]
 
     def known(self) -> Iterable[Principal]:
         """Return the principals of the file of tokens."""
@@ -114,7 +113,7 @@ class Authentication:
         certificate: str | None,
         address: str,
     ) -> Login | None:
-        """Return the principal of a request; None without a proof if there is no anonymous access.
+        """Return the principal of a request; None if credentials are missing.
 
         Args:
             path: the request's target, with its query.

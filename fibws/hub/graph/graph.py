@@ -14,7 +14,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import count
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol, TypeAlias
 from weakref import WeakValueDictionary
 
 from fibws import names
@@ -63,6 +63,10 @@ ROSBRIDGE = "/rosbridge_websocket"
 """The hub's own node that stands for the real rosbridge server."""
 
 
+Watched: TypeAlias = Literal["node", "service", "action"]
+"""What `Graph.watch` can watch."""
+
+
 class Node(Protocol):
     """A node of the graph: a client, or a part of the hub itself."""
 
@@ -79,17 +83,15 @@ class Node(Protocol):
         """Return the global names of the services that it provides."""
 
 
-class ExternalNode(ABC):
-    """A `Node` that is not connected to the hub, and answers at an address of its own.
+class DistantNode(ABC):
+    """A `Node` that is not connected to this hub, and answers in another way.
 
     Attributes:
-        api: the URI of its address.
-        fault: why it did not answer last; empty if it did.
-        since: when it registered, in nanoseconds since 1970.
+        since: when it registered, or connected to its own hub, in nanoseconds since 1970.
     """
 
-    api: str
-    fault: str
+    __slots__ = ()
+
     since: int
 
     @abstractmethod
@@ -107,9 +109,38 @@ class ExternalNode(ABC):
     def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
         """Ask it to end; otherwise as `ping`."""
 
+
+class ExternalNode(DistantNode):
+    """A node that answers at an address of its own: a ROS 1 node.
+
+    Attributes:
+        api: the URI of its address.
+        fault: why it did not answer last; empty if it did.
+    """
+
+    api: str
+    fault: str
+
     @abstractmethod
     def unregister(self) -> None:
         """Remove it from the graph, with everything that it has registered."""
+
+
+class NodeOfHub(DistantNode):
+    """A node that is connected to another hub."""
+
+    __slots__ = ()
+
+    @property
+    @abstractmethod
+    def hub_name(self) -> str:
+        """The name of its hub."""
+
+
+class NodeOfLink:
+    """A `Node` that stands for a link to other hubs, and uses nothing itself."""
+
+    __slots__ = ()
 
 
 class Graph:
@@ -149,6 +180,7 @@ class Graph:
         self.on_refused: Callable[[NotAllowed], object] = lambda error: None
         """Takes each refusal of the policy, but those of a node's name."""
         self._topic_watchers: list[Callable[[Topic], None]] = []
+        self._watchers: dict[Watched, list[Callable[[str], None]]] = {}
         self.now = now
         self.clock = GraphClock(now)
         """The time of messages, which may be simulated."""
@@ -257,7 +289,6 @@ class Graph:
         if name not in self.internal:
             is_taken = name in self.nodes
             self.policy.enter(name, principal, is_chosen=is_chosen, is_taken=is_taken)
-        self.revision += 1
         if is_chosen:
             self._unnamed.discard(name)
         else:
@@ -270,6 +301,7 @@ class Graph:
             except Exception:
                 # The new node must not suffer from an error of the older one.
                 logger.exception("%s: the older node of this name could not leave.", name)
+        self._report("node", name)
         return name
 
     def _new_name(self) -> str:
@@ -286,7 +318,7 @@ class Graph:
             del self.nodes[name]
             self._unnamed.discard(name)
             self.policy.leave(name)
-            self.revision += 1
+            self._report("node", name)
 
     def authorize(self, node: str, principal: Principal) -> None:
         """Give a living node the rights of a principal; raises `NotAllowed` for its name."""
@@ -318,6 +350,15 @@ class Graph:
     def watch_topics(self, changed: Callable[[Topic], None]) -> None:
         """Call a function whenever the sources, the sinks or the type of a topic have changed."""
         self._topic_watchers.append(changed)
+
+    def watch(self, kind: Watched, changed: Callable[[str], None]) -> None:
+        """Call a function, with the name, when a node, service or action is added or removed."""
+        self._watchers.setdefault(kind, []).append(changed)
+
+    def _report(self, kind: Watched, name: str) -> None:
+        self.revision += 1
+        for changed in self._watchers.get(kind, ()):
+            changed(name)
 
     def _changed(self, topic: Topic) -> None:
         self.revision += 1
@@ -532,7 +573,7 @@ class Graph:
         self.revision += 1
 
     def remove_conflict(self, topic: Topic, node: str, *, publishes: bool) -> None:
-        """Remove such a note; nothing happens if there is none."""
+        """Remove a conflict, if it is listed."""
         kept = [
             each for each in topic.conflicts if each.node != node or each.publishes is not publishes
         ]
@@ -608,7 +649,8 @@ class Graph:
             self._types.hold(type_, service, partial(self._described_service, service))
             if type_.codecs is not service.type.codecs:
                 self._types.release(service.type, service)
-            self.revision += 1
+            service.type = type_
+            self._report("service", service.name)
         service.type = type_
 
     def _described_service(self, service: Service) -> str:
@@ -622,10 +664,10 @@ class Graph:
         older = self.services.get(service.name)
         self.services[service.name] = service
         self._types.hold(service.type, service, partial(self._described_service, service))
-        self.revision += 1
         if older is not None:
             self._types.release(older.type, older)
             older.server.displaced(older)
+        self._report("service", service.name)
         return service
 
     def _check_free(self, kind: str, name: str, older: Service | Action | None, node: str) -> None:
@@ -639,7 +681,7 @@ class Graph:
         if self.services.get(service.name) is service:
             del self.services[service.name]
             self._types.release(service.type, service)
-            self.revision += 1
+            self._report("service", service.name)
 
     def call(
         self,
@@ -653,7 +695,7 @@ class Graph:
         """Return a new call of a service, which is still to be started; arguments as in `Call`.
 
         Raises:
-            CallFailed: there is no such service, or the caller means another type.
+            CallFailed: the service is unknown, or has another type than the caller expects.
             NotAllowed: the policy forbids it.
             InvalidMessage: the request does not fit the type.
         """
@@ -696,6 +738,7 @@ class Graph:
         )
         if older is not None:
             older.server.displaced(older)
+        self._report("action", name)
         return action
 
     def send_goal(
@@ -704,7 +747,7 @@ class Graph:
         """Return a new goal, which is still to be started.
 
         Raises:
-            CallFailed: there is no such action, or it has another type.
+            CallFailed: the action is unknown, or has another type.
             NotAllowed: the policy forbids it.
             InvalidMessage: the goal does not fit the type.
         """
@@ -737,7 +780,7 @@ class Graph:
             del self.actions[action.name]
             self._types.release(action.type, action)
             self.services.pop(cancel_service(action.name), None)
-            self.revision += 1
+            self._report("action", action.name)
 
     # Parameters.
 

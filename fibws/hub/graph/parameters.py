@@ -89,7 +89,7 @@ class Parameters:
         """Return a copy of the value, or of a namespace as a dict.
 
         Raises:
-            ParameterNotSet: there is no such parameter.
+            ParameterNotSet: the parameter is not set.
             InvalidName: the name is not global, or too long.
         """
         return from_json(self.text(name))
@@ -156,7 +156,7 @@ class Parameters:
             node: the node that deletes it, for those who watch.
 
         Raises:
-            ParameterNotSet: there is no such parameter.
+            ParameterNotSet: the parameter is not set.
             ParameterError: it is the root namespace.
             InvalidName: the name is not global, or too long.
         """

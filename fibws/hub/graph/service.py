@@ -128,7 +128,7 @@ class Call:
         _check_md5sum(service, caller, headers or {})
         self.service = service
         self.request: Any = service.type.fill_request(args) if service.type.is_known else args
-        """Its values, every field filled; as the caller gave them while the type is unknown."""
+        """Its values with every field filled; unchanged from the caller if the type is unknown."""
         self.response: dict[str, Any] | None = None
         """Its values, if the server has not responded in JSON."""
         self.caller = caller

@@ -290,6 +290,7 @@ class Source:
     """
 
     __slots__ = (
+        "__weakref__",
         "_latched",
         "_latched_bytes",
         "_now",

@@ -198,7 +198,7 @@ class CallTotals:
         self.failures[self._name(service), code] += 1
 
     def refused(self, service: str, code: str) -> None:
-        """Count a call that could not begin; there may be no such service."""
+        """Count a call that could not begin, possibly because the service is unknown."""
         self.failures[service if service in self._names else OTHER, code] += 1
 
     def _name(self, service: str) -> str:

@@ -297,6 +297,7 @@ class Codecs:
         self._messages: dict[str, CheckedType] = {}
         self._services: dict[str, ServiceType] = {}
         self._service_serializers: dict[str, tuple[Serializer, Serializer]] = {}
+        self._action_serializers: dict[str, tuple[Serializer, Serializer, Serializer]] = {}
         self._actions: dict[str, ActionType] = {}
 
     def message(self, name: str) -> CheckedType:
@@ -328,6 +329,17 @@ class Codecs:
                 self.serializers.of_definition(service.response),
             )
         return self._service_serializers[name]
+
+    def action_serializers(self, name: str) -> tuple[Serializer, Serializer, Serializer]:
+        """Return the serializers of an action's goal, feedback and result; as `message`."""
+        if name not in self._action_serializers:
+            action, make = self.definitions.action(name), self.serializers.of_definition
+            self._action_serializers[name] = (
+                make(action.goal),
+                make(action.feedback),
+                make(action.result),
+            )
+        return self._action_serializers[name]
 
     def action(self, name: str) -> ActionType:
         """Return the type of an action; as `message`."""

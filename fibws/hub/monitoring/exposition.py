@@ -76,6 +76,13 @@ class Exposition:
             f'{name}_total{{{label}="{escaped(value)}"}} {count}' for value, count in values.items()
         )
 
+    def gauges(self, name: str, help_: str, label: str, values: Mapping[str, Number]) -> None:
+        """Add a gauge for each value of a label."""
+        self._describe(name, "gauge", help_)
+        self._lines += (
+            f'{name}{{{label}="{escaped(value)}"}} {number}' for value, number in values.items()
+        )
+
     def counter_table(
         self, columns: Iterable[Column], label: str, rows: Mapping[str, Iterable[Number]]
     ) -> None:

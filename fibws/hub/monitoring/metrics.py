@@ -13,8 +13,9 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from websockets.http11 import Response
 
@@ -43,6 +44,14 @@ BY_TOPIC = (
         "fibws_topic_dropped_messages", "Messages dropped for slow subscribers, by topic.", True
     ),
     Column("fibws_topic_throttled_messages", "Messages left out by throttle_rate, by topic.", True),
+)
+BY_HUB = (
+    Column("fibws_link_sent_messages", "Messages sent to another hub, by hub."),
+    Column("fibws_link_received_messages", "Messages received from another hub, by hub."),
+    Column("fibws_link_sent_bytes", "Bytes sent to another hub, by hub."),
+    Column("fibws_link_received_bytes", "Bytes received from another hub, by hub."),
+    Column("fibws_link_dropped_messages", "Messages dropped as the link was too slow, by hub."),
+    Column("fibws_link_lost_messages", "Messages of another hub that were lost, by hub."),
 )
 SMALL = 1024
 """Bytes below which a body is not compressed."""
@@ -105,6 +114,7 @@ class Metrics:
     """Responds to /metrics.
 
     Args:
+        links: returns the links to other hubs, as fibws_msgs/HubLink.
         loop: the name of the event loop's library.
     """
 
@@ -120,6 +130,7 @@ class Metrics:
         lag: LoopLag,
         probes: Probes,
         watchers: Watchers,
+        links: Callable[[], Iterable[Mapping[str, Any]]],
         loop: str,
     ) -> None:
         self._graph = graph
@@ -131,6 +142,7 @@ class Metrics:
         self._lag = lag
         self._probes = probes
         self._watchers = watchers
+        self._links = links
         self._build = {
             "version": __version__,
             "python": platform.python_version(),
@@ -160,6 +172,7 @@ class Metrics:
         self._add_clients(metrics)
         self._add_messages(metrics)
         self._add_calls(metrics)
+        self._add_links(metrics)
         add_process(metrics)
 
     def _add_hub(self, metrics: Exposition) -> None:
@@ -236,6 +249,27 @@ class Metrics:
         help_ = "Service calls that failed, by the error's code."
         labels = ("service", "code")
         metrics.counters_by_two("fibws_service_failures", help_, labels, calls.failures.items())
+
+    def _add_links(self, metrics: Exposition) -> None:
+        """Add the links to other hubs, if there are any."""
+        links = list(self._links())
+        if not links:
+            return
+        up = {f"{each['name']} ({each['id'][:6]})": each for each in links if not each["fault"]}
+        metrics.gauge("fibws_links", "Links to other hubs that are connected.", len(up))
+        help_ = "Links to other hubs that are not connected."
+        metrics.gauge("fibws_links_down", help_, len(links) - len(up))
+        help_ = "Seconds to another hub and back, by hub."
+        times = {name: each["round_trip"] for name, each in up.items()}
+        metrics.gauges("fibws_link_round_trip_seconds", help_, "hub", times)
+        help_ = "Seconds by which the clock of another hub is ahead, by hub."
+        offsets = {name: each["clock_offset"] for name, each in up.items()}
+        metrics.gauges("fibws_link_clock_offset_seconds", help_, "hub", offsets)
+        keys = ("messages_sent", "messages_received", "bytes_sent", "bytes_received")
+        rows = {
+            name: [each[key] for key in (*keys, "dropped", "lost")] for name, each in up.items()
+        }
+        metrics.counter_table(BY_HUB, "hub", rows)
 
 
 def add_process(metrics: Exposition) -> None:

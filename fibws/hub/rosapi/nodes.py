@@ -9,7 +9,7 @@ are additions of fibws: one response replaces hundreds of calls.
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -162,6 +162,7 @@ class OwnNodes:
         port: the port that it will listen on.
         address: the address that it will listen on.
         run_id: a UUID of this run of the hub.
+        hubs: returns the other hubs, as for `Snapshot`.
     """
 
     def __init__(
@@ -174,8 +175,10 @@ class OwnNodes:
         port: int,
         address: str,
         run_id: str,
+        hubs: Callable[[str], dict[str, Any]],
     ) -> None:
         self._graph = graph
+        self._hubs = hubs
         self._audit = audit
         graph.internal.update(OWN_NODES)
         graph.reserved.update(PUBLISHED.keys() - {ROSOUT})
@@ -249,7 +252,7 @@ class OwnNodes:
         services = {
             **Introspection(graph).services(),
             **ParameterServices(graph, self._audit).services(),
-            **Snapshot(graph, OWN_NODES, self.clients).services(),
+            **Snapshot(graph, OWN_NODES, self.clients, self._hubs).services(),
             **Statistics(graph, self.clients).services(),
             **TypeDefs(graph.definitions).services(),
             **self._rosnode.services(),

@@ -13,7 +13,7 @@ from typing import Any
 from fibws.errors import NotAllowed
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock, Timer
-from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.graph import DistantNode, ExternalNode, Graph
 from fibws.hub.graph.service import Deferred, Function, Response
 from fibws.hub.log_text import shortened
 from fibws.hub.rosapi.clients import Client, ConnectedClients
@@ -63,9 +63,9 @@ class Rosnode:
         node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):
             return _ping_failed(_unknown(node))
-        external = self._graph.nodes[node]
-        if isinstance(external, ExternalNode):
-            return self._ping_external(node, external)
+        found = self._graph.nodes[node]
+        if isinstance(found, DistantNode):
+            return self._ping_distant(node, found)
         client = self._clients.find(node)
         if client is None:
             return {"success": True, "message": f"{node} is the hub's own", "seconds": 0.0}
@@ -91,15 +91,15 @@ class Rosnode:
         node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):
             return {"success": False, "message": _unknown(node)}
-        client, external = self._clients.find(node), self._graph.nodes[node]
-        if client is None and not isinstance(external, ExternalNode):
+        client, found = self._clients.find(node), self._graph.nodes[node]
+        if client is None and not isinstance(found, DistantNode):
             text = f"{node} is the hub's own, which ends with the hub alone"
             return {"success": False, "message": text}
         self._check_may_end(caller, node)
         self._audit.node_killed(node, node=caller)
         if client is None:
-            assert isinstance(external, ExternalNode)
-            return _kill_external(node, external)
+            assert isinstance(found, DistantNode)
+            return _kill_distant(node, found)
         # It may be the caller, whose operations in the same text must not outlive it.
         self._clock.call_later(0, partial(client.close, KILLED))
         return {"success": True, "message": f"killed {node}"}
@@ -151,7 +151,7 @@ class Rosnode:
             for data in list(pings):
                 self._settle(client, data, _ping_failed("the hub is shutting down"))
 
-    def _ping_external(self, name: str, node: ExternalNode) -> Deferred:
+    def _ping_distant(self, name: str, node: DistantNode) -> Deferred:
         sent = self._graph.now()
 
         def done(fault: str) -> None:
@@ -188,7 +188,7 @@ class Rosnode:
             del self._pings[client]
 
 
-def _kill_external(name: str, node: ExternalNode) -> Deferred:
+def _kill_distant(name: str, node: DistantNode) -> Deferred:
     def done(fault: str) -> None:
         response.respond(
             {"success": not fault, "message": f"{name}: {fault}" if fault else f"killed {name}"}

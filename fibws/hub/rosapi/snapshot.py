@@ -1,15 +1,15 @@
-"""The whole graph in one response, for programs that draw it: /rosapi/graph."""
+"""The whole graph in one response, for programs that draw it: /rosapi/graph and /rosapi/hubs."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
 
 from pydantic_core import to_json
 
-from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.graph import ExternalNode, Graph, NodeOfHub, NodeOfLink
 from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
 from fibws.hub.rosapi.cache import ResponseCache
@@ -28,18 +28,33 @@ class Snapshot:
     Args:
         own: the names of the hub's own nodes.
         clients: the other nodes' connections.
+        hubs: returns the other hubs for a caller, as a fibws_msgs/GetHubs response.
     """
 
-    def __init__(self, graph: Graph, own: Collection[str], clients: ConnectedClients) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        own: Collection[str],
+        clients: ConnectedClients,
+        hubs: Callable[[str], dict[str, Any]],
+    ) -> None:
         self._graph = graph
         self._own = own
         self._clients = clients
+        self._hubs = hubs
         self._began = graph.now()
         self._cached = ResponseCache(graph).get_lately
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """Return the service by its global name, with its type and handler."""
-        return {"/rosapi/graph": ("fibws_msgs/GetGraph", self.graph)}
+        """Return the services by their global names, each with its type and handler."""
+        return {
+            "/rosapi/graph": ("fibws_msgs/GetGraph", self.graph),
+            "/rosapi/hubs": ("fibws_msgs/GetHubs", self.hubs),
+        }
+
+    def hubs(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the links to other hubs, and all hubs that are known."""
+        return self._hubs(caller)
 
     def graph(self, request: dict[str, Any], caller: str) -> Response:
         """Return everything that the caller may see, and the revision of the graph."""
@@ -72,11 +87,13 @@ class Snapshot:
         nodes = []
         for name in self._graph.visible_nodes(caller, self._graph.nodes):
             address, since = connected.get(name, ("", self._began))
-            api = fault = ""
+            api = fault = hub = ""
             node = self._graph.nodes[name]
             if isinstance(node, ExternalNode):
                 api, fault, since = node.api, node.fault, node.since
                 address = urlsplit(api).netloc
+            elif isinstance(node, NodeOfHub):
+                hub, since = node.hub_name, node.since
             is_visible = self._graph.is_address_visible(caller, name)
             secs, nsecs = divmod(since, 1_000_000_000)
             nodes.append(
@@ -84,9 +101,10 @@ class Snapshot:
                     "name": name,
                     "address": address if is_visible else "",
                     "since": {"secs": secs, "nsecs": nsecs},
-                    "own": name in self._own,
+                    "own": name in self._own or isinstance(node, NodeOfLink),
                     "api": api if is_visible else "",
                     "fault": fault if is_visible else "",
+                    "hub": hub,
                 }
             )
         return nodes

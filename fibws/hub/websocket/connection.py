@@ -16,6 +16,7 @@ import socket
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from time import perf_counter, time
 from typing import Protocol, cast
 
@@ -32,7 +33,7 @@ from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.client_log import ClientLog
-from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registration
+from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registration, limit_unsent
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
@@ -224,11 +225,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = transport = cast(asyncio.Transport, transport)
-        transport.set_write_buffer_limits(HIGH_WATER)
+        limit_unsent(transport, HIGH_WATER)
         sock = transport.get_extra_info("socket")
-        if hasattr(socket, "TCP_NOTSENT_LOWAT"):
-            # Otherwise the kernel keeps megabytes of messages that a slow client reads when stale.
-            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, HIGH_WATER)
         peer = transport.get_extra_info("peername")
         # Most come from few addresses, and there may be thousands.
         self.address = sys.intern(peer[0]) if peer else "unknown"
@@ -419,10 +417,12 @@ class Connection(asyncio.BufferedProtocol):
             node_name(request.path),
             self.queue,
             self.close,
+            address=self.peer,
             principal=self.principal,
             log_in=log_in,
             replace=self._enter,
             count_operations=self._reader.count_operations,
+            limit_unsent=partial(limit_unsent, self._transport),
             check_room=self._quotas.check_room,
         )
         endpoint = open_endpoint(opening)

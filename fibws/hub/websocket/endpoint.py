@@ -6,6 +6,8 @@ endpoint a connection gets is decided by the WebSocket subprotocol, or by the pa
 
 from __future__ import annotations
 
+import asyncio
+import socket
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -77,8 +79,10 @@ class Opening:
             without authentication.
         replace: gives the connection to another endpoint.
         count_operations: counts operations of a message beyond the first as messages, too.
+        limit_unsent: sets how many bytes may wait at the socket before the queue is paused.
         check_room: raises `LimitReached` if the client's address or its principal has registered as
             many of something as it may.
+        address: the client's IP address and port.
     """
 
     node: str | None
@@ -88,7 +92,9 @@ class Opening:
     log_in: Callable[[str], Principal] | None = None
     replace: Callable[[Endpoint], None] | None = None
     count_operations: Callable[[int], None] = lambda count: None
+    limit_unsent: Callable[[int], None] = lambda size: None
     check_room: Callable[[Registration], None] = lambda what: None
+    address: str = ""
 
 
 OpenEndpoint: TypeAlias = Callable[[Opening], Endpoint]
@@ -127,3 +133,12 @@ class Endpoints:
         """Return the protocol for a connection: the subprotocol decides, then the path."""
         by_path = self._by_path.get(path.partition("?")[0], self._default)
         return self._by_subprotocol.get(subprotocol, by_path) if subprotocol else by_path
+
+
+def limit_unsent(transport: asyncio.WriteTransport, size: int) -> None:
+    """Set how many bytes may wait for the network: in a transport, and in the system."""
+    transport.set_write_buffer_limits(size)
+    if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+        # Otherwise the kernel keeps megabytes of messages that a slow client reads when stale.
+        sock = transport.get_extra_info("socket")
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, size)

@@ -59,7 +59,7 @@ def families(hub: Hub, **headers: str) -> dict[str, Metric]:
     return {family.name: family for family in text_string_to_metric_families(body)}
 
 
-def value(hub: Hub, name: str, **labels: str) -> float:
+def value(hub: Hub, name: str, /, **labels: str) -> float:
     """Return one number; 0 if there is none with these labels."""
     for family in families(hub).values():
         for sample in family.samples:
@@ -127,7 +127,9 @@ class TestFormat:
             assert value(hub, "fibws_topic_messages_total", topic=topic) == 2
             assert list(strict_families(bytes(scrape(hub, Accept=OPENMETRICS).body).decode()))
 
-    async def test_documentation_names_all_metrics(self, hub: Hub) -> None:
+    async def test_documentation_names_all_metrics(self, start_hub: StartHub, hub: Hub) -> None:
+        await start_hub(join=(hub.url,))
+        await until(lambda: bool(hub.federation.peers))
         section = OPERATIONS.partition("### Metrics")[2].partition("\n## ")[0]
         rows = re.findall(r"^\| (`(?:fibws|process)_.*?) \| (\w+) \|", section, re.MULTILINE)
         documented = {
@@ -354,3 +356,15 @@ class TestNamesWithoutEnd:
                 last = {key: each.messages for key, each in found.items()}
                 assert total.messages >= everything
                 everything = total.messages
+
+
+async def test_links_to_other_hubs_have_metrics(start_hub: StartHub) -> None:
+    cloud = await start_hub(hub_name="cloud")
+    robot = await start_hub(hub_name="robot", join=(cloud.url, "ws://127.0.0.1:1"))
+    await until(lambda: bool(robot.federation.peers))
+    hub = f"cloud ({cloud.federation.hub.id[:6]})"
+    assert value(robot, "fibws_links") == 1
+    assert value(robot, "fibws_links_down") == 1
+    assert value(robot, "fibws_link_round_trip_seconds", hub=hub) > 0
+    assert value(robot, "fibws_link_sent_bytes_total", hub=hub) > 0
+    assert value(robot, "fibws_link_lost_messages_total", hub=hub) == 0

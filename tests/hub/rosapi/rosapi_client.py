@@ -63,6 +63,7 @@ class RosapiClient:
             port=9090,
             address="127.0.0.1",
             run_id=RUN_ID,
+            hubs=lambda caller: {},
         )
         self.hub.rosbridge.report = self.own.refusals.report
         self.client = self.hub.client(node, principal=principal)

@@ -45,6 +45,7 @@ def test_nodes_have_their_addresses_and_connection_times(rosapi: RosapiClient) -
         "own": False,
         "api": "",
         "fault": "",
+        "hub": "",
     }
 
 

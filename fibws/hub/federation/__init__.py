@@ -1,0 +1,1 @@
+"""Several hubs with one graph: remote nodes attach to it through backplanes."""

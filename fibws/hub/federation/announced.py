@@ -1,0 +1,179 @@
+"""What other hubs have announced, with the names of this hub."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple, TypeVar
+
+from fibws.hub.federation.backplane import Peer
+from fibws.hub.federation.records import (
+    MOST_RECORDS,
+    Announcement,
+    Kind,
+    Publisher,
+    TopicRecord,
+)
+from fibws.hub.graph.topic import LatchQuota
+from fibws.hub.log_text import is_power_of_ten, printable
+
+logger = logging.getLogger("fibws.hub")
+
+KINDS: tuple[Kind, ...] = ("nodes", "topics", "services", "actions")
+"""The records that are kept here; `shared_parameters` keeps those of parameters."""
+
+T = TypeVar("T")
+
+
+class RemoteTopic(NamedTuple):
+    """A `TopicRecord` with the names of this hub."""
+
+    type: str
+    md5sum: str
+    publishers: dict[str, Publisher]
+    """By node."""
+    subscribers: frozenset[str]
+
+
+class PeerGraph:
+    """What one hub has announced.
+
+    Args:
+        quota: bounds its latched messages that are kept here.
+    """
+
+    def __init__(self, peer: Peer, quota: LatchQuota) -> None:
+        self.peer = peer
+        self.quota = quota
+        self.is_lost = False
+        self.names: dict[Kind, set[str]] = {kind: set() for kind in KINDS}
+        self.topics_of: dict[str, set[str]] = {}
+        """The topics that each node uses."""
+        self.served_by: dict[str, set[tuple[Kind, str]]] = {}
+        """The services and actions that each node serves."""
+        self.ignored = 0
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the hub has announced as much as is kept."""
+        return sum(map(len, self.names.values())) >= MOST_RECORDS
+
+    def local_time(self, theirs: int) -> int:
+        """Return the time of this hub's clock at a time of the other's; both in nanoseconds."""
+        return theirs - round((self.peer.clock_offset or 0.0) * 1e9)
+
+
+class Announced:
+    """The records of all hubs, by kind and name.
+
+    Args:
+        changed: called with the kind and the name of each record that has changed.
+    """
+
+    def __init__(self, changed: Callable[[Kind, str], None]) -> None:
+        self._changed = changed
+        self._records: dict[Kind, dict[str, dict[PeerGraph, Any]]] = {kind: {} for kind in KINDS}
+
+    def of(self, kind: Kind, name: str) -> Mapping[PeerGraph, Any]:
+        """Return the records of a name, by the hubs that have announced them."""
+        return self._records[kind].get(name, {})
+
+    def take(self, home: PeerGraph, announcement: Announcement) -> None:
+        """Take changes of what a hub has; names that it may not use are ignored."""
+        peer, view = home.peer, home.peer.backplane.view
+        for name, node in announcement.nodes.items():
+            if local := view.inward(name):
+                self._set(home, "nodes", local, node)
+        for name, topic in announcement.topics.items():
+            if local := view.inward(name):
+                self._set(home, "topics", local, _translated(topic, local, peer))
+        served: Any
+        for kind, records in (
+            ("services", announcement.services),
+            ("actions", announcement.actions),
+        ):
+            for name, served in records.items():
+                if (local := view.inward(name)) and view.may_import(local):
+                    self._set(home, kind, local, _renamed(served, peer))  # type: ignore[arg-type]
+
+    def forget(self, home: PeerGraph) -> None:
+        """Remove everything of a hub that is lost."""
+        home.is_lost = True
+        for kind, names in home.names.items():
+            for name in list(names):
+                self._remove(home, kind, name)
+
+    def _set(self, home: PeerGraph, kind: Kind, name: str, record: Any) -> None:
+        if record is None:
+            self._remove(home, kind, name)
+            return
+        names = home.names[kind]
+        if name not in names and home.is_full:
+            home.ignored += 1
+            if is_power_of_ten(home.ignored):
+                text = "Hub %s announces too much (limit is %d records): %d are ignored."
+                logger.warning(text, printable(home.peer.hub.name), MOST_RECORDS, home.ignored)
+            return
+        self._unlist(home, kind, name)
+        names.add(name)
+        self._records[kind].setdefault(name, {})[home] = record
+        if kind == "topics":
+            for node in {*record.publishers, *record.subscribers}:
+                home.topics_of.setdefault(node, set()).add(name)
+        elif kind != "nodes":
+            home.served_by.setdefault(record.node, set()).add((kind, name))
+        self._changed(kind, name)
+
+    def _remove(self, home: PeerGraph, kind: Kind, name: str) -> None:
+        if name in home.names[kind]:
+            self._unlist(home, kind, name)
+            home.names[kind].discard(name)
+            records = self._records[kind]
+            del records[name][home]
+            if not records[name]:
+                del records[name]
+            self._changed(kind, name)
+
+    def _unlist(self, home: PeerGraph, kind: Kind, name: str) -> None:
+        """Remove a record from the indexes by nodes."""
+        record = self.of(kind, name).get(home)
+        if record is None:
+            return
+        if kind == "topics":
+            for node in {*record.publishers, *record.subscribers}:
+                _discard(home.topics_of, node, name)
+        elif kind != "nodes":
+            _discard(home.served_by, record.node, (kind, name))
+
+
+def _translated(record: TopicRecord | None, name: str, peer: Peer) -> RemoteTopic | None:
+    """Return a topic's record with this hub's names, and without what may not be used."""
+    if record is None:
+        return None
+    view = peer.backplane.view
+    publishers: Iterator[tuple[str | None, Publisher]] = iter(())
+    subscribers: Iterator[str | None] = iter(())
+    if view.may_import(name):
+        publishers = ((view.inward(each.node), each) for each in record.publishers)
+    if view.may_export(name):
+        subscribers = (view.inward(each) for each in record.subscribers)
+    return RemoteTopic(
+        record.type,
+        record.md5sum,
+        {node: each for node, each in publishers if node},
+        frozenset(node for node in subscribers if node),
+    )
+
+
+def _renamed(record: Any, peer: Peer) -> Any:
+    """Return the record of a service or an action with this hub's name of its node."""
+    node = peer.backplane.view.inward(record.node) if record is not None else None
+    return record.model_copy(update={"node": node}) if node else None
+
+
+def _discard(sets: dict[str, set[T]], key: str, value: T) -> None:
+    found = sets.get(key)
+    if found is not None:
+        found.discard(value)
+        if not found:
+            del sets[key]

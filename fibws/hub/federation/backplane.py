@@ -1,0 +1,179 @@
+"""The port by which a hub reaches others: a WebSocket link or a zenoh network.
+
+A backplane carries announcements, messages and requests, and knows no topics or nodes. The hub's
+`Federation` gives it what is to be announced, and takes what arrives as a `Network`.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+from typing import Protocol, TypeAlias
+
+from fibws.access.rights import Principal
+from fibws.hub.federation.names import NameView
+from fibws.hub.federation.records import Announcement, HubInfo, Message, Reply, Request
+
+QUICKEST_GROWTH = 1.02
+"""The growth, with each ping, of the time in which an answer counts as quick."""
+
+OnReply: TypeAlias = Callable[[Reply], object]
+Cancel: TypeAlias = Callable[[], None]
+
+
+@dataclass(slots=True)
+class Traffic:
+    """What was exchanged with another hub."""
+
+    messages_sent: int = 0
+    messages_received: int = 0
+    bytes_sent: int = 0
+    bytes_received: int = 0
+    dropped: int = 0
+    """Messages that were not sent, as the other hub or the network was too slow."""
+    lost: int = 0
+    """Messages that were sent and have not arrived."""
+
+
+@dataclass(slots=True, eq=False)
+class Peer:
+    """Another hub, as a backplane reaches it directly.
+
+    Attributes:
+        hub: which one it is.
+        address: where, for people.
+        round_trip: seconds that a ping takes; None before the first.
+        clock_offset: seconds by which its clock is ahead of this hub's; None before the first ping.
+        connected: when it was reached, in nanoseconds since 1970.
+    """
+
+    hub: HubInfo
+    backplane: Backplane
+    address: str = ""
+    round_trip: float | None = None
+    clock_offset: float | None = None
+    connected: int = 0
+    traffic: Traffic = field(default_factory=Traffic)
+    _quickest: float = math.inf
+    """Seconds of the quickest answer to a ping of late."""
+
+    def measured(self, sent: int, theirs: int, now: int) -> None:
+        """Take the answer to a ping; times are in nanoseconds since 1970.
+
+        Args:
+            theirs: when the other hub has answered, by its own clock.
+        """
+        seconds = max(0, now - sent) / 1e9
+        average = self.round_trip
+        self.round_trip = seconds if average is None else average + (seconds - average) / 8
+        self._quickest *= QUICKEST_GROWTH
+        if seconds <= self._quickest:
+            # The quickest answer tells the offset best: its error is at most half the time.
+            self._quickest = seconds
+            offset = (theirs - (sent + now) / 2) / 1e9
+            self.clock_offset = offset if abs(offset) > seconds / 2 else 0.0
+
+
+class Backplane(ABC):
+    """A way to one hub or several.
+
+    What has come by a backplane is never announced on it.
+
+    Attributes:
+        kind: ``join``, ``accept`` or ``zenoh``.
+        view: translates and filters names.
+        node: the node of this graph that stands for the backplane, and whose rights the other hubs
+            have.
+        principal: whose rights these are; None on a hub without authentication.
+    """
+
+    kind: str
+    view: NameView
+    node: str
+    principal: Principal | None
+
+    @property
+    @abstractmethod
+    def peers(self) -> Collection[Peer]:
+        """The hubs that it reaches at present."""
+
+    @property
+    @abstractmethod
+    def is_busy(self) -> bool:
+        """Whether announcements would wait; `Network.idle` is called once they do not."""
+
+    @abstractmethod
+    def announce(self, announcement: Announcement) -> None:
+        """Send changes of what this hub has to all hubs."""
+
+    @abstractmethod
+    def publish(self, message: Message, *, limit: int) -> None:
+        """Send a message to the hubs that are interested in its publisher.
+
+        Args:
+            limit: most messages of its publisher that wait; the oldest are dropped.
+        """
+
+    @abstractmethod
+    def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
+        """Ask a hub for the messages of a publisher that it has announced, or for no more."""
+
+    @abstractmethod
+    def flowing(self, number: int) -> None:
+        """Report that messages of a publisher of this hub pass, as other hubs have asked."""
+
+    @abstractmethod
+    def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
+        """Send a request.
+
+        Args:
+            on_reply: takes the replies; if the hub is lost, the last one is a failure with the code
+                ``server_lost``.
+
+        Returns:
+            A function that cancels the request, after which no reply follows.
+        """
+
+    @abstractmethod
+    def replaced(self) -> None:
+        """Leave all hubs for good, since the name of `node` has been taken."""
+
+    @abstractmethod
+    async def close(self) -> None:
+        """Leave all hubs."""
+
+
+class Network(Protocol):
+    """Takes what comes by backplanes; all methods are called in the event loop."""
+
+    def attach(self, backplane: Backplane) -> None:
+        """Announce everything on a backplane from now on."""
+
+    def detach(self, backplane: Backplane) -> None:
+        """Forget a backplane; its peers have been lost before."""
+
+    def idle(self, backplane: Backplane) -> None:
+        """Take note that a backplane is not busy any more."""
+
+    def joined(self, peer: Peer) -> None:
+        """Take note that a hub is reached."""
+
+    def lost(self, peer: Peer, reason: str) -> None:
+        """Take note that a hub is not reached any more."""
+
+    def announced(self, peer: Peer, announcement: Announcement) -> None:
+        """Take changes of what a hub has."""
+
+    def interested(self, backplane: Backplane, number: int, *, wanted: bool) -> None:
+        """Take note that hubs ask for the messages of a publisher, or that none does any more."""
+
+    def is_flowing(self, peer: Peer, number: int) -> None:
+        """Take note that messages of a publisher, which were asked for, pass from now on."""
+
+    def received(self, peer: Peer, message: Message) -> None:
+        """Take a message; its data belong to the hub."""
+
+    def requested(self, peer: Peer, request: Request, reply: OnReply) -> Cancel:
+        """Handle a request; return a function that abandons it."""

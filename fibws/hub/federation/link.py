@@ -1,0 +1,620 @@
+"""A link: one hub to one other over a WebSocket, by the subprotocol ``fibws.hub.v1``.
+
+Both ends speak alike. A binary WebSocket message holds one record or several, each a u32 size and
+that many bytes, of which the first is the kind. Integers are little-endian:
+
+    0  hello      JSON: the hub, the prefix of the names (see `names.NameView`)
+    1  announce   JSON: see `records.Announcement`
+    2  interest   u64 publisher, u8 1 to begin or 0 to end
+    3  flowing    u64 publisher
+    4  message    u64 publisher, u64 sequence, i64 stamp, message in ROS 1's serialization
+    5  request    u64 id, u32 n, n bytes of JSON, body
+    6  reply      u64 id, u8 1 if it is the last one, u32 n, n bytes of JSON, body
+    7  cancel     u64 id
+    8  ping       i64 time
+    9  pong       i64 time of the ping, i64 own time
+    10 part       u64 lane, u8 1 if it is the last one, bytes of a record that is too large for one
+
+Messages leave in the order in which they came while there is room for all of them. Else they wait
+in lanes, one of each publisher, which take turns, a part of a large message each: a camera delays
+no other topic. A lane keeps its newest messages while the other hub or the network is slow. A text
+message is an error.
+"""
+
+from __future__ import annotations
+
+import logging
+import struct
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from itertools import count
+from typing import Annotated, Any, NamedTuple, Protocol
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from fibws.access.rights import Principal
+from fibws.errors import FederationError, NotAllowed
+from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer
+from fibws.hub.federation.names import NameView, level_of
+from fibws.hub.federation.records import (
+    Announcement,
+    HubInfo,
+    Message,
+    Reply,
+    Request,
+    decode_announcement,
+    decode_fields,
+    encode_announcement,
+    encode_fields,
+    failure,
+    fault,
+)
+from fibws.protocol.websocket import FORBIDDEN, REPLACED, CloseReason, close_reason
+
+logger = logging.getLogger("fibws.hub")
+
+SUBPROTOCOL = "fibws.hub.v1"
+CHUNK = 16 * 1024
+"""Bytes of a record from which on it is sent in parts, and most bytes that are written at once.
+
+Together with `UNSENT` it sets for how long a message waits behind those of other topics: 30 ms at
+10 Mbit/s.
+"""
+UNSENT = 16 * 1024
+"""Bytes that may wait at the socket."""
+LANE_BYTES = 2 * 1024 * 1024
+"""Bytes that may wait in a lane; its newest message always may."""
+BUSY = 256 * 1024
+"""Bytes of announcements and other records that wait, from which on no more are made."""
+PING_INTERVAL = 1.0
+LEASE = 4.0
+"""Seconds of silence after which a hub counts as lost."""
+OPEN_TIMEOUT = 5.0
+"""Seconds in which the first record must come."""
+
+HELLO, ANNOUNCE, INTEREST, FLOWING, MESSAGE, REQUEST, REPLY, CANCEL, PING, PONG, PART = range(11)
+
+SAME_HUB = close_reason(4403, "a hub cannot join itself")
+LOST = CloseReason(1001, "no sign of life from the other hub")
+
+_SIZE = struct.Struct("<IB")
+_INTEREST = struct.Struct("<QB")
+_NUMBER = struct.Struct("<Q")
+_MESSAGE = struct.Struct("<QQq")
+_REQUEST = struct.Struct("<QI")
+_REPLY = struct.Struct("<QBI")
+_PING = struct.Struct("<q")
+_PONG = struct.Struct("<qq")
+_PART = struct.Struct("<QB")
+_REQUESTS = 2**64 - 1
+"""The lane of requests and replies."""
+
+
+class Hello(BaseModel):
+    """The first record of a link.
+
+    Attributes:
+        prefix: a global name below which all names of the joining hub lie; empty for none.
+    """
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
+
+    hub: HubInfo
+    prefix: Annotated[str, Field(max_length=200, pattern=r"^((/[A-Za-z]\w*)+)?$")] = ""
+
+
+class Wire(Protocol):
+    """A WebSocket connection."""
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether the network takes less than there is to write."""
+
+    def wake(self) -> None:
+        """Call `Link.next_frame` soon, and again when there is room, until it returns nothing."""
+
+    def close(self, reason: CloseReason) -> None:
+        """Close the connection; `Link.closed` is called."""
+
+
+class _Waiting(NamedTuple):
+    """A record that waits."""
+
+    arrival: int
+    """A number that grows from record to record."""
+    head: bytes
+    body: Any
+
+    @property
+    def kind(self) -> int:
+        return self.head[_SIZE.size - 1]
+
+    @property
+    def size(self) -> int:
+        return len(self.head) + len(self.body)
+
+
+class _Lane:
+    """The records of one publisher that wait."""
+
+    __slots__ = ("at", "records", "size")
+
+    def __init__(self) -> None:
+        self.records: deque[_Waiting] = deque()
+        self.size = 0
+        self.at = 0
+        """Bytes of the first record that were sent already, in parts."""
+
+
+class Link(Backplane):
+    """One end of a link.
+
+    Args:
+        kind: ``join`` or ``accept``.
+        hub: this one.
+        view: that of the joining end; the other end learns it by the hello.
+        address: the other hub's, for people.
+        now: returns the nanoseconds since 1970.
+        max_size: most bytes of one record.
+        max_queued: most bytes that wait.
+        on_joined: called once the other hub has introduced itself.
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        wire: Wire,
+        network: Network,
+        hub: HubInfo,
+        *,
+        view: NameView,
+        node: str,
+        principal: Principal | None,
+        address: str,
+        clock: Clock,
+        now: Callable[[], int],
+        max_size: int,
+        max_queued: int,
+        max_incoming: int,
+        on_joined: Callable[[Peer], object] = lambda peer: None,
+    ) -> None:
+        self.kind = kind
+        self.view = view
+        self.node = node
+        self.principal = principal
+        self.peer: Peer | None = None
+        self.incomplete_bytes = 0
+        """Bytes that are kept of records that came in part."""
+        self._wire = wire
+        self._network = network
+        self._hub = hub
+        self._address = address
+        self._clock = clock
+        self._now = now
+        self._max_size = max_size
+        self._max_queued = max_queued
+        self._max_incoming = max_incoming
+        self._on_joined = on_joined
+        self._control: deque[bytes] = deque()
+        self._control_bytes = 0
+        self._lanes: OrderedDict[int, _Lane] = OrderedDict()
+        self._lane_bytes = 0
+        self._parts: dict[int, bytearray] = {}
+        self._ids = count(1)
+        self._arrivals = count()
+        self._requests: dict[int, OnReply] = {}
+        """Own requests that wait for their last reply."""
+        self._handled: dict[int, Cancel] = {}
+        """The other hub's requests that wait for this one's last reply."""
+        self._heard = clock.time()
+        self._early: list[tuple[int, bytes]] = []
+        """Records that wait until the other hub's clock is known, which tells ages."""
+        self._is_closed = False
+        hello = Hello(hub=hub, prefix=view.prefix if view.is_below else "")
+        self._send_control(HELLO, hello.model_dump_json().encode())
+        self._timer: Timer = clock.call_later(PING_INTERVAL, self._tick)
+
+    # Sending: see `Backplane`.
+
+    @property
+    def peers(self) -> list[Peer]:
+        """The other hub, once its clock is known."""
+        is_known = self.peer is not None and self.peer.clock_offset is not None
+        return [self.peer] if self.peer is not None and is_known else []
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether announcements would wait."""
+        return self._control_bytes > BUSY
+
+    def announce(self, announcement: Announcement) -> None:
+        """Send changes; large ones in several records."""
+        data = encode_announcement(announcement)
+        if len(data) > CHUNK:
+            halves = _halves(announcement)
+            if halves is not None:
+                for half in halves:
+                    self.announce(half)
+                return
+        self._send_control(ANNOUNCE, data)
+
+    def publish(self, message: Message, *, limit: int) -> None:
+        """Send a message; see `Backplane`."""
+        head = _MESSAGE.pack(message.number, message.sequence, message.stamp)
+        self._put(message.number, MESSAGE, head, message.data, limit)
+
+    def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
+        """Ask for the messages of a publisher, or for no more."""
+        self._send_control(INTEREST, _INTEREST.pack(number, wanted))
+
+    def flowing(self, number: int) -> None:
+        """Report that messages pass, behind those that wait in the publisher's lane."""
+        self._put(number, FLOWING, _NUMBER.pack(number), b"", None)
+
+    def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
+        """Send a request; see `Backplane`."""
+        if self._is_closed:
+            on_reply(failure(f"hub {peer.hub.name} is lost", "server_lost"))
+            return lambda: None
+        fields = encode_fields({"op": request.op, **request.fields})
+        if len(request.body) + self._lane_bytes > self._max_queued:
+            on_reply(failure(f"too much waits for hub {peer.hub.name}", "limit"))
+            return lambda: None
+        id_ = next(self._ids)
+        self._requests[id_] = on_reply
+        head = _REQUEST.pack(id_, len(fields)) + fields
+        self._put(_REQUESTS, REQUEST, head, request.body, None)
+
+        def cancel() -> None:
+            if self._requests.pop(id_, None) is not None and not self._is_closed:
+                self._send_control(CANCEL, _NUMBER.pack(id_))
+
+        return cancel
+
+    def replaced(self) -> None:
+        """Close the link: its node's name has been taken."""
+        self._wire.close(REPLACED)
+
+    async def close(self) -> None:
+        """Close the link."""
+        self._wire.close(CloseReason(1001, "the hub is shutting down"))
+
+    def _reply(self, id_: int, reply: Reply) -> None:
+        if id_ not in self._handled or self._is_closed:
+            return
+        if reply.is_final:
+            del self._handled[id_]
+        fields = encode_fields(reply.fields)
+        head = _REPLY.pack(id_, reply.is_final, len(fields)) + fields
+        self._put(_REQUESTS, REPLY, head, reply.body, None)
+
+    def _send_control(self, kind: int, body: bytes) -> None:
+        if self._is_closed:
+            return
+        self._control.append(_SIZE.pack(len(body) + 1, kind) + body)
+        self._control_bytes += len(body)
+        self._wire.wake()
+
+    def _put(self, key: int, kind: int, head: bytes, body: Any, limit: int | None) -> None:
+        """Put a record into a lane, of which the oldest ones are dropped beyond a limit."""
+        if self._is_closed:
+            return
+        lane = self._lanes.get(key)
+        if lane is None:
+            lane = self._lanes[key] = _Lane()
+        head = _SIZE.pack(len(head) + len(body) + 1, kind) + head
+        waiting = _Waiting(next(self._arrivals), head, body)
+        lane.records.append(waiting)
+        lane.size += waiting.size
+        self._lane_bytes += waiting.size
+        if limit is not None:
+            self._trim(lane, max(1, limit))
+        self._wire.wake()
+
+    def _trim(self, lane: _Lane, limit: int) -> None:
+        """Drop the oldest messages of a lane, but none that is half sent, nor the newest."""
+        while len(lane.records) > 1 and (
+            (len(lane.records) > limit and self._wire.is_behind)
+            or lane.size > LANE_BYTES
+            or self._lane_bytes > self._max_queued
+        ):
+            first = 1 if lane.at else 0
+            if first >= len(lane.records) - 1:
+                return
+            oldest = lane.records[first]
+            if oldest.kind != MESSAGE:
+                return
+            del lane.records[first]
+            self._shrink(lane, oldest.size)
+            if self.peer is not None:
+                self.peer.traffic.dropped += 1
+
+    def _shrink(self, lane: _Lane, size: int) -> None:
+        lane.size -= size
+        self._lane_bytes -= size
+
+    def next_frame(self) -> bytes | None:
+        """Return the next WebSocket message to write: some records; None if nothing waits."""
+        parts: list[Any] = []
+        size = 0
+        was_busy = self.is_busy
+        while self._control and size < CHUNK:
+            record = self._control.popleft()
+            self._control_bytes -= len(record) - _SIZE.size
+            parts.append(record)
+            size += len(record)
+        if self._lane_bytes <= CHUNK:
+            size += self._take_all(parts)
+        while self._lanes and size < CHUNK:
+            size += self._take(parts)
+        if was_busy and not self.is_busy:
+            self._network.idle(self)
+        if not parts:
+            return None
+        if self.peer is not None:
+            self.peer.traffic.bytes_sent += size
+        return b"".join(parts)
+
+    def _take_all(self, parts: list[Any]) -> int:
+        """Take all records, in the order in which they came: there is room for them."""
+        if any(lane.at for lane in self._lanes.values()):
+            return 0
+        waiting = sorted(each for lane in self._lanes.values() for each in lane.records)
+        for each in waiting:
+            parts += (each.head, each.body)
+            self._count_sent(each)
+        self._lanes.clear()
+        size, self._lane_bytes = self._lane_bytes, 0
+        return size
+
+    def _count_sent(self, record: _Waiting) -> None:
+        if record.kind == MESSAGE and self.peer is not None:
+            self.peer.traffic.messages_sent += 1
+
+    def _take(self, parts: list[Any]) -> int:
+        """Take a record, or a part of a large one, of the lane whose turn it is."""
+        key, lane = next(iter(self._lanes.items()))
+        first = lane.records[0]
+        if first.size <= CHUNK:
+            parts += (first.head, first.body)
+            taken = first.size
+            is_done = True
+        else:
+            piece = _slice(first, lane.at, lane.at + CHUNK)
+            lane.at += len(piece)
+            is_done = lane.at >= first.size
+            header = _PART.pack(key, is_done)
+            parts += (_SIZE.pack(len(header) + len(piece) + 1, PART), header, piece)
+            taken = len(piece)
+        if is_done:
+            lane.at = 0
+            del lane.records[0]
+            self._shrink(lane, first.size)
+            self._count_sent(first)
+        if lane.records:
+            self._lanes.move_to_end(key)
+        else:
+            del self._lanes[key]
+        return taken
+
+    # Receiving.
+
+    def receive(self, data: bytes | bytearray) -> None:
+        """Take a WebSocket message; raise `FederationError` if it is invalid."""
+        self._heard = self._clock.time()
+        if self.peer is not None:
+            self.peer.traffic.bytes_received += len(data)
+        view, at = memoryview(data), 0
+        while at < len(data) and not self._is_closed:
+            if len(data) - at < _SIZE.size:
+                raise FederationError("invalid record: its size is cut off")
+            size, kind = _SIZE.unpack_from(data, at)
+            at += _SIZE.size
+            if not 1 <= size <= len(data) - at + 1:
+                raise FederationError(f"invalid record: size {size}, of which not all is there")
+            self._receive_record(kind, view[at : at + size - 1])
+            at += size - 1
+
+    def _receive_record(self, kind: int, body: memoryview) -> None:
+        if self.peer is None:
+            if kind != HELLO:
+                raise FederationError(f"expected hello (0) as the first record, got {kind}")
+            self._receive_hello(bytes(body))
+            return
+        if self.peer.clock_offset is None and kind not in (PING, PONG):
+            self._early.append((kind, bytes(body)))
+            self.incomplete_bytes += len(body)
+            if self.incomplete_bytes > self._max_incoming:
+                raise FederationError("too much has come before the answer to a ping")
+            return
+        try:
+            if kind == MESSAGE:
+                number, sequence, stamp = _MESSAGE.unpack_from(body)
+                self.peer.traffic.messages_received += 1
+                message = Message(number, sequence, stamp, bytearray(body[_MESSAGE.size :]))
+                self._network.received(self.peer, message)
+            elif kind == PART:
+                self._receive_part(body)
+            elif kind == ANNOUNCE:
+                self._network.announced(self.peer, decode_announcement(body))
+            elif kind == INTEREST:
+                number, wanted = _INTEREST.unpack(body)
+                self._network.interested(self, number, wanted=bool(wanted))
+            elif kind == FLOWING:
+                (number,) = _NUMBER.unpack(body)
+                self._network.is_flowing(self.peer, number)
+            elif kind == REQUEST:
+                self._receive_request(self.peer, body)
+            elif kind == REPLY:
+                self._receive_reply(body)
+            elif kind == CANCEL:
+                (id_,) = _NUMBER.unpack(body)
+                cancel = self._handled.pop(id_, None)
+                if cancel is not None:
+                    cancel()
+            elif kind == PING:
+                _PING.unpack(body)
+                self._send_control(PONG, bytes(body) + _PING.pack(self._now()))
+            elif kind == PONG:
+                self._receive_pong(self.peer, body)
+            # Other kinds are for later versions.
+        except struct.error as error:
+            raise FederationError(f"invalid record of kind {kind}: {error}") from None
+
+    def _receive_hello(self, data: bytes) -> None:
+        try:
+            hello = Hello.model_validate_json(data)
+        except ValidationError as error:
+            raise FederationError(f"invalid hello: {fault(error)}") from None
+        if hello.hub.id == self._hub.id:
+            self._wire.close(SAME_HUB)
+            return
+        if not self.view.is_below:
+            self.view = NameView(
+                hello.prefix,
+                hub=self._hub.name,
+                exported=self.view.exported,
+                imported=self.view.imported,
+            )
+        self.node = self.node or unique_node("joined", hello.hub)
+        peer = Peer(hello.hub, self, self._address, connected=self._now())
+        try:
+            self._network.attach(self)
+        except NotAllowed as error:
+            self._wire.close(close_reason(FORBIDDEN, str(error)))
+            return
+        self.peer = peer
+        self._ping()
+
+    def _receive_part(self, body: memoryview) -> None:
+        key, is_last = _PART.unpack_from(body)
+        piece = body[_PART.size :]
+        parts = self._parts.setdefault(key, bytearray())
+        parts += piece
+        self.incomplete_bytes += len(piece)
+        if len(parts) > self._max_size or self.incomplete_bytes > self._max_incoming:
+            raise FederationError(
+                f"a record is too large: limit is {self._max_size} bytes (--max-message-size)"
+            )
+        if is_last:
+            del self._parts[key]
+            self.incomplete_bytes -= len(parts)
+            if len(parts) < _SIZE.size:
+                raise FederationError("invalid record: its size is cut off")
+            _, kind = _SIZE.unpack_from(parts)
+            if kind == PART:
+                raise FederationError("invalid record: a part of parts")
+            self._receive_record(kind, memoryview(parts)[_SIZE.size :])
+
+    def _receive_request(self, peer: Peer, body: memoryview) -> None:
+        id_, size = _REQUEST.unpack_from(body)
+        end = _REQUEST.size + size
+        fields = decode_fields(body[_REQUEST.size : end])
+        request = Request(str(fields.pop("op", "")), fields, bytes(body[end:]))
+        if id_ in self._handled:
+            raise FederationError(f"request {id_} is still open")
+        self._handled[id_] = lambda: None
+        cancel = self._network.requested(peer, request, lambda reply: self._reply(id_, reply))
+        if id_ in self._handled:
+            self._handled[id_] = cancel
+
+    def _receive_reply(self, body: memoryview) -> None:
+        id_, is_final, size = _REPLY.unpack_from(body)
+        end = _REPLY.size + size
+        on_reply = self._requests.get(id_)
+        if on_reply is None:
+            return  # It was cancelled.
+        if is_final:
+            del self._requests[id_]
+        fields = decode_fields(body[_REPLY.size : end])
+        on_reply(Reply(fields, bytes(body[end:]), bool(is_final)))
+
+    def _receive_pong(self, peer: Peer, body: memoryview) -> None:
+        sent, theirs = _PONG.unpack(body)
+        is_first = peer.clock_offset is None
+        peer.measured(sent, theirs, self._now())
+        if is_first:
+            self._network.joined(peer)
+            self._on_joined(peer)
+            early, self._early = self._early, []
+            for kind, record in early:
+                self.incomplete_bytes -= len(record)
+                self._receive_record(kind, memoryview(record))
+
+    # The connection.
+
+    def _tick(self) -> None:
+        """Ping the other hub, and close a link on which nothing comes."""
+        if self._is_closed:
+            return
+        left = self._heard - self._clock.time()
+        left += LEASE if self.peer is not None else OPEN_TIMEOUT
+        if left <= 0:
+            self._wire.close(LOST)
+            left = PING_INTERVAL
+        elif self.peer is not None:
+            self._ping()
+        self._timer = self._clock.call_later(min(PING_INTERVAL, left), self._tick)
+
+    def _ping(self) -> None:
+        self._send_control(PING, _PING.pack(self._now()))
+
+    def closed(self, reason: str) -> None:
+        """Take note that the connection is closed; the second time it does nothing.
+
+        Args:
+            reason: why, for people.
+        """
+        if self._is_closed:
+            return
+        self._is_closed = True
+        self._timer.cancel()
+        requests, self._requests = self._requests, {}
+        handled, self._handled = self._handled, {}
+        self._control.clear()
+        self._lanes.clear()
+        self._parts.clear()
+        self.incomplete_bytes = 0
+        if self.peer is None:
+            return
+        if self.peer.clock_offset is None:
+            self._network.detach(self)
+            return
+        for on_reply in requests.values():
+            on_reply(failure(f"hub {self.peer.hub.name} is lost: {reason}", "server_lost"))
+        for cancel in handled.values():
+            cancel()
+        self._network.lost(self.peer, reason)
+        self._network.detach(self)
+
+
+def unique_node(role: str, hub: HubInfo) -> str:
+    """Return a name for the node that stands for a hub."""
+    return f"/{role}_{level_of(hub.name)}_{hub.id[:6]}"
+
+
+def _slice(record: _Waiting, begin: int, end: int) -> bytes:
+    """Return some bytes of a record."""
+    head, body = record.head, record.body
+    if begin >= len(head):
+        return bytes(memoryview(body)[begin - len(head) : end - len(head)])
+    return head[begin:end] + bytes(memoryview(body)[: max(0, end - len(head))])
+
+
+def _halves(announcement: Announcement) -> tuple[Announcement, Announcement] | None:
+    """Return two announcements with half the records each; None if there is only one record."""
+    entries = [
+        (kind, name, record)
+        for kind in ("nodes", "topics", "services", "actions", "parameters")
+        for name, record in getattr(announcement, kind).items()
+    ]
+    if len(entries) < 2:
+        return None
+    made: list[Announcement] = []
+    for half in (entries[: len(entries) // 2], entries[len(entries) // 2 :]):
+        kinds: dict[str, Any] = {}
+        for kind, name, record in half:
+            kinds.setdefault(kind, {})[name] = record
+        made.append(Announcement.model_construct(None, **kinds))
+    return made[0], made[1]

@@ -1,0 +1,295 @@
+"""What this hub announces to other hubs, and the messages that they want."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+from fibws.access.rights import Right
+from fibws.hub.federation.backplane import Backplane
+from fibws.hub.federation.outlets import Outlets
+from fibws.hub.federation.records import (
+    KINDS,
+    LONGEST_PATH,
+    ActionRecord,
+    Announcement,
+    HubInfo,
+    Kind,
+    NodeRecord,
+    ParameterRecord,
+    Publisher,
+    Record,
+    ServiceRecord,
+    TopicRecord,
+)
+from fibws.hub.federation.remote import RemoteGraph
+from fibws.hub.federation.remote_nodes import RemoteNode
+from fibws.hub.federation.shared_parameters import SharedParameters
+from fibws.hub.federation.worklist import TURN
+from fibws.hub.graph.graph import Graph, NodeOfLink
+from fibws.hub.graph.service import InternalServer
+from fibws.hub.graph.topic import Topic
+
+logger = logging.getLogger("fibws.hub")
+
+
+class LinkNode(NodeOfLink):
+    """The node of this graph that stands for a backplane; a `Node`."""
+
+    def __init__(self, backplane: Backplane) -> None:
+        self.backplane = backplane
+
+    def publishing(self) -> tuple[str, ...]:
+        """Return nothing: the nodes of other hubs publish themselves."""
+        return ()
+
+    def subscribing(self) -> tuple[str, ...]:
+        """Return nothing."""
+        return ()
+
+    def providing(self) -> tuple[str, ...]:
+        """Return nothing."""
+        return ()
+
+    def replaced(self) -> None:
+        """Close the backplane: a newer one, or another client, has its name."""
+        self.backplane.replaced()
+
+
+class Offers:
+    """What one backplane is given of this hub's graph.
+
+    Args:
+        outlets: gives sources their numbers.
+    """
+
+    def __init__(
+        self,
+        backplane: Backplane,
+        hub: HubInfo,
+        graph: Graph,
+        remote: RemoteGraph,
+        parameters: SharedParameters,
+        outlets: Outlets,
+        call_soon: Callable[[Callable[[], None]], object],
+    ) -> None:
+        self.backplane = backplane
+        self.graph = graph
+        self._hub = hub
+        self._remote = remote
+        self._parameters = parameters
+        self._outlets = outlets
+        self._call_soon = call_soon
+        self._announced: dict[Kind, dict[str, Record]] = {kind: {} for kind in KINDS}
+        """The last records, by the names on the backplane."""
+        self._users: dict[str, set[str]] = {}
+        """The nodes of each topic that was announced."""
+        self._changed: dict[tuple[Kind, str], None] = {}
+        self._is_due = False
+        self._is_closed = False
+        self._make: dict[Kind, Callable[[str], Record | None]] = {
+            "nodes": self._node,
+            "topics": self._topic,
+            "services": self._service,
+            "actions": self._action,
+            "parameters": self._parameter,
+        }
+
+    def offer_all(self) -> None:
+        """Announce everything."""
+        self._announced = {kind: {} for kind in KINDS}
+        for name in self.graph.nodes:
+            self.changed("nodes", name)
+        for name in self.graph.topics:
+            self.changed("topics", name)
+        for name in self.graph.services:
+            self.changed("services", name)
+        for name in self.graph.actions:
+            self.changed("actions", name)
+        for name in self._parameters.records:
+            self.changed("parameters", name)
+
+    def changed(self, kind: Kind, name: str) -> None:
+        """Announce the change of a node, topic, service or action of this graph soon."""
+        self._changed[kind, name] = None
+        self._schedule()
+
+    def resume(self) -> None:
+        """Announce changes again, now that the backplane is not busy."""
+        if self._changed:
+            self._schedule()
+
+    def close(self) -> None:
+        """Announce nothing more."""
+        self._is_closed = True
+
+    # Announcing.
+
+    def _schedule(self) -> None:
+        if not self._is_due and not self.backplane.is_busy:
+            self._is_due = True
+            self._call_soon(self._flush)
+
+    def _flush(self) -> None:
+        """Announce what has changed, for as long as a turn lasts."""
+        self._is_due = False
+        if self._is_closed:
+            return
+        until = perf_counter() + TURN
+        changes: dict[str, dict[str, Any]] = {kind: {} for kind in KINDS}
+        while self._changed and perf_counter() < until:
+            kind, name = next(iter(self._changed))
+            del self._changed[kind, name]
+            self._compare(kind, name, changes[kind])
+        if any(changes.values()):
+            self.backplane.announce(Announcement.model_construct(None, **changes))
+        if self._changed:
+            self._schedule()
+
+    def _compare(self, kind: Kind, name: str, changes: dict[str, Any]) -> None:
+        view, announced = self.backplane.view, self._announced[kind]
+        outward = view.node_outward(name) if kind == "nodes" else view.outward(name)
+        if outward is None:
+            return
+        record = self._make[kind](name)
+        if record != announced.get(outward):
+            changes[outward] = record
+            if record is None:
+                del announced[outward]
+            else:
+                announced[outward] = record
+
+    def _node(self, name: str) -> NodeRecord | None:
+        node: Any = self.graph.nodes.get(name)
+        if not self._may_offer(name) or not self._is_node_visible(name, node):
+            return None
+        if isinstance(node, RemoteNode):
+            path = (*node.record.path, self._hub)
+            if len(path) > LONGEST_PATH:
+                return None
+            return NodeRecord.model_construct(
+                path=path, since=node.since, replaces=node.record.replaces
+            )
+        return NodeRecord.model_construct(
+            path=(self._hub,),
+            since=self._remote.ages.since("nodes", name),
+            replaces=self._remote.ages.replaced_hub("nodes", name),
+        )
+
+    def _is_node_visible(self, name: str, node: Any) -> bool:
+        """Return whether the other hubs may know a node, and have use for it."""
+        view = self.backplane.view
+        if not self.graph.is_node_visible(self.backplane.node, name):
+            return False
+        if not view.is_filtered and (not view.prefix or view.is_below):
+            return True
+        used = (
+            *((topic, view.may_export) for topic in (*node.publishing(), *node.providing())),
+            *((topic, view.may_import) for topic in node.subscribing()),
+        )
+        return any(view.outward(topic) is not None and may(topic) for topic, may in used)
+
+    def _topic(self, name: str) -> TopicRecord | None:
+        topic = self.graph.topics.get(name)
+        if topic is None or name in self.graph.reserved:
+            self._note_users(name, set())
+            return None
+        publishers = self._publishers(topic) if self._may(name, "subscribe", exports=True) else ()
+        subscribers: tuple[str, ...] = ()
+        if self._may(name, "publish", exports=False):
+            subscribers = tuple(filter(self._may_offer, topic.subscribers()))
+        self._note_users(name, {*topic.sources, *topic.subscribers()})
+        if not publishers and not subscribers:
+            return None
+        node_outward = self.backplane.view.node_outward
+        type_ = topic.type
+        return TopicRecord.model_construct(
+            type=type_.name if type_ is not None else "",
+            md5sum=(type_.md5sum or "") if type_ is not None else "",
+            publishers=publishers,
+            subscribers=tuple(map(node_outward, subscribers)),
+        )
+
+    def _publishers(self, topic: Topic) -> tuple[Publisher, ...]:
+        found = []
+        for node, source in topic.sources.items():
+            if self._may_offer(node):
+                remote, number = (
+                    self._remote.topics.by_source.get(source),
+                    self._outlets.number(source),
+                )
+                found.append(
+                    Publisher.model_construct(
+                        node=self.backplane.view.node_outward(node),
+                        number=number,
+                        origin=remote.publisher.origin if remote is not None else number,
+                        latch=source.latch,
+                        queue_size=source.queue_size,
+                    )
+                )
+        return tuple(found)
+
+    def _note_users(self, topic: str, users: set[str]) -> None:
+        """Announce nodes that began or ceased to use a topic, if only that makes them visible."""
+        view = self.backplane.view
+        if view.is_filtered or (view.prefix and not view.is_below):
+            for node in users ^ self._users.get(topic, set()):
+                self.changed("nodes", node)
+            if users:
+                self._users[topic] = users
+            else:
+                self._users.pop(topic, None)
+
+    def _service(self, name: str) -> ServiceRecord | None:
+        service = self.graph.services.get(name)
+        if service is None or isinstance(service.server, InternalServer):
+            return None
+        if service.type.codecs is None or not self._is_served("services", name, service.node):
+            return None
+        return ServiceRecord.model_construct(
+            node=self.backplane.view.node_outward(service.node),
+            type=service.type.name,
+            md5sum=service.type.md5sum or "",
+            since=self._served_since("services", name),
+            replaces=self._remote.ages.replaced_hub("services", name),
+        )
+
+    def _action(self, name: str) -> ActionRecord | None:
+        action = self.graph.actions.get(name)
+        if action is None or action.type.codecs is None:
+            return None
+        if not self._is_served("actions", name, action.node):
+            return None
+        return ActionRecord.model_construct(
+            node=self.backplane.view.node_outward(action.node),
+            type=action.type.name,
+            md5sums=action.type.md5sums,
+            since=self._served_since("actions", name),
+            replaces=self._remote.ages.replaced_hub("actions", name),
+        )
+
+    def _parameter(self, name: str) -> ParameterRecord | None:
+        if not self._may(name, "param_read", exports=True):
+            return None
+        return self._parameters.record(name, self.backplane.view)
+
+    def _is_served(self, kind: Kind, name: str, node: str) -> bool:
+        return self._may_offer(node) and self._may(name, "call", exports=True)
+
+    def _served_since(self, kind: Kind, name: str) -> int:
+        remote = self._remote.services.find(kind, name)
+        return remote.since if remote is not None else self._remote.ages.since(kind, name)
+
+    def _may_offer(self, node: str) -> bool:
+        """Return whether a node can be offered: not to where it has come from."""
+        found = self.graph.nodes.get(node)
+        if found is None or node in self.graph.internal or isinstance(found, LinkNode):
+            return False
+        return not isinstance(found, RemoteNode) or found.home.peer.backplane is not self.backplane
+
+    def _may(self, name: str, right: Right, *, exports: bool) -> bool:
+        view = self.backplane.view
+        passes = view.may_export(name) if exports else view.may_import(name)
+        return passes and self.graph.is_allowed(self.backplane.node, right, name)

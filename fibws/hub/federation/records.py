@@ -1,0 +1,246 @@
+"""What hubs announce to each other: nodes, topics, services, actions and shared parameters.
+
+Each record replaces an earlier one of its name, and None removes it, so that a hub can be brought
+up to date from any state. Names are global names of the backplane, which may lie below a prefix
+(see `names.NameView`). Records are JSON; messages of topics never are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic_core import PydanticSerializationError
+
+from fibws.errors import FederationError
+from fibws.names import MAX_LENGTH
+
+LONGEST_PATH = 16
+"""Hubs between a node and the hub that it is announced to."""
+MOST_RECORDS = 100_000
+"""Records of one hub that are kept; further ones are ignored."""
+
+Kind: TypeAlias = Literal["nodes", "topics", "services", "actions", "parameters"]
+KINDS: tuple[Kind, ...] = ("nodes", "topics", "services", "actions", "parameters")
+
+Name: TypeAlias = Annotated[str, Field(max_length=MAX_LENGTH + 200, pattern=r"^/")]
+Text: TypeAlias = Annotated[str, Field(max_length=MAX_LENGTH)]
+HubId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
+"""The identity of one run of a hub."""
+Number: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
+
+
+class HubInfo(_Record):
+    """One run of a hub.
+
+    Attributes:
+        id: 16 random hexadecimal digits.
+        name: what people call it; several hubs may have one name.
+        version: of fibws.
+    """
+
+    id: HubId
+    name: Text
+    version: Text = ""
+
+
+class NodeRecord(_Record):
+    """A node.
+
+    Attributes:
+        path: the hubs on the way to it: first its own, last the one that announces it.
+        since: when it connected, by the clock of its own hub, in nanoseconds since 1970.
+        replaces: the id of the hub whose node of this name it has replaced; empty if there was
+            none.
+    """
+
+    path: Annotated[tuple[HubInfo, ...], Field(min_length=1, max_length=LONGEST_PATH)]
+    since: int
+    replaces: str = ""
+
+    @property
+    def hub(self) -> HubInfo:
+        """The hub that the node is connected to."""
+        return self.path[0]
+
+
+class Publisher(_Record):
+    """A publisher of a topic.
+
+    Attributes:
+        node: its node.
+        number: stands for it on this backplane.
+        origin: stands for it at its own hub, for its sequence numbers.
+        latch: whether its last message is for later subscribers.
+        queue_size: most messages that wait for a slow hub; 0 or less for no limit.
+    """
+
+    node: Name
+    number: Number
+    origin: Number
+    latch: bool = False
+    queue_size: int = 100
+
+
+class TopicRecord(_Record):
+    """A topic.
+
+    Attributes:
+        type: ``package/Type``; empty while it has none.
+        md5sum: of the type; empty if its fields are unknown.
+    """
+
+    type: Text = ""
+    md5sum: Text = ""
+    publishers: tuple[Publisher, ...] = ()
+    subscribers: tuple[Name, ...] = ()
+
+
+class ServiceRecord(_Record):
+    """A service; ``since`` and ``replaces`` are as of `NodeRecord`."""
+
+    node: Name
+    type: Text
+    md5sum: Text = ""
+    since: int
+    replaces: str = ""
+
+
+class ActionRecord(_Record):
+    """An action; ``md5sums`` are those of its goal, feedback and result."""
+
+    node: Name
+    type: Text
+    md5sums: tuple[str, str, str] | None = None
+    since: int
+    replaces: str = ""
+
+
+class ParameterRecord(_Record):
+    """The last change of a shared parameter; among several the highest (stamp, hub) wins.
+
+    Attributes:
+        stamp: nanoseconds since 1970.
+        hub: the id of the hub where it was changed.
+        value: its JSON; None if it was deleted.
+    """
+
+    stamp: int
+    hub: HubId
+    value: str | None = None
+
+
+class Announcement(_Record):
+    """Changes of what a hub has: records by kind and name, None for those removed."""
+
+    nodes: dict[Name, NodeRecord | None] = {}
+    topics: dict[Name, TopicRecord | None] = {}
+    services: dict[Name, ServiceRecord | None] = {}
+    actions: dict[Name, ActionRecord | None] = {}
+    parameters: dict[Name, ParameterRecord | None] = {}
+
+    def of(self, kind: Kind) -> Mapping[str, Record | None]:
+        """Return the records of one kind."""
+        found: Mapping[str, Record | None] = getattr(self, kind)
+        return found
+
+
+Record: TypeAlias = NodeRecord | TopicRecord | ServiceRecord | ActionRecord | ParameterRecord
+
+
+class Message(NamedTuple):
+    """A message of a topic on its way between hubs.
+
+    Attributes:
+        number: its `Publisher.number`.
+        sequence: counts the messages of its publisher, at the publisher's own hub.
+        stamp: when that hub received it, in nanoseconds since 1970.
+        data: in ROS 1's serialization.
+    """
+
+    number: int
+    sequence: int
+    stamp: int
+    data: bytes | bytearray | memoryview
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A request to another hub.
+
+    Attributes:
+        op: ``call`` (a service), ``goal`` (an action), ``cancel_goal``, ``describe`` (a type),
+            ``ping_node`` or ``kill_node``.
+        fields: depend on ``op``.
+        body: the serialized request or goal.
+    """
+
+    op: str
+    fields: Mapping[str, Any]
+    body: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """A reply to a request; a goal gets several.
+
+    Attributes:
+        fields: ``error`` and ``code`` if it failed; others depend on the request.
+        body: the serialized response, feedback or result.
+        is_final: whether it is the last one.
+    """
+
+    fields: Mapping[str, Any]
+    body: bytes = b""
+    is_final: bool = True
+
+
+def failure(text: str, code: str) -> Reply:
+    """Return the reply to a request that failed; codes are those of `CallFailed`."""
+    return Reply({"error": text, "code": code})
+
+
+_ANNOUNCEMENT = TypeAdapter(Announcement)
+_FIELDS = TypeAdapter(dict[str, Any])
+
+
+def encode_announcement(announcement: Announcement) -> bytes:
+    """Return an announcement as JSON."""
+    return _ANNOUNCEMENT.dump_json(announcement, exclude_defaults=True)
+
+
+def decode_announcement(data: bytes | bytearray | memoryview) -> Announcement:
+    """Return an announcement; raise `FederationError` for invalid JSON."""
+    try:
+        return _ANNOUNCEMENT.validate_json(bytes(data))
+    except ValidationError as error:
+        raise FederationError(f"invalid announcement: {fault(error)}") from None
+
+
+def encode_fields(fields: Mapping[str, Any]) -> bytes:
+    """Return the fields of a request or reply as JSON; raise `FederationError` if they are none."""
+    try:
+        return _FIELDS.dump_json(dict(fields))
+    except PydanticSerializationError as error:
+        raise FederationError(f"invalid fields: {error}") from None
+
+
+def decode_fields(data: bytes | bytearray | memoryview) -> dict[str, Any]:
+    """Return the fields of a request or reply; raise `FederationError` for invalid JSON."""
+    try:
+        return _FIELDS.validate_json(bytes(data))
+    except ValidationError as error:
+        raise FederationError(f"invalid fields: {fault(error)}") from None
+
+
+def fault(error: ValidationError) -> str:
+    """Return the first fault of some JSON: where and what."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    where = ".".join(map(str, first["loc"]))[:200]
+    return f"{where}: {first['msg']}" if where else first["msg"]

@@ -1,0 +1,700 @@
+"""Hubs on a zenoh network (https://zenoh.io): a backplane with many hubs.
+
+Each hub is a zenoh router, so that hubs need no other program; they can also connect to a zenohd.
+Below ``fibws/DOMAIN`` the keys are:
+
+    hubs/HUB                 liveliness token of a hub, whose id HUB is
+    HUB/state                announcements, with a counter; a query returns everything
+    HUB/data/NUMBER/TOPIC    messages of one publisher, in ROS 1's serialization; the attachment is
+                             u64 sequence, i64 stamp, 16 bytes of the type's md5, the node's name
+    HUB/begin                a publisher's number: another hub has subscribed to its messages
+    HUB/request              queries: see `records.Request`; fields are JSON in the attachment
+    HUB/cancel               the other hub's id and the number of its request
+    HUB/ping                 queries for the hub's time
+
+A hub subscribes to the messages that somebody needs. Their publisher learns that by a matching
+listener, and sends nothing to the network while nobody does.
+
+Calls of zenoh may wait for the network: they are made in threads. Its callbacks come in threads,
+too, and hand their data to the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import struct
+import time
+from functools import partial
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from fibws.access.rights import Principal
+from fibws.errors import FederationError
+from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer
+from fibws.hub.federation.names import NameView
+from fibws.hub.federation.records import (
+    Announcement,
+    HubInfo,
+    Message,
+    Number,
+    Reply,
+    Request,
+    decode_announcement,
+    decode_fields,
+    encode_announcement,
+    encode_fields,
+    failure,
+)
+from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.zenoh_session import LEASE, RETRY, Inbox, Sender, direct, open_session
+
+if TYPE_CHECKING:
+    import zenoh
+
+logger = logging.getLogger("fibws.hub")
+
+NODE = "/hub_zenoh"
+"""The node of the graph that stands for the network."""
+PING_INTERVAL = 2.0
+STATE_TIMEOUT = 5.0
+"""Seconds in which a hub must tell what it has."""
+FIRST_RETRY = 0.02
+"""Seconds until a hub that did not tell is asked again; they double up to `RETRY`."""
+REQUEST_TIMEOUT = 24 * 3600.0
+"""Seconds, which zenoh needs to know; the hub of the caller ends calls much earlier."""
+LARGE = 64 * 1024
+"""Bytes of a message from which on its publisher has the thread for large messages."""
+BUSY = 256 * 1024
+"""Bytes of announcements that wait, from which on no more are made."""
+MOST_EARLY = 1000
+"""Announcements of a hub that are kept until it has told what it had before."""
+
+_ATTACHMENT = struct.Struct("<Qq16s")
+_COUNTER = struct.Struct("<Q")
+_TIME = struct.Struct("<q")
+_FLOWING = b"\x01"
+"""The attachment that says that messages pass from now on."""
+
+
+class _State(BaseModel):
+    """What a hub has, in answer to a query."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    hub: HubInfo
+    time: int
+    counter: Number
+    announcement: Announcement
+
+
+class _Publisher:
+    """A publisher of this hub that was announced."""
+
+    __slots__ = ("is_large", "listener", "md5sum", "node", "publisher")
+
+    def __init__(self, node: str, md5sum: str) -> None:
+        self.node = node.encode()
+        self.md5sum = bytes.fromhex(md5sum) if len(md5sum) == 32 else bytes(16)
+        self.is_large = False
+        self.publisher: Any = None
+        self.listener: Any = None
+
+
+class ZenohBackplane(Backplane):
+    """All hubs of a domain on a zenoh network.
+
+    Args:
+        hub: this one.
+        principal: whose rights the other hubs have.
+        domain: hubs of other domains on the same network are not seen.
+        listen: endpoints to listen on, such as ``tcp/0.0.0.0:7447``.
+        connect: endpoints to connect to, or ``auto``.
+        config: a file of zenoh's, for TLS and access control.
+        max_queued: most bytes of messages that wait for the network, and for the event loop.
+    """
+
+    kind = "zenoh"
+    node = NODE
+
+    def __init__(
+        self,
+        network: Network,
+        hub: HubInfo,
+        loop: asyncio.AbstractEventLoop,
+        *,
+        principal: Principal | None,
+        domain: str,
+        listen: tuple[str, ...],
+        connect: tuple[str, ...],
+        config: Path | None,
+        max_queued: int,
+    ) -> None:
+        self.view = NameView(hub=hub.name)
+        self.principal = principal
+        self.dropped = 0
+        self.messages_sent = 0
+        self.bytes_sent = 0
+        self._network = network
+        self._hub = hub
+        self._loop = loop
+        self._domain = domain
+        self._base = f"fibws/{quote(domain, safe='')}"
+        self._listen = listen
+        self._connect = connect
+        self._config = config
+        self._session: zenoh.Session
+        self._inbox = Inbox(loop, max_queued)
+        self._small = Sender("zenoh-small", max_queued, self._count_dropped)
+        self._large = Sender("zenoh-large", max_queued, self._count_dropped)
+        self._peers: dict[str, Peer] = {}
+        """By the ids of the hubs."""
+        self._alive: set[str] = set()
+        """The hubs that have a token."""
+        self._counters: dict[str, int] = {}
+        """The counter of each hub's last announcement."""
+        self._delays: dict[str, float] = {}
+        """The seconds until each hub that has not told what it has is asked again."""
+        self._early: dict[str, list[tuple[int, bytes]]] = {}
+        self._state: dict[str, dict[str, Any]] = {}
+        """What was announced, by kind and name."""
+        self._counter = 0
+        self._publishers: dict[int, _Publisher] = {}
+        self._wanted: set[tuple[str, int]] = set()
+        """The publishers of other hubs, by hub and number, whose messages are asked for."""
+        self._subscribers: dict[tuple[str, int], Any] = {}
+        """The subscribers for messages of other hubs; used in the thread for small messages."""
+        self._declared: list[Any] = []
+        self._ids = count(1)
+        self._requests: dict[int, tuple[str, OnReply, Any]] = {}
+        """Own requests by their ids: the hub, what takes replies, and what ends the query."""
+        self._handled: dict[tuple[str, str], Cancel] = {}
+        self._faults = 0
+        self._timer: asyncio.TimerHandle | None = None
+
+    def report(self) -> dict[str, Any]:
+        """Return what is wrong while no hub is reached, as a fibws_msgs/HubLink."""
+        address = ", ".join((*self._listen, *self._connect))
+        fault = f"no other hub of domain {self._domain} is reached"
+        return {"kind": self.kind, "address": address, "fault": fault}
+
+    async def open(self) -> None:
+        """Connect to the network.
+
+        Raises:
+            HubError: zenoh is not installed, or the configuration or an endpoint is invalid.
+            NotAllowed: the policy forbids the node.
+        """
+        self._session = await open_session(
+            self._listen, self._connect, self._config, flag="--zenoh"
+        )
+        self._small.start()
+        self._large.start()
+        self._network.attach(self)
+        await asyncio.to_thread(self._declare)
+        self._timer = self._loop.call_later(PING_INTERVAL, self._ping)
+
+    def _declare(self) -> None:
+        """Declare what all hubs have; the token last, as others then ask for the state."""
+        import zenoh
+
+        session, own = self._session, f"{self._base}/{self._hub.id}"
+        put = self._inbox.put
+        self._declared = [
+            session.declare_queryable(
+                f"{own}/state", direct(lambda query: put(self._answer_state, query)), complete=True
+            ),
+            session.declare_queryable(
+                f"{own}/request", direct(lambda query: put(self._answer, query)), complete=True
+            ),
+            session.declare_queryable(
+                f"{own}/ping",
+                lambda query: query.reply(f"{own}/ping", _TIME.pack(time.time_ns())),
+                complete=True,
+            ),
+            session.declare_subscriber(
+                f"{own}/begin", direct(lambda sample: put(self._begin, sample.payload.to_bytes()))
+            ),
+            session.declare_subscriber(
+                f"{own}/cancel", direct(lambda sample: put(self._cancel, sample.payload.to_bytes()))
+            ),
+            session.declare_subscriber(
+                f"{self._base}/*/state",
+                direct(
+                    lambda sample: put(
+                        self._changed,
+                        str(sample.key_expr).split("/")[2],
+                        sample.payload.to_bytes(),
+                        sample.attachment.to_bytes() if sample.attachment is not None else b"",
+                    ),
+                ),
+            ),
+            session.liveliness().declare_subscriber(
+                f"{self._base}/hubs/*",
+                direct(
+                    lambda sample: put(
+                        self._token,
+                        str(sample.key_expr).rpartition("/")[2],
+                        sample.kind == zenoh.SampleKind.PUT,
+                    ),
+                ),
+                history=True,
+            ),
+            session.liveliness().declare_token(f"{self._base}/hubs/{self._hub.id}"),
+        ]
+
+    # Sending: see `Backplane`.
+
+    @property
+    def peers(self) -> list[Peer]:
+        """The hubs of the domain."""
+        return list(self._peers.values())
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether announcements would wait."""
+        return self._small.control_bytes > BUSY
+
+    def announce(self, announcement: Announcement) -> None:
+        """Send changes, and declare the publishers in them."""
+        for kind in ("nodes", "topics", "services", "actions", "parameters"):
+            records = self._state.setdefault(kind, {})
+            for name, record in getattr(announcement, kind).items():
+                older = records.pop(name, None)
+                if record is not None:
+                    records[name] = record
+                if kind == "topics":
+                    self._update_publishers(name, older, record)
+        self._counter += 1
+        data, counter = encode_announcement(announcement), _COUNTER.pack(self._counter)
+        key = f"{self._base}/{self._hub.id}/state"
+
+        def send() -> None:
+            self._session.put(key, data, attachment=counter, **_control())
+            if self._small.control_bytes <= BUSY:
+                self._inbox.put(self._network.idle, self)
+
+        self._small.call(send, len(data))
+
+    def _update_publishers(self, topic: str, older: Any, newer: Any) -> None:
+        """Declare the publishers of a topic that are new, and undeclare those that are gone."""
+        before = {each.number for each in older.publishers} if older is not None else set()
+        for each in newer.publishers if newer is not None else ():
+            before.discard(each.number)
+            if each.number not in self._publishers:
+                found = self._publishers[each.number] = _Publisher(each.node, newer.md5sum)
+                self._small.call(partial(self._open, topic, each.number, found))
+        for number in before:
+            gone = self._publishers.pop(number, None)
+            if gone is not None:
+                self._small.call(partial(_undeclare, gone.listener, gone.publisher))
+                self._network.interested(self, number, wanted=False)
+
+    def _open(self, topic: str, number: int, publisher: _Publisher) -> None:
+        key = _data_key(self._base, self._hub.id, number, topic)
+        publisher.publisher = self._session.declare_publisher(key, **_control())
+        publisher.listener = publisher.publisher.declare_matching_listener(
+            direct(lambda status: self._inbox.put(self._matched, number))
+        )
+
+    def publish(self, message: Message, *, limit: int) -> None:
+        """Send a message; see `Backplane`."""
+        found = self._publishers.get(message.number)
+        if found is None:
+            return
+        attachment = _ATTACHMENT.pack(message.sequence, message.stamp, found.md5sum) + found.node
+        data, size = message.data, len(message.data)
+        if isinstance(data, memoryview):
+            data = bytes(data)
+        if size >= LARGE and not found.is_large and not self._small.has(message.number):
+            found.is_large = True
+
+        def send() -> None:
+            if found.publisher is not None:
+                found.publisher.put(data, attachment=attachment)
+
+        sender = self._large if found.is_large else self._small
+        sender.send(message.number, send, size, max(1, limit))
+        self.messages_sent += 1
+        self.bytes_sent += size
+
+    def flowing(self, number: int) -> None:
+        """Report that messages of a publisher pass."""
+        found = self._publishers.get(number)
+        if found is not None:
+            sender = self._large if found.is_large else self._small
+            sender.call(
+                lambda: (
+                    found.publisher is not None and found.publisher.put(b"", attachment=_FLOWING)
+                )
+            )
+
+    def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
+        """Subscribe to the messages of a publisher, or end that."""
+        hub = peer.hub.id
+        key = f"{self._base}/{hub}/data/{number}/**"
+
+        def arrived(sample: zenoh.Sample) -> None:
+            data = sample.payload.to_bytes()
+            attachment = sample.attachment
+            head = attachment.to_bytes() if attachment is not None else b""
+            self._inbox.put(self._arrived, hub, number, head, data, size=max(1, len(data)))
+
+        def subscribe() -> None:
+            is_wanted = (hub, number) in self._wanted
+            if not is_wanted:
+                _undeclare(self._subscribers.pop((hub, number), None))
+            elif wanted:
+                if (hub, number) not in self._subscribers:
+                    found = self._session.declare_subscriber(key, direct(arrived))
+                    self._subscribers[hub, number] = found
+                begin = f"{self._base}/{hub}/begin"
+                self._session.put(begin, _COUNTER.pack(number), **_control())
+
+        if wanted:
+            self._wanted.add((hub, number))
+        else:
+            self._wanted.discard((hub, number))
+        self._small.call(subscribe)
+
+    def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
+        """Query another hub; see `Backplane`."""
+        import zenoh
+
+        id_, token = next(self._ids), zenoh.CancellationToken()
+        self._requests[id_] = peer.hub.id, on_reply, token
+        fields = {"op": request.op, **request.fields, "hub": self._hub.id, "id": str(id_)}
+        attachment = encode_fields(fields)
+
+        def replied(reply: zenoh.Reply) -> None:
+            sample = reply.ok
+            if sample is not None and sample.attachment is not None:
+                body = sample.payload.to_bytes()
+                self._inbox.put(self._replied, id_, sample.attachment.to_bytes(), body)
+
+        def get() -> None:
+            self._session.get(
+                f"{self._base}/{peer.hub.id}/request",
+                direct(replied, lambda: self._inbox.put(self._ended, id_)),
+                payload=request.body,
+                attachment=attachment,
+                timeout=REQUEST_TIMEOUT,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                cancellation_token=token,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+            )
+
+        self._small.call(get)
+
+        def cancel() -> None:
+            if self._requests.pop(id_, None) is not None:
+                key = f"{self._base}/{peer.hub.id}/cancel"
+                data = f"{self._hub.id} {id_}".encode()
+                self._small.call(lambda: self._session.put(key, data, **_control()))
+                self._small.call(token.cancel)
+
+        return cancel
+
+    def replaced(self) -> None:
+        """Do nothing: the node's name is the hub's own."""
+
+    async def close(self) -> None:
+        """Leave the network."""
+        if self._timer is None:
+            return
+        self._timer.cancel()
+        self._timer = None
+        for hub in list(self._peers):
+            self._lose(hub, "this hub ends")
+        self._network.detach(self)
+        self._inbox.close()
+        await asyncio.to_thread(self._close_session)
+
+    def _close_session(self) -> None:
+        _undeclare(*reversed(self._declared))
+        self._small.close()
+        self._large.close()
+        self._session.close()  # type: ignore[no-untyped-call]
+        self._small.join(LEASE)
+        self._large.join(LEASE)
+
+    # Other hubs.
+
+    def _token(self, hub: str, is_alive: bool) -> None:
+        """Take note of a hub's token."""
+        if hub == self._hub.id:
+            return
+        if not is_alive:
+            self._alive.discard(hub)
+            self._lose(hub, "it has left the zenoh network")
+        elif hub not in self._alive:
+            self._alive.add(hub)
+            self._ask_state(hub)
+
+    def _ask_state(self, hub: str) -> None:
+
+        self._early[hub] = []
+        times: list[int] = []
+        answers: list[bytes] = []
+
+        def replied(reply: zenoh.Reply) -> None:
+            times.append(time.time_ns())
+            if reply.ok is not None:
+                answers.append(reply.ok.payload.to_bytes())
+
+        def ended() -> None:
+            self._inbox.put(self._join, hub, answers, times)
+
+        def get() -> None:
+            times.append(time.time_ns())
+            self._session.get(
+                f"{self._base}/{hub}/state",
+                direct(replied, ended),
+                timeout=STATE_TIMEOUT,
+            )
+
+        self._small.call(get)
+
+    def _join(self, hub: str, answers: list[bytes], times: list[int]) -> None:
+        """Take everything that a hub has, or ask again.
+
+        Args:
+            times: when it was asked, and when it answered.
+        """
+        if hub not in self._alive or hub in self._peers:
+            return
+        try:
+            state = _State.model_validate_json(answers[0]) if answers else None
+        except ValidationError as error:
+            self._report(FederationError(f"invalid state: {error}"), hub)
+            return
+        if state is None or state.hub.id != hub:
+            # Its token may arrive before the network knows that it can be asked.
+            self._delays[hub] = delay = min(2 * self._delays.get(hub, FIRST_RETRY / 2), RETRY)
+            self._loop.call_later(delay, self._ask_again, hub)
+            return
+        address = f"zenoh, domain {self._domain}"
+        peer = Peer(state.hub, self, address, connected=time.time_ns())
+        peer.measured(times[0], state.time, times[1])
+        self._peers[hub] = peer
+        self._counters[hub] = state.counter
+        self._network.joined(peer)
+        self._network.announced(peer, state.announcement)
+        for counter, data in self._early.pop(hub, ()):
+            self._change(hub, counter, data)
+
+    def _ask_again(self, hub: str) -> None:
+        if hub in self._alive and hub not in self._peers:
+            self._ask_state(hub)
+
+    def _lose(self, hub: str, reason: str) -> None:
+        peer = self._peers.pop(hub, None)
+        self._early.pop(hub, None)
+        self._delays.pop(hub, None)
+        self._counters.pop(hub, None)
+        for id_, (of, on_reply, _) in list(self._requests.items()):
+            if of == hub:
+                del self._requests[id_]
+                on_reply(failure(f"the hub is lost: {reason}", "server_lost"))
+        for (of, id_of), cancel in list(self._handled.items()):
+            if of == hub:
+                del self._handled[of, id_of]
+                cancel()
+        self._wanted = {each for each in self._wanted if each[0] != hub}
+        self._small.call(lambda: self._forget_subscribers(hub))
+        if peer is not None:
+            self._network.lost(peer, reason)
+
+    def _forget_subscribers(self, hub: str) -> None:
+        for key in [key for key in self._subscribers if key[0] == hub]:
+            _undeclare(self._subscribers.pop(key))
+
+    def _changed(self, hub: str, data: bytes, attachment: bytes) -> None:
+        """Take changes of what a hub has."""
+        if hub == self._hub.id or len(attachment) != _COUNTER.size:
+            return
+        (counter,) = _COUNTER.unpack(attachment)
+        early = self._early.get(hub)
+        if hub in self._peers:
+            self._change(hub, counter, data)
+        elif early is not None and len(early) < MOST_EARLY:
+            early.append((counter, data))
+
+    def _change(self, hub: str, counter: int, data: bytes) -> None:
+        known = self._counters[hub]
+        if counter <= known:
+            return
+        if counter > known + 1:
+            logger.info("Hub %s: announcements were lost.", self._peers[hub].hub.name)
+            self._lose(hub, "announcements were lost")
+            self._ask_state(hub)
+            return
+        self._counters[hub] = counter
+        try:
+            self._network.announced(self._peers[hub], decode_announcement(data))
+        except FederationError as error:
+            self._report(error, hub)
+
+    def _answer_state(self, query: zenoh.Query) -> None:
+        """Tell another hub everything."""
+        announcement = Announcement.model_construct(None, **self._state)
+        state = _State.model_construct(
+            None,
+            hub=self._hub,
+            time=time.time_ns(),
+            counter=self._counter,
+            announcement=announcement,
+        )
+        data = state.model_dump_json(exclude_defaults=True).encode()
+        key = f"{self._base}/{self._hub.id}/state"
+
+        def reply() -> None:
+            query.reply(key, data)
+            query.drop()  # type: ignore[no-untyped-call]
+
+        self._small.call(reply)
+
+    # Messages.
+
+    def _matched(self, number: int) -> None:
+        """Take note that no hub subscribes to a publisher any more."""
+        found = self._publishers.get(number)
+        if found is not None and found.publisher is not None:
+            if not found.publisher.matching_status.matching:
+                self._network.interested(self, number, wanted=False)
+
+    def _begin(self, data: bytes) -> None:
+        """Send a publisher's messages, as a hub has subscribed to them."""
+        if len(data) == _COUNTER.size:
+            (number,) = _COUNTER.unpack(data)
+            if number in self._publishers:
+                self._network.interested(self, number, wanted=True)
+
+    def _arrived(self, hub: str, number: int, head: bytes, data: bytes) -> None:
+        peer = self._peers.get(hub)
+        if peer is None:
+            return
+        if head == _FLOWING:
+            self._network.is_flowing(peer, number)
+            return
+        if len(head) < _ATTACHMENT.size:
+            self._report(FederationError("a message has no valid attachment"), hub)
+            return
+        sequence, stamp, _ = _ATTACHMENT.unpack_from(head)
+        peer.traffic.messages_received += 1
+        peer.traffic.bytes_received += len(data)
+        self._network.received(peer, Message(number, sequence, stamp, data))
+
+    # Requests.
+
+    def _answer(self, query: zenoh.Query) -> None:
+        """Handle a request of another hub."""
+        attachment, payload = query.attachment, query.payload
+        try:
+            fields = decode_fields(attachment.to_bytes() if attachment is not None else b"")
+        except FederationError as error:
+            self._report(error, "")
+            return
+        peer = self._peers.get(str(fields.pop("hub", "")))
+        id_ = str(fields.pop("id", ""))
+        op = str(fields.pop("op", ""))
+        key = f"{self._base}/{self._hub.id}/request"
+
+        def reply(found: Reply) -> None:
+            if found.is_final and peer is not None:
+                self._handled.pop((peer.hub.id, id_), None)
+            head = encode_fields({**found.fields, "final": found.is_final})
+
+            def send() -> None:
+                query.reply(key, found.body, attachment=head)
+                if found.is_final:
+                    query.drop()  # type: ignore[no-untyped-call]
+
+            self._small.call(send)
+
+        if peer is None:
+            reply(failure("this hub does not know yours yet", "unknown_hub"))
+            return
+        body = payload.to_bytes() if payload is not None else b""
+        handled = peer.hub.id, id_
+        self._handled[handled] = lambda: None
+        cancel = self._network.requested(peer, Request(op, fields, body), reply)
+        if handled in self._handled:
+            self._handled[handled] = cancel
+
+    def _cancel(self, data: bytes) -> None:
+        hub, _, id_ = data.decode("ascii", "replace").partition(" ")
+        cancel = self._handled.pop((hub, id_), None)
+        if cancel is not None:
+            cancel()
+
+    def _replied(self, id_: int, head: bytes, body: bytes) -> None:
+        found = self._requests.get(id_)
+        if found is None:
+            return
+        hub, on_reply, _ = found
+        try:
+            fields = decode_fields(head)
+        except FederationError as error:
+            self._report(error, hub)
+            return
+        is_final = bool(fields.pop("final", True))
+        if is_final:
+            del self._requests[id_]
+        on_reply(Reply(fields, body, is_final))
+
+    def _ended(self, id_: int) -> None:
+        """Fail a request whose query has ended without a last reply."""
+        found = self._requests.pop(id_, None)
+        if found is not None:
+            found[1](failure("the other hub did not answer", "server_lost"))
+
+    # Health.
+
+    def _ping(self) -> None:
+        interval = max(PING_INTERVAL, len(self._peers) / 10)
+        self._timer = self._loop.call_later(interval, self._ping)
+        for hub, peer in self._peers.items():
+            self._small.call(partial(self._ping_one, hub, peer))
+
+    def _ping_one(self, hub: str, peer: Peer) -> None:
+        sent = time.time_ns()
+
+        def replied(reply: zenoh.Reply) -> None:
+            now = time.time_ns()
+            if reply.ok is not None and len(reply.ok.payload) == _TIME.size:
+                (theirs,) = _TIME.unpack(reply.ok.payload.to_bytes())
+                self._inbox.put(peer.measured, sent, theirs, now)
+
+        self._session.get(f"{self._base}/{hub}/ping", replied, timeout=PING_INTERVAL)
+
+    def _count_dropped(self) -> None:
+        self.dropped += 1
+
+    def _report(self, error: Exception, hub: str) -> None:
+        """Log what is wrong with the data of a hub; not each time."""
+        self._faults += 1
+        if is_power_of_ten(self._faults):
+            text = "Hub %s on zenoh (%d faults so far): %s"
+            logger.warning(text, hub or "?", self._faults, printable(str(error)))
+
+
+def _control() -> dict[str, Any]:
+    """Return the arguments of what must not be lost."""
+    import zenoh
+
+    return {"congestion_control": zenoh.CongestionControl.BLOCK}
+
+
+def _data_key(base: str, hub: str, number: int, topic: str) -> str:
+    return f"{base}/{hub}/data/{number}{quote(topic, safe='/')}"
+
+
+def _undeclare(*declared: Any) -> None:
+    for each in declared:
+        if each is not None:
+            each.undeclare()

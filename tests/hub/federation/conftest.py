@@ -1,0 +1,119 @@
+"""Several hubs in one process, and nodes connected to them."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AsyncExitStack
+from typing import Protocol
+
+import pytest
+from conftest import StartHub
+
+import fibws
+from fibws.hub import Hub
+
+PATIENCE = 20.0
+"""Seconds, after which a test has failed."""
+
+
+class Reachable(Protocol):
+    """A hub in this process or in another one."""
+
+    @property
+    def url(self) -> str:
+        """The address for nodes."""
+
+
+StartNode = Callable[[str, Reachable], Awaitable[fibws.Node]]
+Join = Callable[..., Awaitable[Hub]]
+
+
+async def until(condition: Callable[[], object], *hubs: Hub) -> None:
+    """Wait until a condition holds, checked whenever a graph, or the links of a hub, change."""
+    changed = asyncio.Event()
+    for hub in hubs:
+        hub.graph.watch_topics(lambda topic: changed.set())
+        for kind in ("node", "service", "action"):
+            hub.graph.watch(kind, lambda name: changed.set())
+        hub.graph.parameters.watch(lambda name, node: changed.set())
+        hub.federation.watch(changed.set)
+    async with asyncio.timeout(PATIENCE):
+        while not condition():
+            await changed.wait()
+            changed.clear()
+            await asyncio.sleep(0)  # The change is complete in the next turn.
+
+
+@pytest.fixture(params=["websocket"])
+async def join(start_hub: StartHub, request: pytest.FixtureRequest) -> Join:
+    """Starts a hub that joins others, and waits until each of them has its links.
+
+    Parameterized with ``zenoh`` it joins them over that.
+    """
+    if request.param == "zenoh":
+        pytest.importorskip("zenoh")
+        return _join_by_zenoh(start_hub)
+
+    async def start(name: str, *others: Hub, **settings: object) -> Hub:
+        before = [len(other.federation.peers) for other in others]
+        hub = await start_hub(hub_name=name, join=tuple(other.url for other in others), **settings)
+        await until(
+            lambda: (
+                len(hub.federation.peers) == len(others)
+                and all(
+                    len(other.federation.peers) > count
+                    for other, count in zip(others, before, strict=True)
+                )
+            ),
+            hub,
+            *others,
+        )
+        return hub
+
+    return start
+
+
+def _join_by_zenoh(start_hub: StartHub) -> Join:
+    endpoints: dict[Hub, str] = {}
+
+    async def start(name: str, *others: Hub, **settings: object) -> Hub:
+        endpoint = f"tcp/127.0.0.1:{unused_port()}"
+        hub = await start_hub(
+            hub_name=name,
+            zenoh_listen=(endpoint,),
+            zenoh=tuple(dict.fromkeys(endpoints[other] for other in others)),
+            **settings,
+        )
+        group = {hub, *others}
+        endpoints[hub] = endpoint
+        ids = {each.federation.hub.id for each in group}
+        await until(
+            lambda: all(
+                ids <= {each.federation.hub.id, *(peer.hub.id for peer in each.federation.peers)}
+                for each in group
+            ),
+            *group,
+        )
+        return hub
+
+    return start
+
+
+def unused_port() -> int:
+    """Return a port that nothing listens on; zenoh does not tell which one it has chosen."""
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        port: int = found.getsockname()[1]
+        return port
+
+
+@pytest.fixture
+async def start_node() -> AsyncIterator[StartNode]:
+    async with AsyncExitStack() as stack:
+
+        async def start(name: str, hub: Reachable) -> fibws.Node:
+            return await stack.enter_async_context(fibws.Node(name, hub=hub.url))
+
+        yield start

@@ -1,0 +1,170 @@
+"""Hubs on machines of their own: cables are pulled, hubs killed, networks slow."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from statistics import median
+from typing import Any
+
+import pytest
+
+import fibws
+from fibws.hub.federation.link import LEASE
+from fibws.msg.sensor_msgs import Image
+from fibws.msg.std_msgs import Float64, Int32, String
+
+from .conftest import StartNode
+from .networks import PATIENCE, StartMachine
+from .networks import start_machine as start_machine
+from .networks import switch as switch
+from .test_federation import exchange
+
+End = fibws.Publisher[Any, ...] | fibws.Subscription[Any]
+
+
+async def peers_are(end: End, expected: set[str]) -> float:
+    """Wait until a publisher or a subscription has these peers; return when that was."""
+    async with asyncio.timeout(PATIENCE):
+        async for names in end.peers.changes():
+            if set(names) == expected:
+                return time.monotonic()
+    raise AssertionError("the node has ended")
+
+
+async def test_messages_of_three_machines_in_a_line_arrive_once_and_in_order(
+    start_machine: StartMachine, start_node: StartNode
+) -> None:
+    first = await start_machine("first")
+    second = await start_machine("second", first)
+    third = await start_machine("third", second)
+    await exchange([first, second, third], start_node)
+
+
+@pytest.mark.slow
+async def test_messages_of_three_machines_in_a_triangle_arrive_once_and_in_order(
+    start_machine: StartMachine, start_node: StartNode
+) -> None:
+    first = await start_machine("first")
+    second = await start_machine("second", first)
+    third = await start_machine("third", first, second)
+    await exchange([first, second, third], start_node)
+
+
+@pytest.mark.slow
+async def test_messages_of_ten_machines_in_a_star_arrive_once_and_in_order(
+    start_machine: StartMachine, start_node: StartNode
+) -> None:
+    center = await start_machine("center")
+    others = await asyncio.gather(*(start_machine(f"hub{n}", center) for n in range(9)))
+    await exchange([center, *others], start_node, 50)
+
+
+async def test_nodes_of_a_killed_hub_vanish_within_a_second(
+    start_machine: StartMachine, start_node: StartNode
+) -> None:
+    first = await start_machine("first")
+    second = await start_machine("second", first)
+    third = await start_machine("third", second)
+    talker = await start_node("talker", third)
+    await talker.advertise("chatter", String)
+    near = (await start_node("near", second)).subscribe("chatter", String, peers=True)
+    far = (await start_node("far", first)).subscribe("chatter", String, peers=True)
+    await asyncio.gather(peers_are(near, {"/talker"}), peers_are(far, {"/talker"}))
+    killed = time.monotonic()
+    await third.kill()
+    for seen in await asyncio.gather(peers_are(near, set()), peers_are(far, set())):
+        assert seen - killed < 1.0
+
+
+@pytest.mark.slow
+async def test_nodes_vanish_when_a_cable_is_pulled_and_return_when_it_is_plugged(
+    start_machine: StartMachine, start_node: StartNode
+) -> None:
+    cloud = await start_machine("cloud")
+    robot = await start_machine("robot", cloud)
+    talker, listener = await start_node("talker", robot), await start_node("listener", cloud)
+    publisher = await talker.advertise("numbers", Int32, peers=True)
+    subscription = listener.subscribe("numbers", Int32, peers=True)
+    await asyncio.gather(peers_are(publisher, {"/listener"}), peers_are(subscription, {"/talker"}))
+    pulled = time.monotonic()
+    robot.pull()
+    for lost in await asyncio.gather(peers_are(publisher, set()), peers_are(subscription, set())):
+        assert lost - pulled < LEASE + 0.5
+    plugged = time.monotonic()
+    robot.plug()
+    for found in await asyncio.gather(
+        peers_are(publisher, {"/listener"}), peers_are(subscription, {"/talker"})
+    ):
+        assert found - plugged < 5.0
+    await publisher.publish(data=7)
+    async with asyncio.timeout(PATIENCE):
+        assert (await anext(aiter(subscription))).data == 7
+
+
+@pytest.mark.slow
+async def test_older_node_survives_when_a_partition_heals_and_both_hubs_log_it(
+    start_machine: StartMachine, start_node: StartNode
+) -> None:
+    cloud = await start_machine("cloud")
+    robot = await start_machine("robot", cloud)
+    older = await start_node("twin", cloud)
+    await older.advertise("cloud_numbers", Int32)
+    watcher = await start_node("watcher", robot)
+    of_cloud = watcher.subscribe("cloud_numbers", Int32, peers=True)
+    await peers_are(of_cloud, {"/twin"})
+    robot.pull()
+    await peers_are(of_cloud, set())
+    younger = await start_node("twin", robot)
+    await younger.advertise("robot_numbers", Int32)
+    of_robot = watcher.subscribe("robot_numbers", Int32, peers=True)
+    await peers_are(of_robot, {"/twin"})
+    robot.plug()
+    await asyncio.gather(peers_are(of_cloud, {"/twin"}), peers_are(of_robot, set()))
+    await cloud.logged("/twin is connected here and at hub robot: this one is older")
+    await robot.logged("/twin is connected here and at hub cloud: that one is older")
+    with pytest.raises(fibws.FibwsError):
+        await younger.advertise("more", Int32)
+    await older.advertise("more", Int32)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("source", ["robot", "cloud"])
+async def test_images_on_a_slow_link_delay_other_topics_little(
+    start_machine: StartMachine, start_node: StartNode, source: str
+) -> None:
+    cloud = await start_machine("cloud")
+    robot = await start_machine("robot", cloud)
+    near, far = (robot, cloud) if source == "robot" else (cloud, robot)
+    robot.slow("10mbit")
+    camera, imu = await start_node("camera", near), await start_node("imu", near)
+    viewer = await start_node("viewer", far)
+    images = await camera.advertise("images", Image, queue_size=10, peers=True)
+    times = await imu.advertise("times", Float64, queue_size=10, peers=True)
+    seen = viewer.subscribe("images", Image, queue_size=1)
+    subscription = viewer.subscribe("times", Float64, queue_size=100)
+    await asyncio.gather(peers_are(images, {"/viewer"}), peers_are(times, {"/viewer"}))
+    image = Image(data=bytes(640 * 480 * 3))
+
+    async def publish_images() -> None:
+        async for _ in camera.rate(30):
+            await images.publish(image)
+
+    async def publish_times() -> None:
+        async for _ in imu.rate(10):
+            await times.publish(time.monotonic())
+
+    tasks = [asyncio.create_task(each()) for each in (publish_images, publish_times)]
+    delays = []
+    try:
+        async with asyncio.timeout(PATIENCE):
+            await anext(aiter(seen))
+            async for message in subscription:
+                delays.append(time.monotonic() - message.data)
+                if len(delays) == 30:
+                    break
+    finally:
+        for task in tasks:
+            task.cancel()
+    # The link alone takes up to 50 ms, and now and then more, when TCP repeats what it has lost.
+    assert median(delays) < 0.2

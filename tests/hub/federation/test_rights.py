@@ -1,0 +1,101 @@
+"""A link is a principal: its token limits what the other hub gets and does."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+from conftest import StartHub
+
+import fibws
+from fibws.access.rights import Right, Rights
+from fibws.access.token_file import TokenFile
+from fibws.hub import Hub
+from fibws.hub.federation.connections import Join as Joining
+from fibws.msg.std_msgs import String
+
+from .conftest import PATIENCE, until
+from .test_federation import remote_nodes
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "tokens.toml"
+
+
+async def start_cloud(start_hub: StartHub, path: Path) -> tuple[Hub, str]:
+    """Return a hub with a token for its operator, and one for a robot's hub."""
+    admin = TokenFile(path).add("operator", Rights(admin=True))
+    globs = ["/robot7/**"]
+    rights: tuple[Right, ...] = ("publish", "subscribe", "call", "provide", "node")
+    robot = TokenFile(path).add("robot7", Rights({right: globs for right in rights}))
+    cloud = await start_hub(hub_name="cloud", tokens=path)
+    return cloud, f"{robot} {admin}"
+
+
+async def test_robot_with_a_token_joins_below_its_prefix(start_hub: StartHub, path: Path) -> None:
+    cloud, words = await start_cloud(start_hub, path)
+    robot_token, admin = words.split()
+    url = f"{cloud.url}/?token={robot_token}"
+    robot = await start_hub(hub_name="robot", join=(url,), join_prefix="/robot7")
+    async with (
+        fibws.Node("talker", hub=robot.url) as talker,
+        fibws.Node("viewer", hub=cloud.url, token=admin) as viewer,
+    ):
+        publisher = await talker.advertise("scan", String, latch=True)
+        await publisher.publish(data="hello")
+        message = await viewer.wait_for_message("/robot7/scan", String, timeout=PATIENCE)
+        assert message.data == "hello"
+        assert remote_nodes(cloud) == {"/robot7/talker": "robot"}
+
+
+async def fault_of(robot: Hub, url: str) -> str:
+    """Return why a hub cannot join another one."""
+    faults: asyncio.Queue[str] = asyncio.Queue()
+    join = Joining(url, robot.federation, robot.settings)
+    join.on_fault = faults.put_nowait
+    join.start()
+    try:
+        return await asyncio.wait_for(faults.get(), PATIENCE)
+    finally:
+        await join.close()
+
+
+async def test_prefix_that_a_token_does_not_allow_is_refused(
+    start_hub: StartHub, path: Path
+) -> None:
+    cloud, words = await start_cloud(start_hub, path)
+    robot = await start_hub(hub_name="robot", join_prefix="/robot8")
+    fault = await fault_of(robot, f"{cloud.url}/?token={words.split()[0]}")
+    assert "/robot8/hub" in fault
+    assert not cloud.federation.peers
+
+
+@pytest.mark.parametrize("query", ["", "/?token=wrong"])
+async def test_missing_or_wrong_token_is_refused_with_the_reason(
+    start_hub: StartHub, path: Path, query: str
+) -> None:
+    cloud, _ = await start_cloud(start_hub, path)
+    robot = await start_hub()
+    assert "token" in await fault_of(robot, f"{cloud.url}{query}")
+    assert not cloud.federation.peers
+
+
+async def test_section_join_limits_the_hub_that_is_joined(start_hub: StartHub, path: Path) -> None:
+    cloud = await start_hub(hub_name="cloud")
+    admin = TokenFile(path).add("operator", Rights(admin=True))
+    with path.open("a") as file:
+        file.write('[join]\nallow = {publish = ["/cmd_vel"], node = ["/**"]}\n')
+    robot = await start_hub(hub_name="robot", join=(cloud.url,), tokens=path)
+    async with (
+        fibws.Node("viewer", hub=cloud.url) as viewer,
+        fibws.Node("driver", hub=robot.url, token=admin) as driver,
+    ):
+        await viewer.advertise("/cmd_vel", String)
+        await viewer.advertise("/other", String)
+        await driver.advertise("/scan", String)
+        await until(lambda: "/viewer" in robot.graph.nodes, robot)
+        await until(lambda: "/cmd_vel" in robot.graph.topics, robot)
+        assert "/viewer" not in getattr(robot.graph.topics.get("/other"), "sources", {})
+        assert "/scan" not in cloud.graph.topics
