@@ -28,7 +28,7 @@ RATES = {
 REGISTRATIONS = ("subscription", "advertisement")
 HEADS = ("NODE", "PRINCIPAL", "ADDRESS", "PROTOCOL", "SINCE", "IN", "OUT", "DROPPED", "LIMITED")
 
-_delay_option = click.option(
+delay_option = click.option(
     "-d",
     "delay",
     metavar="SECONDS",
@@ -49,7 +49,7 @@ def command() -> None:
 
 
 @command.command("list")
-@_delay_option
+@delay_option
 @click.option("--watch", is_flag=True, help="Repeat until Ctrl-C.")
 @json_option
 @with_hub("client", endless=True)
@@ -78,7 +78,7 @@ def list_(client: HubClient, delay: float, watch: bool, as_json: bool) -> None:
 
 @command.command()
 @click.argument("node", shell_complete=completers.nodes)
-@_delay_option
+@delay_option
 @json_option
 @with_hub("client")
 def info(client: HubClient, node: str, delay: float, as_json: bool) -> None:
@@ -106,7 +106,7 @@ def measured(before: Entry, now: Entry) -> list[Entry]:
         before: an older response.
         now: the newer one.
     """
-    seconds = _seconds(now) - _seconds(before)
+    seconds = seconds_of(now) - seconds_of(before)
     older = {each["node"]: each for each in before["clients"]}
     return [
         {**each, **_rates(older.get(each["node"]), each, seconds)}
@@ -117,16 +117,20 @@ def measured(before: Entry, now: Entry) -> list[Entry]:
 def _rates(before: Entry | None, now: Entry, seconds: float) -> dict[str, float]:
     is_same = before is not None and before["since"] == now["since"]
     return {
-        rate: _rate(before[total] if before is not None and is_same else 0, now[total], seconds)
+        rate: per_second(
+            before[total] if before is not None and is_same else 0, now[total], seconds
+        )
         for total, rate in RATES.items()
     }
 
 
-def _rate(before: int, now: int, seconds: float) -> float:
+def per_second(before: int, now: int, seconds: float) -> float:
+    """Return the growth of a total in a second."""
     return round(max(0, now - before) / seconds, 3) if seconds > 0 else 0.0
 
 
-def _seconds(response: Entry) -> float:
+def seconds_of(response: Entry) -> float:
+    """Return the time of a response, in seconds since 1970."""
     stamp = response["stamp"]
     return float(stamp["secs"] + stamp["nsecs"] / 1e9)
 
@@ -141,7 +145,7 @@ def _find(response: Entry, node: str) -> Entry:
 
 def _topics(before: Entry, now: Entry, node: str) -> Entry:
     """Return what a client publishes and subscribes to, with rates."""
-    seconds = _seconds(now) - _seconds(before)
+    seconds = seconds_of(now) - seconds_of(before)
     older = {each["topic"]: each for each in before["topics"]}
     publications, subscriptions = [], []
     for topic in now["topics"]:
@@ -155,14 +159,16 @@ def _topics(before: Entry, now: Entry, node: str) -> Entry:
                         "topic": name,
                         "messages": each["messages"],
                         "bytes": each["bytes"],
-                        "messages_per_second": _rate(past["messages"], each["messages"], seconds),
-                        "bytes_per_second": _rate(past["bytes"], each["bytes"], seconds),
+                        "messages_per_second": per_second(
+                            past["messages"], each["messages"], seconds
+                        ),
+                        "bytes_per_second": per_second(past["bytes"], each["bytes"], seconds),
                     }
                 )
         mine = _totals(topic["subscriptions"], node, "messages", "dropped", "throttled")
         if any(each["node"] == node for each in topic["subscriptions"]):
             past = _totals(was["subscriptions"], node, "messages")
-            rate = _rate(past["messages"], mine["messages"], seconds)
+            rate = per_second(past["messages"], mine["messages"], seconds)
             subscriptions.append({"topic": name, **mine, "messages_per_second": rate})
     return {"published": publications, "subscribed": subscriptions}
 
@@ -182,7 +188,7 @@ def _cells(client: Entry) -> tuple[str, ...]:
         client["principal"] or "-",
         client["address"] or "-",
         client["protocol"],
-        _date(client["since"]),
+        date(client["since"]),
         _flow(client, "received"),
         _flow(client, "sent"),
         str(client["dropped"]),
@@ -195,7 +201,8 @@ def _flow(client: Entry, direction: str) -> str:
     return f"{messages:.1f}/s {amount(client[f'bytes_{direction}_per_second'])}/s"
 
 
-def _date(since: Entry) -> str:
+def date(since: Entry) -> str:
+    """Return a time of ROS as text, in local time."""
     return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(since["secs"]))
 
 
@@ -204,7 +211,7 @@ def _description(client: Entry) -> Iterator[str]:
     yield f"Principal: {client['principal'] or '-'}"
     yield f"Address: {client['address'] or '-'}"
     yield f"Protocol: {client['protocol']}"
-    yield f"Since: {_date(client['since'])}"
+    yield f"Since: {date(client['since'])}"
     for text, direction in (("Received from it", "received"), ("Sent to it", "sent")):
         messages, size = client[f"messages_{direction}"], client[f"bytes_{direction}"]
         yield f"{text}: {messages} messages, {amount(size)} ({_flow(client, direction)})"

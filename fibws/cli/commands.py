@@ -19,7 +19,7 @@ COMMANDS = {
     "demo": Command(
         "fibws.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
     ),
-    "hub": Command("fibws.hub.__main__", "Run a hub, which nodes and web pages connect to.", BEGIN),
+    "hub": Command("fibws.cli.hub", "Run a hub, which nodes and web pages connect to.", BEGIN),
     "core": Command("fibws.cli.core", "Run a hub as roscore does: one for all nodes.", BEGIN),
     "setup": Command("fibws.cli.setup", "Set up a shell with roscore, rosrun, rospy ...", BEGIN),
     "run": Command("fibws.cli.run", "Run a program of a package, or a rospy script.", BEGIN),

@@ -237,7 +237,10 @@ def _description(snapshot: GraphSnapshot, node: Entry, *, quiet: bool) -> Iterat
     if quiet:
         return
     since = time.localtime(node["since"]["secs"])
-    yield f"Address: {snapshot.address(name)}"
+    if node["hub"]:
+        yield f"Hub: {node['hub']}"
+    else:
+        yield f"Address: {snapshot.address(name)}"
     if node["fault"]:
         yield f"Unreachable: {node['fault']}"
     yield f"Since: {time.strftime('%Y-%m-%d %H:%M:%S', since)}"

@@ -54,10 +54,13 @@ class GraphSnapshot:
     def address(self, node: str) -> str:
         """Return a node's address, ``127.0.0.1:5``: the hub's for the hub's own nodes.
 
-        That of a ROS 1 node is a URI, as ROS's tools print it: ``http://robot:5/``.
+        That of a ROS 1 node is a URI, as ROS's tools print it: ``http://robot:5/``; for a node of
+        another hub it is ``hub NAME``.
         """
         for each in self.nodes:
             if each["name"] == node:
+                if each["hub"]:
+                    return f"hub {each['hub']}"
                 return str(each["api"] or each["address"] or self._hub)
         return "unknown address"
 

@@ -12,7 +12,7 @@ import click
 
 from fibws.cli import output
 from fibws.cli.common_options import hub_option, json_option
-from fibws.cli.doctor import definitions, graph, hub, machine, ros1
+from fibws.cli.doctor import definitions, graph, hub, hubs, machine, ros1
 from fibws.cli.doctor.finding import Finding, ok, wrong
 from fibws.client.hub_client import HubClient
 from fibws.errors import NodeError
@@ -20,6 +20,7 @@ from fibws.errors import NodeError
 SIGNS = {"ok": "✓", "warning": "!", "wrong": "✗"}
 ASCII = {"ok": "+", "warning": "!", "wrong": "x"}
 COLOURS = {"ok": "green", "warning": "yellow", "wrong": "red"}
+HUBS = "/rosapi/hubs"
 INTERVAL = 1.0
 """Seconds between the two snapshots that are compared."""
 
@@ -46,6 +47,7 @@ def command(hub: str | None, as_json: bool) -> None:
     ends         topics without publishers or subscribers, misspelled names
     names        names used twice
     clients      clients that are too slow and lose messages
+    hubs         links to other hubs that are down or lose messages, clocks that differ
     master       whether ROS_MASTER_URI leads ROS 1 nodes to the hub
     ros1 nodes   ROS 1 nodes that do not answer, hosts that do not resolve
     conflicts    ROS 1 nodes that use a topic with another type
@@ -88,10 +90,11 @@ def findings(hub_: str | None) -> Iterator[Finding]:
         yield from hub.token(client)
         try:
             yield from hub.round_trip(client)
-            before = _snapshot(client)
+            before, hubs_before = _snapshot(client), client.call(HUBS)
             client.process(INTERVAL)
-            now = _snapshot(client)
+            now, hubs_now = _snapshot(client), client.call(HUBS)
             yield from graph.checks(before, now, but=client.node)
+            yield from hubs.checks(hubs_before, hubs_now)
             run_id, port = hub.master(client)
             yield from ros1.checks(now[0], client.url, run_id, port)
         except NodeError as error:

@@ -71,7 +71,7 @@ def _is_built(folder: Path) -> bool:
 
 
 def _faults(interfaces: Interfaces, package: Package) -> Iterator[str | None]:
-    """Yield the error of each type of a package, None if there is none."""
+    """Yield the error of each type of a package, or None for a valid type."""
     for kind in ("msg", "srv", "action"):
         for path in sorted((package.folder / kind).glob(f"*.{kind}")):
             name = f"{package.name}/{path.stem}"
