@@ -23,6 +23,8 @@ export interface NodeInfo {
   api: string;
   /** Why a ROS 1 node does not answer; empty while it does. */
   fault: string;
+  /** The name of the other hub that it is connected to; empty for nodes of this hub. */
+  hub: string;
 }
 
 export interface PublisherInfo {

@@ -17,6 +17,7 @@ export const TABS = [
   { name: "actions", label: "Actions" },
   { name: "console", label: "Console" },
   { name: "parameters", label: "Parameters" },
+  { name: "hubs", label: "Hubs" },
 ] as const;
 export type Tab = (typeof TABS)[number]["name"];
 
@@ -45,6 +46,7 @@ export class Shell {
 
   /** Mark a tab as chosen. */
   select(tab: Tab): void {
+    if (tab === "hubs") this.#showHubs();
     for (const [name, link] of this.#links) {
       if (name === tab) {
         link.setAttribute("aria-current", "page");
@@ -94,7 +96,14 @@ export class Shell {
   #tab(name: Tab, label: string): HTMLElement {
     const link = h("a", { href: route(name), id: `tab-${name}` }, label);
     this.#links.set(name, link);
+    link.hidden = name === "hubs";
     return link;
+  }
+
+  /** Show the tab of other hubs, which most hubs have no use for. */
+  #showHubs(): void {
+    const link = this.#links.get("hubs");
+    if (link !== undefined) link.hidden = false;
   }
 
   #badge({ log }: Model): void {
@@ -116,6 +125,7 @@ export class Shell {
 
   #showCounts(graph: Graph | null): void {
     if (graph === null) return;
+    if (graph.nodes.some(({ hub }) => hub)) this.#showHubs();
     showCount(this.#nodes, graph.nodes, "node");
     showCount(this.#topics, graph.topics, "topic");
   }

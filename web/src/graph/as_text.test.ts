@@ -18,6 +18,7 @@ test("each node and topic is listed with its edges", () => {
         own: false,
         api: "",
         fault: "",
+        hub: "",
       })),
       topics: [
         {
@@ -54,7 +55,7 @@ test("each node and topic is listed with its edges", () => {
 });
 
 test("unreachable nodes and conflicts are named", () => {
-  const about = { type: "", group: null, second: "", about: "" };
+  const about = { type: "", group: null, second: "", hub: "", about: "" };
   const edge = {
     ...{ id: "e", from: "node /n", to: "topic /t", publishers: [], subscriptions: [], label: "" },
     ...{ latched: false, dashed: false, bothWays: false, direct: false, about: "" },

@@ -24,8 +24,9 @@ export function asText({ elements, edges }: Picture, rates: Rates): string {
   return elements
     .filter(({ kind }) => kind !== "topic")
     .concat(elements.filter(({ kind }) => kind === "topic"))
-    .flatMap(({ id, kind, name, type, fault }) => [
-      `${kind} ${name}${type === "" ? "" : ` [${type}]`}${fault && `  unreachable: ${fault}`}`,
+    .flatMap(({ id, kind, name, type, fault, hub }) => [
+      `${kind} ${name}${type === "" ? "" : ` [${type}]`}${hub && `  (hub ${hub})`}` +
+        (fault && `  unreachable: ${fault}`),
       ...(out.get(id) ?? []).map(
         (edge) =>
           `  ─> ${edge.label ? `${edge.label} ─> ` : ""}${byId.get(edge.to)?.name}${flow(edge)}` +

@@ -13,6 +13,7 @@ const GRAPH: Graph = {
       own: false,
       api: "",
       fault: "",
+      hub: "",
     },
   ],
   topics: [

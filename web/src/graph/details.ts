@@ -139,7 +139,9 @@ export class Details {
     return [
       terms([
         isRos1 ? ["kind", "ROS 1 node"] : null,
-        ["address", node.api || node.address || (node.own ? "part of the hub" : "unknown")],
+        node.hub === ""
+          ? ["address", node.api || node.address || (node.own ? "part of the hub" : "unknown")]
+          : ["hub", node.hub],
         node.fault === "" ? null : ["state", warning(`unreachable: ${node.fault}`)],
         [
           "since",
@@ -147,7 +149,7 @@ export class Details {
             () => `${dateTime(node.since.secs, 0).slice(0, 19)}, ${ago(Date.now() / 1000 - since)}`,
           ),
         ],
-        node.own || isRos1 ? null : ["send queue", queued],
+        node.own || isRos1 || node.hub !== "" ? null : ["send queue", queued],
       ]),
       isRos1 ? h("p", { class: "soft small" }, NOT_COUNTED) : null,
       list(

@@ -12,6 +12,7 @@ const element = (kind: Element["kind"], name: string, more: Partial<Element> = {
   label: name,
   second: "",
   fault: "",
+  hub: "",
   about: "",
   ...more,
 });

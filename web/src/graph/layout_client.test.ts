@@ -14,6 +14,7 @@ const element = (id: string, label = id): Element => ({
   label,
   second: "",
   fault: "",
+  hub: "",
   about: "",
 });
 

@@ -12,6 +12,7 @@ const node = (name: string) => ({
   own: false,
   api: "",
   fault: "",
+  hub: "",
 });
 
 function topic(

@@ -25,6 +25,8 @@ export interface Element {
   second: string;
   /** Why a node does not answer; empty for all other elements. */
   fault: string;
+  /** The name of the other hub that a node is connected to; empty for all other elements. */
+  hub: string;
   /** The description for screen readers. */
   about: string;
 }
@@ -96,7 +98,7 @@ export function picture(
         ...element,
         group,
         label: group === null ? element.name : element.name.slice(group.length + 1),
-        second: element.fault !== "" ? "⚠ unreachable" : typed ? element.type : "",
+        second: secondLine(element, typed),
         about: description(element, outgoing(element.id), incoming(element.id)),
       };
     }),
@@ -112,9 +114,9 @@ class PictureDraft {
   edges: Edge[] = [];
 
   /** Add an element; returns its id. */
-  addElement(kind: Kind, name: string, type = "", node = "", fault = ""): string {
+  addElement(kind: Kind, name: string, type = "", node = "", fault = "", hub = ""): string {
     const id = idOf(kind, name);
-    this.elements.set(id, { id, kind, name, type, node, fault });
+    this.elements.set(id, { id, kind, name, type, node, fault, hub });
     return id;
   }
 
@@ -146,7 +148,9 @@ function collected(graph: Graph, options: GraphOptions): PictureDraft {
   const shown = ({ name }: { name: string }): boolean => options.debug || !isHidden(name);
   const draft = new PictureDraft();
   for (const node of graph.nodes.filter(shown)) {
-    if (options.debug || !node.own) draft.addElement("node", node.name, "", "", node.fault);
+    if (options.debug || !node.own) {
+      draft.addElement("node", node.name, "", "", node.fault, node.hub);
+    }
   }
   const users = new TopicUsers(graph);
   const actionTopics = new Set<string>();
@@ -333,10 +337,18 @@ function counter(ids: readonly string[]): (id: string) => number {
   return (id) => counts.get(id) ?? 0;
 }
 
-function description({ kind, name, type, fault }: Sketch, out: number, into: number): string {
+/** The text below an element's name. */
+function secondLine({ type, fault, hub }: Sketch, typed: boolean): string {
+  if (fault !== "") return "⚠ unreachable";
+  if (hub !== "") return `hub ${hub}`;
+  return typed ? type : "";
+}
+
+function description({ kind, name, type, fault, hub }: Sketch, out: number, into: number): string {
   const typed = type === "" ? "" : `, type ${type}`;
   const state = fault === "" ? "" : `, unreachable: ${fault}`;
-  if (kind === "node") return `node ${name}, publishes ${out}, subscribes ${into}${state}`;
+  const place = hub === "" ? "" : ` of hub ${hub}`;
+  if (kind === "node") return `node ${name}${place}, publishes ${out}, subscribes ${into}${state}`;
   if (kind === "topic") return `topic ${name}${typed}, publishers ${into}, subscribers ${out}`;
   return `${kind} ${name}${typed}`;
 }
