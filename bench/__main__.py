@@ -15,6 +15,7 @@ from bench.encodings import encodings
 from bench.fanout import fanout
 from bench.flood import flood
 from bench.growth import growth
+from bench.hubs import hubs
 from bench.idle import idle
 from bench.isolation import isolation
 from bench.latency import latency
@@ -57,6 +58,7 @@ SCENARIOS = {
     "stuck": stuck,
     "isolation": isolation,
     "access": access,
+    "hubs": hubs,
     "soak": soak,
 }
 COMPARABLE = ("fanout", "latency")
