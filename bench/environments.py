@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 import tempfile
@@ -15,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Self
 
-from bench.machine import cpu_seconds
+from bench.machine import cpu_seconds, free_port
 from bench.measure import HUB, BenchError, Plan
 from bench.servers import ROOT, Server, running
 
@@ -222,8 +221,7 @@ def real_ros() -> Iterator[Environment | None]:
         yield None
         return
     with tempfile.TemporaryDirectory() as home:
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            port = free.getsockname()[1]
+        port = free_port()
         variables = {
             "PATH": "/usr/bin:/bin",
             "HOME": home,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import platform
+import random
 import resource
+import socket
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -55,6 +57,18 @@ def _siblings(cpu: int) -> set[int]:
         first, _, last = each.partition("-")
         found.update(range(int(first), int(last or first) + 1))
     return found
+
+
+def free_port() -> int:
+    """Return a port of 127.0.0.1 for a program that cannot choose one itself.
+
+    It lies below those that systems give to outgoing connections, so that none takes it before the
+    program does, or while the program restarts.
+    """
+    while True:
+        port = random.randrange(10_000, 30_000)
+        with suppress(OSError), socket.create_server(("127.0.0.1", port)):
+            return port
 
 
 @contextmanager

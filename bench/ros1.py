@@ -17,7 +17,7 @@ from typing import Any
 from xmlrpc.client import dumps, loads
 
 from bench.client import Client, operation
-from bench.machine import cpus, on_load_cpu
+from bench.machine import cpus, free_port, on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.ros1_links import Node, ros1_links
@@ -261,7 +261,7 @@ def _hub(
     name: str, state: Path | None = None, port: int | None = None
 ) -> Iterator[tuple[int, int, int]]:
     """A hub; yields the ports of its master and of its WebSocket, and its process."""
-    port = port or _free_port()
+    port = port or free_port()
     with tempfile.TemporaryDirectory() as folder:
         path = str(state or Path(folder) / "state.json")
         with running(name, options=["--ros1", str(port), "--ros1-state", path]) as server:
@@ -275,7 +275,7 @@ def _running(name: str) -> Iterator[int]:
         with _hub(name) as (port, _, _):
             yield port
         return
-    port = _free_port()
+    port = free_port()
     process = subprocess.Popen(
         [ROSMASTER, "--core", "-p", str(port)],
         env={"PATH": "/usr/bin:/bin", "ROS_IP": "127.0.0.1", "HOME": "/tmp"},
@@ -300,9 +300,3 @@ def _answers(port: int) -> bool:
     loads(caller.call(_request("getPid", "/bench")))
     caller.close()
     return True
-
-
-def _free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port: int = free.getsockname()[1]
-    return port

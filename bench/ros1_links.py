@@ -15,7 +15,7 @@ from xmlrpc.client import ServerProxy
 from xmlrpc.server import SimpleXMLRPCServer
 
 from bench.client import TIMEOUT_SECONDS, Client, operation
-from bench.machine import on_load_cpu
+from bench.machine import free_port, on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, running
@@ -157,8 +157,7 @@ def ros1_links(plan: Plan, report: Report) -> None:
 
 @contextmanager
 def _hub(name: str) -> Iterator[Hub]:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     with tempfile.TemporaryDirectory() as folder:
         state = str(Path(folder) / "state.json")
         with running(name, options=["--ros1", str(port), "--ros1-state", state]) as server:

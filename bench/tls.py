@@ -17,7 +17,7 @@ from unittest.mock import patch
 
 from bench.client import frame, operation
 from bench.handshake import connected, handshake
-from bench.machine import cpu_seconds, cpus, on_load_cpu
+from bench.machine import cpu_seconds, cpus, free_port, on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import START_SECONDS, running
@@ -194,8 +194,7 @@ def _nginx(
     program: str, folder: Path, files: Files, hub: int, context: ssl.SSLContext
 ) -> Iterator[tuple[int, int]]:
     """Run nginx in front of a hub; yield its port and its process."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     temporary = "".join(
         f"{name}_temp_path {folder / name}; "
         for name in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import os
+import random
 import signal
+import socket
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Self, TypeAlias
 
@@ -16,6 +19,17 @@ from fibws.hub import Hub, Settings
 
 ROOT = Path(__file__).parents[1]
 PATIENCE = 60
+
+
+def free_port() -> int:
+    """Return a port of 127.0.0.1 for a program that cannot choose one itself.
+
+    It lies below those that systems give to outgoing connections, so that none takes it meanwhile.
+    """
+    while True:
+        port = random.randrange(10_000, 30_000)
+        with suppress(OSError), socket.create_server(("127.0.0.1", port)):
+            return port
 
 
 class Program:

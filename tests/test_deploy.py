@@ -6,7 +6,6 @@ import asyncio
 import json
 import re
 import shutil
-import socket
 import subprocess
 import urllib.request
 from collections.abc import Iterator, Mapping
@@ -19,6 +18,7 @@ import pytest
 import yaml
 from conftest import StartHub
 from prometheus_client.parser import text_string_to_metric_families
+from running_programs import free_port
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
@@ -183,9 +183,7 @@ def families(hub: Hub) -> list[list[str]]:
 @asynccontextmanager
 async def prometheus(config: Path, data: Path) -> Any:
     """Run Prometheus; yield its address."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        address = f"127.0.0.1:{free.getsockname()[1]}"
+    address = f"127.0.0.1:{free_port()}"
     process = await asyncio.create_subprocess_exec(
         "prometheus",
         f"--config.file={config}",

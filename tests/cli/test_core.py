@@ -14,6 +14,7 @@ from typing import TypeAlias
 import pytest
 from click.testing import CliRunner, Result
 from hub_in_thread import HubThread
+from running_programs import free_port
 
 from fibws.cli import core as module
 from fibws.cli.commands import command
@@ -92,9 +93,7 @@ def test_options_of_roscore_are_accepted(core: Core) -> None:
 
 
 def test_hub_is_the_master_of_ros_1_nodes(core: Core) -> None:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     result = core("-p", "0", ros1=True, ROS_MASTER_URI=f"http://localhost:{port}")
     assert hub_command(result) == f"-m fibws.hub --port 0 --ros1 {port}"
 

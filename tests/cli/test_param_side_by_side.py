@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TypeAlias
 
 import pytest
 from hub_in_thread import Run
+from running_programs import free_port
 
 pytestmark = [
     pytest.mark.real_ros,
@@ -39,9 +39,7 @@ empty: ''
 @pytest.fixture
 def rosparam(tmp_path: Path) -> Iterator[Rosparam]:
     """Runs rosparam with a ROS master of its own, and returns what it prints."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     environment = {
         **os.environ,
         "PYTHONPATH": "",

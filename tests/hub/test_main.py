@@ -23,6 +23,7 @@ import pytest
 from certificates import Authority
 from certificates import authority as authority
 from click.testing import CliRunner
+from running_programs import free_port
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
@@ -183,7 +184,7 @@ def test_reason_for_not_starting_is_json_if_the_log_is() -> None:
 
 def test_signal_right_after_the_first_line_is_not_lost() -> None:
     """A script that waits for the line may stop the hub at once."""
-    port = _free_port()
+    port = free_port()
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     filled = 0
@@ -217,7 +218,7 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
 @pytest.mark.parametrize("which", [[1], [2], [1, 2]], ids=["stdout", "stderr", "both"])
 @pytest.mark.parametrize("how", ["full disk", "closed pipe", "closed"])
 def test_hub_survives_a_closed_output(how: str, which: list[int]) -> None:
-    port = _free_port()
+    port = free_port()
     reading, pipe = os.pipe()
     os.close(reading)
     output = {"full disk": os.open("/dev/full", os.O_WRONLY), "closed pipe": pipe}.get(how)
@@ -466,12 +467,6 @@ def test_missing_interfaces_folder_is_one_line() -> None:
         code, out, err = hub.end()
     assert (code, out) == (1, "")
     assert err == "fibws.hub: /no/such/folder: folder of definitions not found.\n"
-
-
-def _free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        number: int = server.getsockname()[1]
-        return number
 
 
 def _connect(port: int) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import re
 import signal
-import socket
 from collections.abc import AsyncIterator
 
 import pytest
+from running_programs import free_port
 
 import fibws
 from fibws.msg import std_msgs
@@ -165,9 +165,7 @@ async def test_fibws_starts_installed_programs(
 async def test_launch_starts_a_master_for_installed_programs(ros: World) -> None:
     file = ros.folder / "relay.launch"
     file.write_text(OUR_LAUNCH)
-    with socket.create_server(("127.0.0.1", 0)) as free, socket.create_server(("", 0)) as other:
-        master = f"http://127.0.0.1:{free.getsockname()[1]}"
-        hub = f"ws://127.0.0.1:{other.getsockname()[1]}"
+    master, hub = f"http://127.0.0.1:{free_port()}", f"ws://127.0.0.1:{free_port()}"
     words = ["-m", "fibws", "launch", "--hub", hub, str(file)]
     program = await ros.our("launch", *words, ROS_MASTER_URI=master)
     page = await program.found(r"FIBWS_HUB=(ws:\S+\d)")

@@ -6,7 +6,6 @@ import asyncio
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Iterator
@@ -15,6 +14,8 @@ from dataclasses import dataclass, field
 from difflib import unified_diff
 from pathlib import Path
 from typing import NamedTuple
+
+from running_programs import free_port
 
 import fibws
 from fibws.hub import Hub, Settings
@@ -267,8 +268,7 @@ def missing_ros() -> str | None:
 def real_ros(folder: Path) -> Iterator[World]:
     """A roscore on a free port, and the messages of packages that Debian has not."""
     _generate(folder, "rospy_tutorials", "std_srvs", "trajectory_msgs", "turtlesim")
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     environment = {
         "PATH": "/usr/bin:/bin",
         "HOME": str(folder),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import threading
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, HTTPServer
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from hub_in_thread import HubThread
+from running_programs import free_port
 
 from fibws import hub_address
 
@@ -23,17 +23,14 @@ ENDING = '<node pkg="robot" type="failer" name="f" required="true"/>'
 
 
 @pytest.fixture
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return int(server.getsockname()[1])
+def port() -> int:
+    return free_port()
 
 
 @pytest.fixture(autouse=True)
 def default_url(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let no hub run at the default URL."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-    monkeypatch.setattr(hub_address, "DEFAULT", f"ws://127.0.0.1:{port}")
+    monkeypatch.setattr(hub_address, "DEFAULT", f"ws://127.0.0.1:{free_port()}")
 
 
 @pytest.fixture
@@ -48,14 +45,14 @@ def http_server() -> Iterator[str]:
 
 
 def test_own_hub_listens_on_the_port_of_the_launch_file(
-    launch: Launch, robot: Path, free_port: int
+    launch: Launch, robot: Path, port: int
 ) -> None:
-    result = launch(write(robot, INCLUDE.format(free_port) + ENDING))
+    result = launch(write(robot, INCLUDE.format(port) + ENDING))
     lines = result.stdout.splitlines()
     assert "auto-starting new hub" in lines
-    assert f"FIBWS_HUB=ws://127.0.0.1:{free_port}" in lines
-    assert any(f"export FIBWS_HUB=ws://127.0.0.1:{free_port}" in line for line in lines)
-    assert f" * /rosbridge_websocket/port: {free_port}" in lines
+    assert f"FIBWS_HUB=ws://127.0.0.1:{port}" in lines
+    assert any(f"export FIBWS_HUB=ws://127.0.0.1:{port}" in line for line in lines)
+    assert f" * /rosbridge_websocket/port: {port}" in lines
     assert "    rosbridge_websocket (rosbridge_server/rosbridge_websocket)" in lines
     assert any(line.startswith("[rosbridge_websocket] not started") for line in lines)
     assert "WARNING" not in result.stderr
@@ -72,9 +69,9 @@ def test_running_hub_at_the_port_of_the_launch_file_is_used(
 
 
 def test_other_port_of_a_running_hub_is_a_warning(
-    launch: Launch, robot: Path, hub: HubThread, monkeypatch: pytest.MonkeyPatch, free_port: int
+    launch: Launch, robot: Path, hub: HubThread, monkeypatch: pytest.MonkeyPatch, port: int
 ) -> None:
-    file = write(robot, INCLUDE.format(free_port))
+    file = write(robot, INCLUDE.format(port))
     monkeypatch.setattr(hub_address, "DEFAULT", hub.url)
     results = [launch(file), launch(file, "--hub", hub.url)]
     monkeypatch.setenv("FIBWS_HUB", hub.url)
@@ -83,15 +80,15 @@ def test_other_port_of_a_running_hub_is_a_warning(
         assert f"FIBWS_HUB={hub.url}" in result.stdout.splitlines()
         [warning] = [line for line in result.stderr.splitlines() if "WARNING" in line]
         assert "rosbridge_websocket.launch:" in warning
-        assert f"port {free_port}" in warning and hub.url in warning
+        assert f"port {port}" in warning and hub.url in warning
 
 
 def test_port_option_comes_before_the_port_of_the_launch_file(
-    launch: Launch, robot: Path, free_port: int
+    launch: Launch, robot: Path, port: int
 ) -> None:
-    result = launch(write(robot, INCLUDE.format(free_port) + ENDING), "-p", "0")
-    assert f"FIBWS_HUB=ws://127.0.0.1:{free_port}" not in result.stdout.splitlines()
-    assert f"port {free_port} is ignored" in result.stderr
+    result = launch(write(robot, INCLUDE.format(port) + ENDING), "-p", "0")
+    assert f"FIBWS_HUB=ws://127.0.0.1:{port}" not in result.stdout.splitlines()
+    assert f"port {port} is ignored" in result.stderr
 
 
 def test_other_server_at_the_default_port_does_not_matter(
@@ -99,11 +96,11 @@ def test_other_server_at_the_default_port_does_not_matter(
     robot: Path,
     monkeypatch: pytest.MonkeyPatch,
     http_server: str,
-    free_port: int,
+    port: int,
 ) -> None:
     monkeypatch.setattr(hub_address, "DEFAULT", http_server)
-    result = launch(write(robot, INCLUDE.format(free_port) + ENDING))
-    assert f"FIBWS_HUB=ws://127.0.0.1:{free_port}" in result.stdout.splitlines()
+    result = launch(write(robot, INCLUDE.format(port) + ENDING))
+    assert f"FIBWS_HUB=ws://127.0.0.1:{port}" in result.stdout.splitlines()
     result = launch(write(robot, ENDING))
     assert result.exit_code == 1
     assert http_server in result.stderr

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import socket
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack
 from typing import Protocol
 
 import pytest
 from conftest import StartHub
+from running_programs import free_port
 
 import fibws
 from fibws.hub import Hub
@@ -79,7 +79,7 @@ def _join_by_zenoh(start_hub: StartHub) -> Join:
     endpoints: dict[Hub, str] = {}
 
     async def start(name: str, *others: Hub, **settings: object) -> Hub:
-        endpoint = f"tcp/127.0.0.1:{unused_port()}"
+        endpoint = f"tcp/127.0.0.1:{free_port()}"
         hub = await start_hub(
             hub_name=name,
             zenoh_listen=(endpoint,),
@@ -99,14 +99,6 @@ def _join_by_zenoh(start_hub: StartHub) -> Join:
         return hub
 
     return start
-
-
-def unused_port() -> int:
-    """Return a port that nothing listens on; zenoh does not tell which one it has chosen."""
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        port: int = found.getsockname()[1]
-        return port
 
 
 @pytest.fixture

@@ -7,13 +7,13 @@ of the newest publisher.
 from __future__ import annotations
 
 import asyncio
-import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import datetime
 from typing import Any
 
 import pytest
+from running_programs import free_port
 
 from fibws.hub import Hub, Settings
 
@@ -199,8 +199,7 @@ class Node(Peer):
 @asynccontextmanager
 async def rosmaster() -> AsyncIterator[str]:
     """ROS's own master, on a free port."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     process = await asyncio.create_subprocess_exec(
         *(ROSMASTER, "--core", "-p", str(port)),
         env={"PATH": "/usr/bin:/bin", "ROS_IP": "127.0.0.1", "HOME": "/tmp", "ROS_LOG_DIR": "/tmp"},
