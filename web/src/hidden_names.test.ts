@@ -13,6 +13,8 @@ test.each([
   "/talker/set_logger_level",
   "/rosbridge_websocket/get_loggers",
   "/talker/get_loggers",
+  "/robot7/rosout",
+  "/robot7/rosout/cloud_0a1b2c",
 ])("%s is hidden", (name) => expect(isHidden(name)).toBe(true));
 
 test.each([

@@ -10,6 +10,8 @@ const NAMES = new Set([
   "/statistics",
 ]);
 const PREFIXES = ["/rosapi/", "/rosout/", "/rosbridge_websocket/", "/page_"];
+/** The logs of hubs that have joined with a prefix, and the nodes of hubs that read logs. */
+const OTHER_LOGS = /^\/(\w+\/)+rosout(\/|$)/;
 /**
  * The nodes of the commands of `fibws`: `fibws_<command>_<process id>_<digits>`.
  *
@@ -24,6 +26,7 @@ export function isHidden(name: string): boolean {
   return (
     NAMES.has(name) ||
     COMMAND.test(name) ||
+    OTHER_LOGS.test(name) ||
     PREFIXES.some((prefix) => name.startsWith(prefix)) ||
     SUFFIXES.some((suffix) => name.endsWith(suffix))
   );

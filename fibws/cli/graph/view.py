@@ -20,6 +20,8 @@ HIDDEN_PREFIXES = ("/rosapi/", "/rosout/", "/rosbridge_websocket/", "/page_")
 HIDDEN_SUFFIXES = ("/get_loggers", "/set_logger_level")
 TOOL = re.compile(r"/(\w+/)*fibws_(?!(echo|pub|hz|bw|delay)_)[a-z]+_\d+_\d+")
 """The nodes of fibws's commands; those of `fibws topic` publish and subscribe as rostopic's do."""
+OTHER_LOGS = re.compile(r"/(\w+/)+rosout(/.*)?")
+"""The logs of hubs that have joined with a prefix, and the nodes of hubs that read logs."""
 ACTION_TOPICS = ("goal", "cancel", "feedback", "status", "result")
 
 
@@ -33,6 +35,7 @@ def is_hidden(name: str) -> bool:
         or name.startswith(HIDDEN_PREFIXES)
         or name.endswith(HIDDEN_SUFFIXES)
         or TOOL.fullmatch(name) is not None
+        or OTHER_LOGS.fullmatch(name) is not None
     )
 
 

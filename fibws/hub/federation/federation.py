@@ -25,6 +25,7 @@ from fibws.hub.federation.offers import LinkNode, Offers
 from fibws.hub.federation.outlets import Outlets
 from fibws.hub.federation.records import Announcement, HubInfo, Kind, Message, Request
 from fibws.hub.federation.remote import RemoteGraph
+from fibws.hub.federation.remote_logs import LogReader
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.federation.remote_topics import RemotePublisher
 from fibws.hub.federation.shared_parameters import SharedParameters
@@ -75,6 +76,13 @@ class Federation:
         )
         self._parameters = SharedParameters(
             graph, hub.id, settings.share_params, partial(self._changed, "parameters")
+        )
+        self._logs = LogReader(
+            graph,
+            hub,
+            loop.call_soon,
+            is_remote=self._remote.topics.by_source.__contains__,
+            is_joined=lambda: bool(self.peers),
         )
         graph.watch_topics(lambda topic: self._changed("topics", topic.name))
         for watched, kind in KIND_OF.items():
@@ -128,6 +136,7 @@ class Federation:
 
     def close(self) -> None:
         """Detach what is left; all backplanes are closed."""
+        self._logs.close()
         self._remote.close()
 
     # The backplanes: see `Network`.
@@ -237,6 +246,7 @@ class Federation:
     # The graph.
 
     def _report_change(self) -> None:
+        self._logs.update()
         for changed in self._watchers:
             changed()
 

@@ -25,6 +25,7 @@ from fibws.hub.federation.records import (
     TopicRecord,
 )
 from fibws.hub.federation.remote import RemoteGraph
+from fibws.hub.federation.remote_logs import LogReader
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.federation.shared_parameters import SharedParameters
 from fibws.hub.federation.worklist import TURN
@@ -285,7 +286,9 @@ class Offers:
     def _may_offer(self, node: str) -> bool:
         """Return whether a node can be offered: not to where it has come from."""
         found = self.graph.nodes.get(node)
-        if found is None or node in self.graph.internal or isinstance(found, LinkNode):
+        if found is None or isinstance(found, LinkNode):
+            return False
+        if node in self.graph.internal and not isinstance(found, LogReader):
             return False
         return not isinstance(found, RemoteNode) or found.home.peer.backplane is not self.backplane
 

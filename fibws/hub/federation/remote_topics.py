@@ -15,6 +15,7 @@ from fibws.hub.federation.announced import Announced, PeerGraph, RemoteTopic
 from fibws.hub.federation.definitions import DefinitionPending, RemoteDefinitions
 from fibws.hub.federation.outlets import Outlet, Outlets
 from fibws.hub.federation.records import Message, Publisher
+from fibws.hub.federation.remote_logs import ROSOUT
 from fibws.hub.federation.remote_nodes import RemoteNode, attached_node
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
@@ -417,11 +418,12 @@ class RemoteTopics:
     def _is_needed(self, source: Source, home: PeerGraph) -> bool:
         """Return whether this hub, or one behind it, needs the messages of a remote publisher.
 
-        The hub's own aggregator of the log does not count: each hub aggregates its own.
+        The hub's aggregator of the log does not count: `LogReader` subscribes while somebody reads
+        what it aggregates.
         """
         is_log = source.topic.name in self._graph.guards
         for sink in source.topic.sinks():
-            is_aggregator = is_log and sink.node in self._graph.internal
+            is_aggregator = is_log and sink.node == ROSOUT
             if not isinstance(sink, RemoteSubscriber) and not is_aggregator:
                 return True
         return self._outlets.is_wanted(source, home.peer.backplane)

@@ -13,6 +13,7 @@ from fibws.hub import Hub
 from fibws.hub.federation.connections import Join as Joining
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.graph.publication import Publication
+from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.example_interfaces import AddTwoInts
 
@@ -423,3 +424,33 @@ async def test_hub_cannot_join_itself(join: Join) -> None:
     assert "itself" in await asyncio.wait_for(faults.get(), PATIENCE)
     await joining.close()
     assert not cloud.federation.peers
+
+
+async def test_log_of_other_hubs_arrives_while_somebody_reads_it(
+    join: Join, start_node: StartNode
+) -> None:
+    cloud = await join("cloud")
+    robot = await join("robot", cloud, join_prefix="/robot7")
+    desk = await join("desk", cloud)
+    speakers = [await start_node("talker", robot), await start_node("worker", desk)]
+    await until(lambda: {"/robot7/talker", "/worker"} <= {*cloud.graph.nodes}, cloud)
+    node = await start_node("reader", cloud)
+    reader = node.subscribe("/rosout_agg", Log)
+    names: set[str] = set()
+
+    async def read() -> None:
+        async for line in reader:
+            names.add(line.name)
+            if names == {"/robot7/talker", "/worker"}:
+                return
+
+    reading = asyncio.create_task(read())
+    async with asyncio.timeout(PATIENCE):
+        while not reading.done():
+            for speaker in speakers:  # Lines are lost until the subscription is known there.
+                speaker.log.info("here")
+                await speaker.flush()
+            await node.flush()
+    reader.close()
+    logs = [hub.graph.topic("/rosout") for hub in (robot, desk)]
+    await until(lambda: all(len(log.sinks()) == 1 for log in logs), robot, desk)
