@@ -64,7 +64,7 @@ class RemoteDefinitions:
             text = reply.fields.get("text")
             self._texts[key] = text if isinstance(text, str) else ""
             if reply.fields.get("code") == "server_lost":
-                del self._texts[key]  # Another hub may be asked.
+                self._texts.pop(key, None)  # Another hub may be asked.
             for user in self._waiting.pop(key, ()):
                 self._arrived(*user)
 
