@@ -33,6 +33,7 @@ FibwsError
 ├── AccessError            an invalid token file, right, key or certificate
 ├── LaunchError            an invalid launch file
 ├── HubError               the hub cannot start or continue
+├── FederationError        another hub, or the connection to it, has failed
 ├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
 │   ├── XmlRpcError            invalid XML-RPC, or a response that is a fault
 │   ├── TcprosError            an invalid TCPROS header or frame, or an answer that is an error
@@ -381,7 +382,7 @@ class HubError(FibwsError):
 
 
 class FederationError(FibwsError):
-    """Another hub, or the connection to it, does not do what was expected."""
+    """Another hub, or the connection to it, has failed."""
 
 
 class Ros1Error(FibwsError):
