@@ -51,12 +51,9 @@ class PeerGraph:
         """The topics that each node uses."""
         self.served_by: dict[str, set[tuple[Kind, str]]] = {}
         """The services and actions that each node serves."""
+        self.size = 0
+        """Records, and the users of topics, that are kept."""
         self.ignored = 0
-
-    @property
-    def is_full(self) -> bool:
-        """Whether the hub has announced as much as is kept."""
-        return sum(map(len, self.names.values())) >= MOST_RECORDS
 
     def local_time(self, theirs: int) -> int:
         """Return the time of this hub's clock at a time of the other's; both in nanoseconds."""
@@ -107,15 +104,17 @@ class Announced:
         if record is None:
             self._remove(home, kind, name)
             return
-        names = home.names[kind]
-        if name not in names and home.is_full:
+        self._remove_record(home, kind, name)
+        size = _size(kind, record)
+        if home.size + size > MOST_RECORDS:
+            self._changed(kind, name)
             home.ignored += 1
             if is_power_of_ten(home.ignored):
                 text = "Hub %s announces too much (limit is %d records): %d are ignored."
                 logger.warning(text, printable(home.peer.hub.name), MOST_RECORDS, home.ignored)
             return
-        self._unlist(home, kind, name)
-        names.add(name)
+        home.size += size
+        home.names[kind].add(name)
         self._records[kind].setdefault(name, {})[home] = record
         if kind == "topics":
             for node in {*record.publishers, *record.subscribers}:
@@ -125,25 +124,31 @@ class Announced:
         self._changed(kind, name)
 
     def _remove(self, home: PeerGraph, kind: Kind, name: str) -> None:
-        if name in home.names[kind]:
-            self._unlist(home, kind, name)
-            home.names[kind].discard(name)
-            records = self._records[kind]
-            del records[name][home]
-            if not records[name]:
-                del records[name]
+        if self._remove_record(home, kind, name):
             self._changed(kind, name)
 
-    def _unlist(self, home: PeerGraph, kind: Kind, name: str) -> None:
-        """Remove a record from the indexes by nodes."""
+    def _remove_record(self, home: PeerGraph, kind: Kind, name: str) -> bool:
+        """Remove a record and its nodes' indexes; return whether there was one."""
         record = self.of(kind, name).get(home)
         if record is None:
-            return
+            return False
+        home.size -= _size(kind, record)
+        home.names[kind].discard(name)
+        records = self._records[kind]
+        del records[name][home]
+        if not records[name]:
+            del records[name]
         if kind == "topics":
             for node in {*record.publishers, *record.subscribers}:
                 _discard(home.topics_of, node, name)
         elif kind != "nodes":
             _discard(home.served_by, record.node, (kind, name))
+        return True
+
+
+def _size(kind: Kind, record: Any) -> int:
+    """Return how much a record counts towards `MOST_RECORDS`."""
+    return 1 + len(record.publishers) + len(record.subscribers) if kind == "topics" else 1
 
 
 def _translated(record: TopicRecord | None, name: str, peer: Peer) -> RemoteTopic | None:

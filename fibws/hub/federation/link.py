@@ -38,6 +38,7 @@ from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer
 from fibws.hub.federation.names import NameView, level_of
 from fibws.hub.federation.records import (
+    KINDS,
     Announcement,
     HubInfo,
     Message,
@@ -50,7 +51,8 @@ from fibws.hub.federation.records import (
     failure,
     fault,
 )
-from fibws.protocol.websocket import FORBIDDEN, REPLACED, CloseReason, close_reason
+from fibws.hub.log_text import printable
+from fibws.protocol.websocket import FORBIDDEN, LIMITED, REPLACED, CloseReason, close_reason
 
 logger = logging.getLogger("fibws.hub")
 
@@ -67,6 +69,14 @@ LANE_BYTES = 2 * 1024 * 1024
 """Bytes that may wait in a lane; its newest message always may."""
 BUSY = 256 * 1024
 """Bytes of announcements and other records that wait, from which on no more are made."""
+OVERHEAD = 128
+"""Bytes of memory that a waiting record takes beside its own."""
+MOST_ANNOUNCED = 1024 * 1024
+"""Bytes that one announcement may have; it is read at once."""
+MOST_FIELDS = 64 * 1024
+"""Bytes that the JSON of a request or a reply may have."""
+MOST_AT_ONCE = 4096
+"""Records that one WebSocket message may hold; this hub sends fewer."""
 PING_INTERVAL = 1.0
 LEASE = 4.0
 """Seconds of silence after which a hub counts as lost."""
@@ -77,6 +87,7 @@ HELLO, ANNOUNCE, INTEREST, FLOWING, MESSAGE, REQUEST, REPLY, CANCEL, PING, PONG,
 
 SAME_HUB = close_reason(4403, "a hub cannot join itself")
 LOST = CloseReason(1001, "no sign of life from the other hub")
+OVERFULL = close_reason(LIMITED, "too much waits for a hub that does not read")
 
 _SIZE = struct.Struct("<IB")
 _INTEREST = struct.Struct("<QB")
@@ -101,7 +112,7 @@ class Hello(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
 
     hub: HubInfo
-    prefix: Annotated[str, Field(max_length=200, pattern=r"^((/[A-Za-z]\w*)+)?$")] = ""
+    prefix: Annotated[str, Field(max_length=200, pattern=r"^((/[A-Za-z][A-Za-z0-9_]*)+)?$")] = ""
 
 
 class Wire(Protocol):
@@ -198,6 +209,8 @@ class Link(Backplane):
         self._on_joined = on_joined
         self._control: deque[bytes] = deque()
         self._control_bytes = 0
+        self._pong = b""
+        """The answer to the newest ping."""
         self._lanes: OrderedDict[int, _Lane] = OrderedDict()
         self._lane_bytes = 0
         self._parts: dict[int, bytearray] = {}
@@ -211,6 +224,7 @@ class Link(Backplane):
         self._early: list[tuple[int, bytes]] = []
         """Records that wait until the other hub's clock is known, which tells ages."""
         self._is_closed = False
+        self._is_overfull = False
         hello = Hello(hub=hub, prefix=view.prefix if view.is_below else "")
         self._send_control(HELLO, hello.model_dump_json().encode())
         self._timer: Timer = clock.call_later(PING_INTERVAL, self._tick)
@@ -237,6 +251,11 @@ class Link(Backplane):
                 for half in halves:
                     self.announce(half)
                 return
+        if len(data) > MOST_ANNOUNCED:
+            hub = self.peer.hub.name if self.peer is not None else self._address
+            text = "%d bytes are too many to announce to hub %s (limit is %d): %s"
+            logger.warning(text, len(data), printable(hub), MOST_ANNOUNCED, _names(announcement))
+            return
         self._send_control(ANNOUNCE, data)
 
     def publish(self, message: Message, *, limit: int) -> None:
@@ -285,6 +304,8 @@ class Link(Backplane):
             return
         if reply.is_final:
             del self._handled[id_]
+        if len(reply.body) + self._lane_bytes > self._max_queued:
+            reply = failure("too much waits for this hub", "limit")
         fields = encode_fields(reply.fields)
         head = _REPLY.pack(id_, reply.is_final, len(fields)) + fields
         self._put(_REQUESTS, REPLY, head, reply.body, None)
@@ -292,9 +313,17 @@ class Link(Backplane):
     def _send_control(self, kind: int, body: bytes) -> None:
         if self._is_closed:
             return
-        self._control.append(_SIZE.pack(len(body) + 1, kind) + body)
-        self._control_bytes += len(body)
+        record = _SIZE.pack(len(body) + 1, kind) + body
+        self._control.append(record)
+        self._control_bytes += len(record) + OVERHEAD
+        self._check_waiting()
         self._wire.wake()
+
+    def _check_waiting(self) -> None:
+        """Close the link if too much waits that cannot be dropped."""
+        if self._control_bytes + self._lane_bytes > 4 * self._max_queued and not self._is_overfull:
+            self._is_overfull = True
+            self._wire.close(OVERFULL)
 
     def _put(self, key: int, kind: int, head: bytes, body: Any, limit: int | None) -> None:
         """Put a record into a lane, of which the oldest ones are dropped beyond a limit."""
@@ -310,6 +339,8 @@ class Link(Backplane):
         self._lane_bytes += waiting.size
         if limit is not None:
             self._trim(lane, max(1, limit))
+        else:
+            self._check_waiting()
         self._wire.wake()
 
     def _trim(self, lane: _Lane, limit: int) -> None:
@@ -339,9 +370,13 @@ class Link(Backplane):
         parts: list[Any] = []
         size = 0
         was_busy = self.is_busy
+        if self._pong:
+            parts.append(self._pong)
+            size += len(self._pong)
+            self._pong = b""
         while self._control and size < CHUNK:
             record = self._control.popleft()
-            self._control_bytes -= len(record) - _SIZE.size
+            self._control_bytes -= len(record) + OVERHEAD
             parts.append(record)
             size += len(record)
         if self._lane_bytes <= CHUNK:
@@ -405,8 +440,11 @@ class Link(Backplane):
         self._heard = self._clock.time()
         if self.peer is not None:
             self.peer.traffic.bytes_received += len(data)
-        view, at = memoryview(data), 0
+        view, at, records = memoryview(data), 0, 0
         while at < len(data) and not self._is_closed:
+            records += 1
+            if records > MOST_AT_ONCE:
+                raise FederationError(f"too many records at once (limit is {MOST_AT_ONCE})")
             if len(data) - at < _SIZE.size:
                 raise FederationError("invalid record: its size is cut off")
             size, kind = _SIZE.unpack_from(data, at)
@@ -424,7 +462,7 @@ class Link(Backplane):
             return
         if self.peer.clock_offset is None and kind not in (PING, PONG):
             self._early.append((kind, bytes(body)))
-            self.incomplete_bytes += len(body)
+            self.incomplete_bytes += len(body) + OVERHEAD
             if self.incomplete_bytes > self._max_incoming:
                 raise FederationError("too much has come before the answer to a ping")
             return
@@ -437,6 +475,10 @@ class Link(Backplane):
             elif kind == PART:
                 self._receive_part(body)
             elif kind == ANNOUNCE:
+                if len(body) > MOST_ANNOUNCED:
+                    raise FederationError(
+                        f"an announcement of {len(body)} bytes (limit is {MOST_ANNOUNCED})"
+                    )
                 self._network.announced(self.peer, decode_announcement(body))
             elif kind == INTEREST:
                 number, wanted = _INTEREST.unpack(body)
@@ -455,7 +497,9 @@ class Link(Backplane):
                     cancel()
             elif kind == PING:
                 _PING.unpack(body)
-                self._send_control(PONG, bytes(body) + _PING.pack(self._now()))
+                self._pong = _SIZE.pack(_PONG.size + 1, PONG) + bytes(body)
+                self._pong += _PING.pack(self._now())
+                self._wire.wake()
             elif kind == PONG:
                 self._receive_pong(self.peer, body)
             # Other kinds are for later versions.
@@ -490,16 +534,26 @@ class Link(Backplane):
     def _receive_part(self, body: memoryview) -> None:
         key, is_last = _PART.unpack_from(body)
         piece = body[_PART.size :]
-        parts = self._parts.setdefault(key, bytearray())
+        if not piece:
+            raise FederationError("invalid record: a part without bytes")
+        parts = self._parts.get(key)
+        if parts is None:
+            parts = self._parts[key] = bytearray()
+            self.incomplete_bytes += OVERHEAD
         parts += piece
         self.incomplete_bytes += len(piece)
-        if len(parts) > self._max_size or self.incomplete_bytes > self._max_incoming:
+        if len(parts) > self._max_size:
             raise FederationError(
                 f"a record is too large: limit is {self._max_size} bytes (--max-message-size)"
             )
+        if self.incomplete_bytes > self._max_incoming:
+            raise FederationError(
+                f"too much has come in part: limit is {self._max_incoming} bytes "
+                "(--max-total-incoming-bytes)"
+            )
         if is_last:
             del self._parts[key]
-            self.incomplete_bytes -= len(parts)
+            self.incomplete_bytes -= len(parts) + OVERHEAD
             if len(parts) < _SIZE.size:
                 raise FederationError("invalid record: its size is cut off")
             _, kind = _SIZE.unpack_from(parts)
@@ -510,7 +564,7 @@ class Link(Backplane):
     def _receive_request(self, peer: Peer, body: memoryview) -> None:
         id_, size = _REQUEST.unpack_from(body)
         end = _REQUEST.size + size
-        fields = decode_fields(body[_REQUEST.size : end])
+        fields = _read_fields(body[_REQUEST.size : end])
         request = Request(str(fields.pop("op", "")), fields, bytes(body[end:]))
         if id_ in self._handled:
             raise FederationError(f"request {id_} is still open")
@@ -527,7 +581,7 @@ class Link(Backplane):
             return  # It was cancelled.
         if is_final:
             del self._requests[id_]
-        fields = decode_fields(body[_REPLY.size : end])
+        fields = _read_fields(body[_REPLY.size : end])
         on_reply(Reply(fields, bytes(body[end:]), bool(is_final)))
 
     def _receive_pong(self, peer: Peer, body: memoryview) -> None:
@@ -539,7 +593,7 @@ class Link(Backplane):
             self._on_joined(peer)
             early, self._early = self._early, []
             for kind, record in early:
-                self.incomplete_bytes -= len(record)
+                self.incomplete_bytes -= len(record) + OVERHEAD
                 self._receive_record(kind, memoryview(record))
 
     # The connection.
@@ -602,12 +656,21 @@ def _slice(record: _Waiting, begin: int, end: int) -> bytes:
     return head[begin:end] + bytes(memoryview(body)[: max(0, end - len(head))])
 
 
+def _read_fields(data: memoryview) -> dict[str, Any]:
+    if len(data) > MOST_FIELDS:
+        raise FederationError(f"fields of {len(data)} bytes (limit is {MOST_FIELDS})")
+    return decode_fields(data)
+
+
+def _names(announcement: Announcement) -> str:
+    """Return the names in an announcement."""
+    return ", ".join(name for kind in KINDS for name in announcement.of(kind))
+
+
 def _halves(announcement: Announcement) -> tuple[Announcement, Announcement] | None:
     """Return two announcements with half the records each; None if there is only one record."""
     entries = [
-        (kind, name, record)
-        for kind in ("nodes", "topics", "services", "actions", "parameters")
-        for name, record in getattr(announcement, kind).items()
+        (kind, name, record) for kind in KINDS for name, record in announcement.of(kind).items()
     ]
     if len(entries) < 2:
         return None

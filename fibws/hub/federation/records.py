@@ -20,7 +20,7 @@ from fibws.names import MAX_LENGTH
 LONGEST_PATH = 16
 """Hubs between a node and the hub that it is announced to."""
 MOST_RECORDS = 100_000
-"""Records of one hub that are kept; further ones are ignored."""
+"""Records of one hub, and users of its topics, that are kept; further ones are ignored."""
 
 Kind: TypeAlias = Literal["nodes", "topics", "services", "actions", "parameters"]
 KINDS: tuple[Kind, ...] = ("nodes", "topics", "services", "actions", "parameters")
@@ -30,6 +30,8 @@ Text: TypeAlias = Annotated[str, Field(max_length=MAX_LENGTH)]
 HubId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 """The identity of one run of a hub."""
 Number: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]
+Stamp: TypeAlias = Annotated[int, Field(ge=-(2**63), lt=2**63)]
+"""Nanoseconds since 1970."""
 
 
 class _Record(BaseModel):
@@ -61,8 +63,8 @@ class NodeRecord(_Record):
     """
 
     path: Annotated[tuple[HubInfo, ...], Field(min_length=1, max_length=LONGEST_PATH)]
-    since: int
-    replaces: str = ""
+    since: Stamp
+    replaces: Text = ""
 
     @property
     def hub(self) -> HubInfo:
@@ -85,7 +87,7 @@ class Publisher(_Record):
     number: Number
     origin: Number
     latch: bool = False
-    queue_size: int = 100
+    queue_size: Annotated[int, Field(ge=-(2**31), lt=2**31)] = 100
 
 
 class TopicRecord(_Record):
@@ -108,8 +110,8 @@ class ServiceRecord(_Record):
     node: Name
     type: Text
     md5sum: Text = ""
-    since: int
-    replaces: str = ""
+    since: Stamp
+    replaces: Text = ""
 
 
 class ActionRecord(_Record):
@@ -117,9 +119,9 @@ class ActionRecord(_Record):
 
     node: Name
     type: Text
-    md5sums: tuple[str, str, str] | None = None
-    since: int
-    replaces: str = ""
+    md5sums: tuple[Text, Text, Text] | None = None
+    since: Stamp
+    replaces: Text = ""
 
 
 class ParameterRecord(_Record):
@@ -131,7 +133,7 @@ class ParameterRecord(_Record):
         value: its JSON; None if it was deleted.
     """
 
-    stamp: int
+    stamp: Stamp
     hub: HubId
     value: str | None = None
 
