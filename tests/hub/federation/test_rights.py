@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from pathlib import Path
 
 import pytest
+from certificates import Authority
+from certificates import authority as authority
 from conftest import StartHub
+from running_programs import free_port
 
 import fibws
 from fibws.access.rights import Right, Rights
@@ -80,6 +84,48 @@ async def test_missing_or_wrong_token_is_refused_with_the_reason(
     robot = await start_hub()
     assert "token" in await fault_of(robot, f"{cloud.url}{query}")
     assert not cloud.federation.peers
+
+
+async def test_untrusted_certificate_is_refused_with_the_reason(
+    start_hub: StartHub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate, key = authority.issue()
+    cloud = await start_hub(hub_name="cloud", cert=certificate, key=key)
+    robot = await start_hub()
+    assert "certificate" in await fault_of(robot, cloud.url)
+    assert not cloud.federation.peers
+    monkeypatch.setenv("FIBWS_CA", str(authority.file))
+    robot = await start_hub(join=(cloud.url,))
+    await until(lambda: cloud.federation.peers, cloud)
+
+
+async def test_zenoh_accepts_only_hubs_that_trust_its_certificate(
+    start_hub: StartHub, tmp_path: Path
+) -> None:
+    pytest.importorskip("zenoh")
+    for name in ("right", "wrong"):
+        (tmp_path / name).mkdir()
+    right, wrong = Authority(tmp_path / "right"), Authority(tmp_path / "wrong")
+    certificate, key = right.issue()
+
+    def config(name: str, **tls: object) -> Path:
+        path = tmp_path / name
+        path.write_text(json.dumps({"transport": {"link": {"tls": tls}}}))
+        return path
+
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    listening = config(
+        "listen.json5", listen_certificate=str(certificate), listen_private_key=str(key)
+    )
+    await start_hub(zenoh_listen=(endpoint,), zenoh_config=listening)
+    stranger = await start_hub(
+        zenoh=(endpoint,), zenoh_config=config("no.json5", root_ca_certificate=str(wrong.file))
+    )
+    friend = await start_hub(
+        zenoh=(endpoint,), zenoh_config=config("yes.json5", root_ca_certificate=str(right.file))
+    )
+    await until(lambda: friend.federation.peers, friend)
+    assert not stranger.federation.peers
 
 
 async def test_section_join_limits_the_hub_that_is_joined(start_hub: StartHub, path: Path) -> None:
