@@ -29,6 +29,7 @@ ROOT = Path(__file__).parents[3]
 PATIENCE = 30.0
 """Seconds, after which a test has failed."""
 PORT = 9090
+ZENOH_PORT = 7447
 _CLONE_NEWNET = 0x40000000
 
 StartMachine = Callable[..., Awaitable["Machine"]]
@@ -254,15 +255,30 @@ async def switch() -> AsyncIterator[Switch]:
     switch.close()
 
 
-@pytest.fixture
-async def start_machine(switch: Switch) -> AsyncIterator[StartMachine]:
-    """Starts a hub on a machine of its own, which joins those of other machines."""
+@pytest.fixture(params=["websocket"])
+async def start_machine(
+    switch: Switch, request: pytest.FixtureRequest
+) -> AsyncIterator[StartMachine]:
+    """Starts a hub on a machine of its own, which joins those of other machines.
+
+    Parameterized with ``zenoh`` it joins them over that.
+    """
+    is_zenoh = request.param == "zenoh"
+    if is_zenoh:
+        pytest.importorskip("zenoh")
     async with AsyncExitStack() as stack:
 
         async def start(name: str, *others: Machine, flags: Any = (), **variables: str) -> Machine:
             machine = Machine(switch)
             stack.push_async_callback(machine.stop)
-            join = (word for other in others for word in ("--join", other.address))
+            join = [word for other in others for word in ("--join", other.address)]
+            if is_zenoh:
+                join = ["--zenoh-listen", f"tcp/0.0.0.0:{ZENOH_PORT}"]
+                join += (
+                    word
+                    for other in others
+                    for word in ("--zenoh", f"tcp/{other.host}:{ZENOH_PORT}")
+                )
             return await machine.start(name, *join, *flags, **variables)
 
         yield start

@@ -23,6 +23,10 @@ from .test_federation import exchange
 End = fibws.Publisher[Any, ...] | fibws.Subscription[Any]
 
 
+BOTH = pytest.mark.parametrize("start_machine", ["websocket", "zenoh"], indirect=True)
+"""Runs a test with hubs that are joined by WebSockets, and with hubs on a zenoh network."""
+
+
 async def peers_are(end: End, expected: set[str]) -> float:
     """Wait until a publisher or a subscription has these peers; return when that was."""
     async with asyncio.timeout(PATIENCE):
@@ -32,6 +36,7 @@ async def peers_are(end: End, expected: set[str]) -> float:
     raise AssertionError("the node has ended")
 
 
+@BOTH
 async def test_messages_of_three_machines_in_a_line_arrive_once_and_in_order(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
@@ -41,6 +46,7 @@ async def test_messages_of_three_machines_in_a_line_arrive_once_and_in_order(
     await exchange([first, second, third], start_node)
 
 
+@BOTH
 @pytest.mark.slow
 async def test_messages_of_three_machines_in_a_triangle_arrive_once_and_in_order(
     start_machine: StartMachine, start_node: StartNode
@@ -60,6 +66,7 @@ async def test_messages_of_ten_machines_in_a_star_arrive_once_and_in_order(
     await exchange([center, *others], start_node, 50)
 
 
+@BOTH
 async def test_nodes_of_a_killed_hub_vanish_within_a_second(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
@@ -77,6 +84,7 @@ async def test_nodes_of_a_killed_hub_vanish_within_a_second(
         assert seen - killed < 1.0
 
 
+@BOTH
 @pytest.mark.slow
 async def test_nodes_vanish_when_a_cable_is_pulled_and_return_when_it_is_plugged(
     start_machine: StartMachine, start_node: StartNode
@@ -102,6 +110,7 @@ async def test_nodes_vanish_when_a_cable_is_pulled_and_return_when_it_is_plugged
         assert (await anext(aiter(subscription))).data == 7
 
 
+@BOTH
 @pytest.mark.slow
 async def test_older_node_survives_when_a_partition_heals_and_both_hubs_log_it(
     start_machine: StartMachine, start_node: StartNode
