@@ -31,6 +31,7 @@ from bench.rospy import rospy
 from bench.servers import binary
 from bench.services import services
 from bench.soak import soak
+from bench.soak_hubs import soak_hubs
 from bench.startup import startup
 from bench.stuck import stuck
 from bench.subscriptions import subscriptions
@@ -60,6 +61,7 @@ SCENARIOS = {
     "access": access,
     "hubs": hubs,
     "soak": soak,
+    "soak-hubs": soak_hubs,
 }
 COMPARABLE = ("fanout", "latency")
 """The scenarios that --against runs."""

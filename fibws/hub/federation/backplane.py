@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Protocol, TypeAlias
 
 from fibws.access.rights import Principal
@@ -35,6 +35,12 @@ class Traffic:
     """Messages that were not sent, as the other hub or the network was too slow."""
     lost: int = 0
     """Messages that were sent and have not arrived."""
+
+    def plus(self, other: Traffic) -> Traffic:
+        """Return both together."""
+        return Traffic(
+            *(getattr(self, each.name) + getattr(other, each.name) for each in fields(Traffic))
+        )
 
 
 @dataclass(slots=True, eq=False)

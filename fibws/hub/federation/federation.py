@@ -11,6 +11,7 @@ no loops, and no message arrives twice.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import fields, replace
 from functools import partial
@@ -19,11 +20,11 @@ from typing import Any, Protocol
 from fibws.errors import NotAllowed
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
-from fibws.hub.federation.backplane import Backplane, Cancel, OnReply, Peer
+from fibws.hub.federation.backplane import Backplane, Cancel, OnReply, Peer, Traffic
 from fibws.hub.federation.calls import Calls
 from fibws.hub.federation.offers import LinkNode, Offers
 from fibws.hub.federation.outlets import Outlets
-from fibws.hub.federation.records import Announcement, HubInfo, Kind, Message, Request
+from fibws.hub.federation.records import Announcement, HubInfo, Kind, Message, Reply, Request
 from fibws.hub.federation.remote import RemoteGraph
 from fibws.hub.federation.remote_logs import LogReader
 from fibws.hub.federation.remote_nodes import RemoteNode
@@ -32,6 +33,10 @@ from fibws.hub.federation.shared_parameters import SharedParameters
 from fibws.hub.graph.graph import Graph, Watched
 from fibws.hub.graph.topic import Source
 from fibws.hub.settings import Settings
+from fibws.names import MAX_LENGTH
+
+MOST_TOTALS = 1000
+"""Hubs whose totals are kept after they were lost."""
 
 KIND_OF: dict[Watched, Kind] = {"node": "nodes", "service": "services", "action": "actions"}
 
@@ -62,6 +67,8 @@ class Federation:
         self._awaited: set[tuple[Backplane, int]] = set()
         """Remote sources that were asked for, and whose messages do not pass yet."""
         self._watchers: list[Callable[[], object]] = []
+        self._traffic: OrderedDict[tuple[str, str], Traffic] = OrderedDict()
+        """The totals of each hub that is or was reached, by kind of backplane and id."""
         self._calls = Calls(graph, loop, settings.service_timeout)
         self._outlets = Outlets(graph, self._progress)
         self._remote = RemoteGraph(
@@ -178,7 +185,13 @@ class Federation:
         self._offers[backplane].resume()
 
     def joined(self, peer: Peer) -> None:
-        """Take note that a hub is reached."""
+        """Take note that a hub is reached; its totals continue if it was reached before."""
+        before = self._traffic.pop((peer.backplane.kind, peer.hub.id), None)
+        if before is not None:
+            peer.traffic = before.plus(peer.traffic)
+        self._traffic[peer.backplane.kind, peer.hub.id] = peer.traffic
+        if len(self._traffic) > MOST_TOTALS:
+            self._traffic.popitem(last=False)
         self._audit.hub_joined(peer.hub.name, peer.address, node=peer.backplane.node)
         self._remote.joined(peer)
         self._report_change()
@@ -237,6 +250,10 @@ class Federation:
                     asked[key] = ""
         if "node" in asked:
             asked["node"] = view.own_node(str(asked["node"]))
+        if request.op == "older_node":
+            self._remote.reported_older(str(asked.get("node")), str(asked.get("hub"))[:MAX_LENGTH])
+            reply(Reply({}))
+            return lambda: None
         caller = view.inward(str(asked.get("caller", ""))) or ""
         node = self.graph.nodes.get(caller)
         if not isinstance(node, RemoteNode) or node.home.peer is not peer:

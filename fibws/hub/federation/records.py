@@ -178,7 +178,7 @@ class Request:
 
     Attributes:
         op: ``call`` (a service), ``goal`` (an action), ``cancel_goal``, ``describe`` (a type),
-            ``ping_node`` or ``kill_node``.
+            ``ping_node``, ``kill_node`` or ``older_node`` (one of its name was closed elsewhere).
         fields: depend on ``op``.
         body: the serialized request or goal.
     """

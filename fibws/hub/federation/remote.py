@@ -73,7 +73,7 @@ class RemoteGraph:
         definitions = RemoteDefinitions(graph, self._definition_arrived)
         self._nodes = RemoteNodes(
             graph,
-            hub.id,
+            hub,
             self._announced,
             self.ages,
             entered=self._entered,
@@ -106,6 +106,10 @@ class RemoteGraph:
     def announced(self, peer: Peer, announcement: Announcement) -> None:
         """Take changes of what a hub has."""
         self._announced.take(self._homes[peer], announcement)
+
+    def reported_older(self, node: str, hub: str) -> None:
+        """Take note that another hub has closed a node, as one of this name is older."""
+        self._nodes.reported_older(node, hub)
 
     def interest_changed(self, topic: str) -> None:
         """Ask for the messages of a topic's publishers, or for no more, as other hubs want."""

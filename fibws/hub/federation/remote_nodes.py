@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 from fibws.errors import NotAllowed
 from fibws.hub.federation.announced import Announced, PeerGraph
+from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.precedence import Ages, NodeOffer, choose
 from fibws.hub.federation.records import HubInfo, NodeRecord, Request
 from fibws.hub.graph.graph import Graph, NodeOfHub
@@ -112,7 +113,7 @@ class RemoteNodes:
     """Attaches the nodes that other hubs announce.
 
     Args:
-        hub: the id of this one.
+        hub: this one.
         entered: called with a node that has been attached.
         leaving: called with a node before it is detached.
         warn: logs a warning, once.
@@ -121,7 +122,7 @@ class RemoteNodes:
     def __init__(
         self,
         graph: Graph,
-        hub: str,
+        hub: HubInfo,
         announced: Announced,
         ages: Ages,
         *,
@@ -165,7 +166,7 @@ class RemoteNodes:
 
     def _offers(self, name: str) -> Iterable[NodeOffer]:
         for home, record in self._announced.of("nodes", name).items():
-            if all(hub.id != self._hub for hub in record.path):
+            if all(hub.id != self._hub.id for hub in record.path):
                 yield NodeOffer(home, record, home.local_time(record.since))
 
     def _gives_way(self, name: str, offer: NodeOffer) -> bool:
@@ -176,16 +177,33 @@ class RemoteNodes:
         if name in self._graph.internal:
             return False
         hub = printable(record.hub.name)
-        if record.replaces == self._hub:
+        if record.replaces == self._hub.id:
             logger.info("%s: new node registered with same name at hub %s.", name, hub)
             return True
         is_older = self._ages.is_own_older(offer, name)
-        older = "this one" if is_older else "that one"
+        self._warn_of_two(name, hub, "this one" if is_older else "that one")
+        if not is_older:
+            # The other hub may have no other sign of it, as this one's node leaves at once.
+            self._report_older(offer.home.peer, name, self._hub.name)
+        return not is_older
+
+    def reported_older(self, name: str, hub: str) -> None:
+        """Log that another hub has closed its node of a name, as this one's is older."""
+        found = self._graph.nodes.get(name)
+        if isinstance(found, RemoteNode):
+            self._report_older(found.home.peer, name, hub)
+        elif found is not None:
+            self._warn_of_two(name, printable(hub), "this one")
+
+    def _report_older(self, peer: Peer, name: str, hub: str) -> None:
+        fields = {"node": peer.backplane.view.outward(name) or name, "hub": hub}
+        peer.backplane.request(peer, Request("older_node", fields), lambda reply: None)
+
+    def _warn_of_two(self, name: str, hub: str, older: str) -> None:
         self._warn(
             f"{name} is connected here and at hub {hub}: {older} is older and stays, the other "
             "one is closed"
         )
-        return not is_older
 
     def _replaced(self, node: RemoteNode) -> None:
         """Take note that another node has taken the name of a remote node."""

@@ -7,13 +7,14 @@ Below ``fibws/DOMAIN`` the keys are:
     HUB/state                announcements, with a counter; a query returns everything
     HUB/data/NUMBER/TOPIC    messages of one publisher, in ROS 1's serialization; the attachment is
                              u64 sequence, i64 stamp, 16 bytes of the type's md5, the node's name
-    HUB/begin                a publisher's number: another hub has subscribed to its messages
+    HUB/interest             u64 publisher's number, u8 1 or 0, and the id of the hub that has
+                             subscribed to its messages, or does not any more
     HUB/request              queries: see `records.Request`; fields are JSON in the attachment
     HUB/cancel               the other hub's id and the number of its request
     HUB/ping                 queries for the hub's time
 
-A hub subscribes to the messages that somebody needs. Their publisher learns that by a matching
-listener, and sends nothing to the network while nobody does.
+A hub subscribes to the messages that somebody needs, and reports that to their hub, which sends
+nothing to the network while nobody does. A matching listener reports subscribers that vanish.
 
 Calls of zenoh may wait for the network: they are made in threads. Its callbacks come in threads,
 too, and hand their data to the event loop.
@@ -71,11 +72,14 @@ LARGE = 64 * 1024
 """Bytes of a message from which on its publisher has the thread for large messages."""
 BUSY = 256 * 1024
 """Bytes of announcements that wait, from which on no more are made."""
+MOST_USERS = 10_000
+"""Hubs that may subscribe to one publisher."""
 MOST_EARLY = 1000
 """Announcements of a hub that are kept until it has told what it had before."""
 
 _ATTACHMENT = struct.Struct("<Qq16s")
 _COUNTER = struct.Struct("<Q")
+_INTEREST = struct.Struct("<QB")
 _TIME = struct.Struct("<q")
 _FLOWING = b"\x01"
 """The attachment that says that messages pass from now on."""
@@ -95,12 +99,14 @@ class _State(BaseModel):
 class _Publisher:
     """A publisher of this hub that was announced."""
 
-    __slots__ = ("is_large", "listener", "md5sum", "node", "publisher")
+    __slots__ = ("is_large", "listener", "md5sum", "node", "publisher", "users")
 
     def __init__(self, node: str, md5sum: str) -> None:
         self.node = node.encode()
         self.md5sum = bytes.fromhex(md5sum) if len(md5sum) == 32 else bytes(16)
         self.is_large = False
+        self.users: set[str] = set()
+        """The ids of the hubs that have subscribed; some may not be known yet."""
         self.publisher: Any = None
         self.listener: Any = None
 
@@ -137,8 +143,6 @@ class ZenohBackplane(Backplane):
         self.view = NameView(hub=hub.name)
         self.principal = principal
         self.dropped = 0
-        self.messages_sent = 0
-        self.bytes_sent = 0
         self._network = network
         self._hub = hub
         self._loop = loop
@@ -217,7 +221,8 @@ class ZenohBackplane(Backplane):
                 complete=True,
             ),
             session.declare_subscriber(
-                f"{own}/begin", direct(lambda sample: put(self._begin, sample.payload.to_bytes()))
+                f"{own}/interest",
+                direct(lambda sample: put(self._interest, sample.payload.to_bytes())),
             ),
             session.declare_subscriber(
                 f"{own}/cancel", direct(lambda sample: put(self._cancel, sample.payload.to_bytes()))
@@ -319,8 +324,10 @@ class ZenohBackplane(Backplane):
 
         sender = self._large if found.is_large else self._small
         sender.send(message.number, send, size, max(1, limit))
-        self.messages_sent += 1
-        self.bytes_sent += size
+        for hub in found.users:
+            if peer := self._peers.get(hub):
+                peer.traffic.messages_sent += 1
+                peer.traffic.bytes_sent += size
 
     def flowing(self, number: int) -> None:
         """Report that messages of a publisher pass."""
@@ -348,12 +355,12 @@ class ZenohBackplane(Backplane):
             is_wanted = (hub, number) in self._wanted
             if not is_wanted:
                 _undeclare(self._subscribers.pop((hub, number), None))
-            elif wanted:
-                if (hub, number) not in self._subscribers:
-                    found = self._session.declare_subscriber(key, direct(arrived))
-                    self._subscribers[hub, number] = found
-                begin = f"{self._base}/{hub}/begin"
-                self._session.put(begin, _COUNTER.pack(number), **_control())
+            elif (hub, number) not in self._subscribers:
+                found = self._session.declare_subscriber(key, direct(arrived))
+                self._subscribers[hub, number] = found
+            if is_wanted is wanted:
+                report = _INTEREST.pack(number, wanted) + self._hub.id.encode()
+                self._session.put(f"{self._base}/{hub}/interest", report, **_control())
 
         if wanted:
             self._wanted.add((hub, number))
@@ -505,6 +512,8 @@ class ZenohBackplane(Backplane):
                 del self._handled[of, id_of]
                 cancel()
         self._wanted = {each for each in self._wanted if each[0] != hub}
+        for number, publisher in self._publishers.items():
+            self._forget_user(number, publisher, hub)
         self._small.call(lambda: self._forget_subscribers(hub))
         if peer is not None:
             self._network.lost(peer, reason)
@@ -564,15 +573,31 @@ class ZenohBackplane(Backplane):
         """Take note that no hub subscribes to a publisher any more."""
         found = self._publishers.get(number)
         if found is not None and found.publisher is not None:
-            if not found.publisher.matching_status.matching:
+            if found.users and not found.publisher.matching_status.matching:
+                found.users.clear()
                 self._network.interested(self, number, wanted=False)
 
-    def _begin(self, data: bytes) -> None:
-        """Send a publisher's messages, as a hub has subscribed to them."""
-        if len(data) == _COUNTER.size:
-            (number,) = _COUNTER.unpack(data)
-            if number in self._publishers:
-                self._network.interested(self, number, wanted=True)
+    def _interest(self, data: bytes) -> None:
+        """Send a publisher's messages, as a hub has subscribed to them, or to none any more."""
+        if len(data) < _INTEREST.size:
+            return
+        number, wanted = _INTEREST.unpack_from(data)
+        found = self._publishers.get(number)
+        hub = data[_INTEREST.size :].decode("ascii", "replace")
+        if found is None:
+            return
+        if wanted and len(found.users) < MOST_USERS:
+            found.users.add(hub)
+            self._network.interested(self, number, wanted=True)
+        elif not wanted:
+            self._forget_user(number, found, hub)
+
+    def _forget_user(self, number: int, publisher: _Publisher, hub: str) -> None:
+        """Send a publisher's messages to a hub no more."""
+        if hub in publisher.users:
+            publisher.users.discard(hub)
+            if not publisher.users:
+                self._network.interested(self, number, wanted=False)
 
     def _arrived(self, hub: str, number: int, head: bytes, data: bytes) -> None:
         peer = self._peers.get(hub)
