@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import logging
 import multiprocessing
 import os
 import signal
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from importlib.util import find_spec
 from multiprocessing.connection import Connection
 from statistics import quantiles
 from typing import Any
 
 import fibws
-from bench.machine import memory
+from bench.machine import free_port, memory
 from bench.measure import HUB, BenchError, Plan
 from bench.report import Report
 from bench.servers import Server, running
 from fibws.hub import Hub, Settings
+from fibws.hub.federation.connections import Join
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, String, UInt8MultiArray
 
@@ -32,6 +35,7 @@ FLOOD_BYTES = 100_000_000
 SMALL_HZ = 10
 LATCHED_BYTES = 1000
 HUBS, QUICK_HUBS = (2, 5, 10, 20), (2, 5)
+ROBOTS, QUICK_ROBOTS = (5, 20, 80), (2, 5)
 TOPICS = 50
 LIMIT_ADDED_MS = 1.0
 LIMIT_IMAGES_PERCENT = 15.0
@@ -43,9 +47,10 @@ processes = multiprocessing.get_context("fork")
 
 def hubs(plan: Plan, report: Report) -> None:
     """Measure a link between two hubs, and hubs around one in the middle."""
-    with running(HUB, pinned=False) as first, joined(first) as second:
-        rows = asyncio.run(_link(first, second, plan, report))
-    report.table("Two hubs that are joined", ("", "value", "limit"), rows)
+    for kind in ("websocket", *(("zenoh",) if find_spec("zenoh") else ())):
+        with _first(kind) as (first, join), running(HUB, pinned=False, options=join) as second:
+            rows = asyncio.run(_link(kind, first, second, join, plan, report))
+        report.table(f"Two hubs that are joined: {kind}", ("", "value", "limit"), rows)
     growth = []
     for number in QUICK_HUBS if plan.quick else HUBS:
         ours, theirs = processes.Pipe()
@@ -70,14 +75,30 @@ def hubs(plan: Plan, report: Report) -> None:
         ("hubs", "memory of a hub", "sent by a hub", "until all see all", "CPU of a hub"),
         growth,
     )
+    report.table(
+        f"Robots with {TOPICS} topics each, which join one hub below prefixes: its cost per robot",
+        (
+            "robots",
+            "memory",
+            "received",
+            "CPU to join",
+            "CPU when idle",
+            "until all are seen",
+        ),
+        _fleet(plan, report),
+    )
 
 
 @contextmanager
-def joined(other: Server) -> Any:
-    """Start a hub that joins another one."""
-    options = ("--join", address(other))
-    with running(HUB, pinned=False, options=options) as server:
-        yield server
+def _first(kind: str) -> Iterator[tuple[Server, list[str]]]:
+    """Start a hub; yield it, and the options of a hub that joins it."""
+    if kind == "zenoh":
+        endpoint = f"tcp/127.0.0.1:{free_port()}"
+        with running(HUB, pinned=False, options=["--zenoh-listen", endpoint]) as server:
+            yield server, ["--zenoh", endpoint]
+    else:
+        with running(HUB, pinned=False) as server:
+            yield server, ["--join", address(server)]
 
 
 def address(server: Server) -> str:
@@ -86,29 +107,36 @@ def address(server: Server) -> str:
 
 
 async def _link(
-    first: Server, second: Server, plan: Plan, report: Report
+    kind: str, first: Server, second: Server, join: list[str], plan: Plan, report: Report
 ) -> list[tuple[str, str, str]]:
     rows: list[tuple[str, str, str]] = []
 
     def row(what: str, value: float, limit: float | None, unit: str) -> None:
-        report.record("hubs", what=what, value=value)
-        rows.append((what, f"{value:.3g}{unit}", report.check(HUB, what, value, limit, unit)))
+        report.record("hubs", link=kind, what=what, value=value)
+        verdict = report.check(HUB, f"{kind}, {what}", value, limit, unit)
+        rows.append((what, f"{value:.3g}{unit}", verdict))
 
     for step in (_latency, _small, _images, _unused, _latched, _beside_images, _killed):
         async with AsyncExitStack() as stack:
             source = await stack.enter_async_context(_node("source", first))
             target = await stack.enter_async_context(_node("target", second))
-            await step(Ends(first, second, source, target), plan, row)
+            await step(Ends(first, second, join, source, target), plan, row)
     return rows
 
 
 class Ends:
-    """The two hubs, and a node at each."""
+    """The two hubs, the options of another one that joins the first one, and a node at each."""
 
     def __init__(
-        self, first: Server, second: Server, source: fibws.Node, target: fibws.Node
+        self,
+        first: Server,
+        second: Server,
+        join: list[str],
+        source: fibws.Node,
+        target: fibws.Node,
     ) -> None:
-        self.first, self.second, self.source, self.target = first, second, source, target
+        self.first, self.second, self.join = first, second, join
+        self.source, self.target = source, target
 
     async def traffic(self) -> int:
         """Return the bytes that the first hub has sent by its link."""
@@ -233,22 +261,19 @@ async def _unused(ends: Ends, plan: Plan, row: Row) -> None:
         publisher = await ends.source.advertise("unused", String, peers=True)
         subscription = near.subscribe("unused", String)
         await _subscribed(publisher)
-        await asyncio.sleep(1.5)  # Until it is announced.
+        pause = 0.5 if plan.quick else 2.0
+        await asyncio.sleep(pause)  # Until it is announced.
         sent = []
         for number in (0, 1000):
             before = await ends.traffic()
             for _ in range(number):
                 await publisher.publish("x" * 1000)
-            await asyncio.sleep(2.0)
+            await asyncio.sleep(pause)
             sent.append(await ends.traffic() - before)
         subscription.close()
     pings = 2 * 14
-    row(
-        "bytes on the wire of an unused topic",
-        max(0, sent[1] - sent[0] - pings),
-        LIMIT_UNUSED_BYTES,
-        "",
-    )
+    unused = max(0, sent[1] - sent[0] - pings)
+    row("bytes sent of an unused topic", unused, LIMIT_UNUSED_BYTES, "")
 
 
 async def _latched(ends: Ends, plan: Plan, row: Row) -> None:
@@ -293,7 +318,8 @@ async def _beside_images(ends: Ends, plan: Plan, row: Row) -> None:
     try:
         await ends.target.wait_for_message("flood", Image, timeout=PATIENCE)
         before, began = await ends.traffic(), time.perf_counter()
-        delays = await _delays(ends, "beside", SMALL_HZ, max(3.0, plan.seconds * 2), ends.target)
+        seconds = 1.0 if plan.quick else plan.seconds * 2
+        delays = await _delays(ends, "beside", SMALL_HZ, seconds, ends.target)
         rate = (await ends.traffic() - before) / (time.perf_counter() - began)
     finally:
         for flood in floods:
@@ -311,12 +337,12 @@ async def _beside_images(ends: Ends, plan: Plan, row: Row) -> None:
 
 
 async def _killed(ends: Ends, plan: Plan, row: Row) -> None:
-    """Kill a hub that has joined the second one; see its node vanish at the first one."""
+    """Kill a hub that has joined the first one; see its node vanish at the second one."""
     try:
-        with joined(ends.second) as third:
+        with running(HUB, pinned=False, options=ends.join) as third:
             async with _node("victim", third) as victim:
                 await victim.advertise("victims", String)
-                seen = ends.source.subscribe("victims", String, peers=True)
+                seen = ends.target.subscribe("victims", String, peers=True)
                 async with asyncio.timeout(PATIENCE):
                     async for names in seen.peers.changes():
                         if names:
@@ -333,7 +359,77 @@ async def _killed(ends: Ends, plan: Plan, row: Row) -> None:
             raise
 
 
+def _fleet(plan: Plan, report: Report) -> Iterator[Sequence[str]]:
+    """Let robots join a hub, each below its prefix; yield what they cost it."""
+    for number in QUICK_ROBOTS if plan.quick else ROBOTS:
+        with running(HUB, pinned=False) as cloud:
+            ours, theirs = processes.Pipe()
+            before, cpu = memory(cloud.pid)["VmRSS"], cloud.cpu_seconds
+            robots = processes.Process(target=_robots, args=(number, address(cloud), theirs))
+            robots.start()
+            if not ours.poll(PATIENCE * 3):
+                raise BenchError(f"{number} robots do not join")
+            seconds, received = ours.recv()
+            size = memory(cloud.pid)["VmRSS"] - before
+            cpu = cloud.cpu_seconds - cpu
+            idle, idle_seconds = cloud.cpu_seconds, 0.5 if plan.quick else 5.0
+            time.sleep(idle_seconds)
+            idle = (cloud.cpu_seconds - idle) / idle_seconds
+            ours.send(None)
+            robots.join()
+        report.record(
+            "hubs fleet", robots=number, memory=size, bytes=received, cpu=cpu, seconds=seconds
+        )
+        yield (
+            str(number),
+            f"{size / number / 1000:.0f} kB",
+            f"{received / number / 1000:.0f} kB",
+            f"{cpu / number * 1000:.1f} ms",
+            f"{100 * idle / number:.3f} %",
+            f"{seconds:.2f} s",
+        )
+
+
+def _robots(number: int, cloud: str, results: Connection) -> None:
+    asyncio.run(_join_robots(number, cloud, results))
+
+
+async def _join_robots(number: int, cloud: str, results: Connection) -> None:
+    """Start hubs of robots with topics; report when a viewer sees all of them."""
+    logging.getLogger("fibws.hub").setLevel(logging.ERROR)
+    async with AsyncExitStack() as stack:
+        viewer = await stack.enter_async_context(fibws.Node("viewer", hub=cloud, rosout=False))
+        names = [f"robot{n}" for n in range(number)]
+        hubs = {
+            name: await stack.enter_async_context(Hub(Settings(port=0, hub_name=name)))
+            for name in names
+        }
+        for hub in hubs.values():
+            node = await stack.enter_async_context(fibws.Node("driver", hub=hub.url, rosout=False))
+            for each in range(TOPICS):
+                await node.advertise(f"topic_{each}", String)
+        started = time.perf_counter()
+        joins = [
+            Join(cloud, hub.federation, Settings(port=0, join_prefix=f"/{name}"))
+            for name, hub in hubs.items()
+        ]
+        for join in joins:
+            join.start()
+        expected, seen = number * TOPICS, 0
+        while seen < expected:
+            await asyncio.sleep(0.05)
+            topics = await viewer.call("/rosapi/topics", "rosapi/Topics")
+            seen = sum("/topic_" in name for name in topics.topics)
+        seconds = time.perf_counter() - started
+        links = (await viewer.call("/rosapi/hubs", "fibws_msgs/GetHubs")).links
+        results.send((seconds, sum(link.bytes_received for link in links)))
+        await asyncio.to_thread(results.recv)
+        for join in joins:
+            await join.close()
+
+
 def _grow(number: int, results: Connection) -> None:
+    logging.getLogger("fibws.hub").setLevel(logging.ERROR)  # Each hub reports that others left.
     results.send(asyncio.run(_growth(number)))
 
 
