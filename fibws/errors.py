@@ -38,6 +38,7 @@ FibwsError
 │   ├── XmlRpcError            invalid XML-RPC, or a response that is a fault
 │   ├── TcprosError            an invalid TCPROS header or frame, or an answer that is an error
 │   └── NodeUnreachable        a node does not answer at its address
+├── Ros2Error              a ROS 2 node has sent something invalid, or a type cannot be converted
 └── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
     ├── HubUnreachable         the hub refuses this node, or can never be reached
@@ -409,6 +410,10 @@ class NodeUnreachable(Ros1Error):
         self.uri = uri
         self.fault = fault
         super().__init__(f"no answer at {uri}: {fault}")
+
+
+class Ros2Error(FibwsError):
+    """A ROS 2 node has sent something invalid, or a type cannot be converted."""
 
 
 class NodeError(FibwsError):

@@ -56,6 +56,7 @@ from fibws.protocol.websocket import KILLED, RESTART, SHUTDOWN
 if TYPE_CHECKING:
     from fibws.hub.federation.zenoh_backplane import ZenohBackplane
     from fibws.hub.ros1.server import Ros1Server
+    from fibws.hub.ros2.server import Ros2
 
 logger = logging.getLogger("fibws.hub")
 
@@ -136,6 +137,8 @@ class Hub:
         self._lag: LoopLag
         self.ros1: Ros1Server | None = None
         """The master for ROS 1 nodes, once entered, if the settings want one."""
+        self.ros2: Ros2 | None = None
+        """The ROS 2 nodes, once entered, if the settings want some."""
         self.stop_requested: Callable[[str], object] = lambda reason: None
         """Called, with a reason, when a ROS 1 program of this machine asks the master to end."""
         self._started = 0.0
@@ -247,6 +250,7 @@ class Hub:
         for join in self._joins:
             join.start()
         await self._join_zenoh()
+        await self._join_ros2()
         await self._server.start_serving()
         for listening in self._server.sockets:
             with listening.dup() as same:
@@ -320,6 +324,19 @@ class Hub:
             await self.close()
             raise
 
+    async def _join_ros2(self) -> None:
+        """Let ROS 2 nodes join, if the settings want that."""
+        if not (self.settings.ros2 or self.settings.ros2_connect):
+            return
+        from fibws.hub.ros2.server import Ros2  # Most hubs need none of it.
+
+        self.ros2 = Ros2(self.graph, self.settings, self._network_principal("ros2"))
+        try:
+            await self.ros2.start()
+        except FibwsError:
+            await self.close()
+            raise
+
     def _broken_links(self) -> list[dict[str, Any]]:
         """Return the links that should be there and are not, as fibws_msgs/HubLink."""
         found = [join.report() for join in self._joins if join.fault]
@@ -384,6 +401,8 @@ class Hub:
             await join.close()
         if self._zenoh is not None:
             await self._zenoh.close()
+        if self.ros2 is not None:
+            await self.ros2.close()
         for connection in list(self._connections):
             connection.close(SHUTDOWN)
         try:
@@ -419,6 +438,8 @@ class Hub:
             self._authentication.reload()
             if self.ros1 is not None:
                 self.ros1.set_principal(self._authentication.network("ros1"))
+            if self.ros2 is not None:
+                self.ros2.set_principal(self._authentication.network("ros2"))
             self._check_logins(self._authentication)
         if use_certificate is not None:
             use_certificate()

@@ -147,6 +147,17 @@ class Settings:
         None, "zenoh's own configuration file (JSON5), for TLS and access control."
     )
     domain: str = _setting("default", "Name of the group of hubs on the zenoh network to join.")
+    ros2: tuple[str, ...] = _setting(
+        (),
+        "Endpoint, such as tcp/0.0.0.0:7447, to let ROS 2 nodes with rmw_zenoh join; may be "
+        "repeated.",
+    )
+    ros2_connect: tuple[str, ...] = _setting(
+        (),
+        "Endpoint of a zenoh router of ROS 2 nodes to connect to, such as tcp/robot:7447; may be "
+        "repeated.",
+    )
+    ros2_domain: int = _setting(0, "ROS_DOMAIN_ID of the ROS 2 nodes.")
     interfaces: tuple[Path, ...] = _setting(
         (), "Folder of message definitions (PACKAGE/msg/*.msg); may be repeated."
     )

@@ -1,0 +1,1 @@
+"""ROS 2 nodes in the graph, by the key layout of rmw_zenoh."""

@@ -1,0 +1,411 @@
+"""A zenoh network with ROS 2 nodes: what this hub declares there, and what arrives.
+
+All calls are made in threads, in order; results arrive in the event loop (`zenoh_session`).
+Messages are converted in these threads, too: in the one that sends, and in the one in which zenoh
+delivers, so that large ones do not delay the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibws.errors import FibwsError, Ros2Error
+from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.ros2.key_layout import Attachment, tokens_key
+from fibws.hub.zenoh_session import LEASE, Inbox, Sender, direct, open_session
+
+if TYPE_CHECKING:
+    import zenoh
+
+logger = logging.getLogger("fibws.hub")
+
+LARGE = 64 * 1024
+"""Bytes of a message from which on its publisher has the thread for large messages."""
+HEARTBEAT = 0.5
+"""Seconds after a latched message in which subscribers notice that they have missed it."""
+
+
+class Declared:
+    """Something that was declared on the network.
+
+    Args:
+        make: declares it, in the thread for control; it returns what has ``undeclare``.
+    """
+
+    def __init__(self, sender: Sender, make: Callable[[], Any]) -> None:
+        self._found: Any = None
+        self._is_made = threading.Event()
+        self._sender = sender
+        sender.call(partial(self._declare, make))
+
+    def _declare(self, make: Callable[[], Any]) -> None:
+        try:
+            self._found = make()
+        finally:
+            self._is_made.set()
+
+    def get(self) -> Any:
+        """Return what was declared, in a thread; None if that failed, or it is closed."""
+        self._is_made.wait(LEASE)
+        return self._found
+
+    def close(self) -> None:
+        """Undeclare it."""
+        self._sender.call(self._undeclare)
+
+    def _undeclare(self) -> None:
+        found, self._found = self._found, None
+        if found is not None:
+            found.undeclare()
+
+
+class Network:
+    """A session on a zenoh network.
+
+    Args:
+        listen: endpoints to listen on, such as ``tcp/0.0.0.0:7447``.
+        connect: endpoints to connect to.
+        config: a file of zenoh's own settings.
+        domain: ROS_DOMAIN_ID.
+        max_queued: most bytes of messages that wait for the network, and for the event loop.
+        max_message_size: most bytes of a message, request or response that arrives.
+        token: called with each token that appears or disappears, and whether it appears.
+    """
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        *,
+        listen: tuple[str, ...],
+        connect: tuple[str, ...],
+        config: Path | None,
+        domain: int,
+        max_queued: int,
+        max_message_size: int,
+        token: Callable[[str, bool], object],
+    ) -> None:
+        self.session_id = ""
+        self.domain = domain
+        self.dropped = 0
+        self.faults = 0
+        self._loop = loop
+        self._listen = listen
+        self._connect = connect
+        self._config = config
+        self._token = token
+        self._max_message_size = max_message_size
+        self._session: zenoh.Session
+        self.inbox = Inbox(loop, max_queued)
+        self._sender = Sender("ros2-small", max_queued, self._count_dropped)
+        self._large = Sender("ros2-large", max_queued, self._count_dropped)
+        self._tokens: Declared
+        self._is_open = False
+
+    async def open(self) -> None:
+        """Connect; raises `HubError` if that is impossible."""
+        self._session = await open_session(self._listen, self._connect, self._config, flag="--ros2")
+        self.session_id = str(self._session.zid())
+        self._is_open = True
+        self._sender.start()
+        self._large.start()
+
+    def watch_tokens(self) -> None:
+        """Report tokens from now on; those that exist, too."""
+        import zenoh
+
+        def arrived(sample: zenoh.Sample) -> None:
+            is_alive = sample.kind == zenoh.SampleKind.PUT
+            self.inbox.put(self._token, str(sample.key_expr), is_alive)
+
+        key = tokens_key(self.domain)
+        self._tokens = Declared(
+            self._sender,
+            lambda: self._session.liveliness().declare_subscriber(
+                key, direct(arrived), history=True
+            ),
+        )
+
+    async def close(self) -> None:
+        """Leave the network."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        self.inbox.close()
+        await asyncio.to_thread(self._close_session)
+
+    def _close_session(self) -> None:
+        self._sender.close()
+        self._large.close()
+        self._large.join(LEASE)
+        self._sender.join(LEASE)
+        self._session.close()  # type: ignore[no-untyped-call]
+
+    # Declaring.
+
+    def declare_token(self, token: str) -> Declared:
+        """Declare a token."""
+        return Declared(self._sender, lambda: self._session.liveliness().declare_token(token))
+
+    def declare_publisher(self, key: str, history: int) -> Declared:
+        """Declare a publisher.
+
+        Args:
+            history: messages that late subscribers get; 0 for none.
+        """
+
+        def declare() -> Any:
+            import zenoh
+
+            options: dict[str, Any] = {
+                "congestion_control": zenoh.CongestionControl.BLOCK,
+                "allowed_destination": zenoh.Locality.REMOTE,
+            }
+            if not history:
+                return self._session.declare_publisher(key, **options)
+            from zenoh import ext
+
+            return ext.declare_advanced_publisher(
+                self._session,
+                key,
+                **options,
+                cache=ext.CacheConfig(max_samples=history),
+                sample_miss_detection=ext.MissDetectionConfig(
+                    heartbeat=None, sporadic_heartbeat=HEARTBEAT
+                ),
+                publisher_detection=True,
+            )
+
+        return Declared(self._sender, declare)
+
+    def subscribe(
+        self,
+        key: str,
+        history: int,
+        read: Callable[[bytes], Any],
+        received: Callable[[Attachment, Any], object],
+        ready: Callable[[], object],
+    ) -> Declared:
+        """Subscribe to messages.
+
+        Args:
+            history: earlier messages of each publisher to get; 0 for none.
+            read: converts a message, in a thread of zenoh; raises `FibwsError` to reject it.
+            received: called, in the event loop, with each message.
+            ready: called, in the event loop, once messages arrive.
+        """
+        import zenoh
+
+        def arrived(sample: zenoh.Sample) -> None:
+            if sample.kind == zenoh.SampleKind.PUT:
+                self._arrived(sample, read, received)
+
+        def declare() -> Any:
+            origin = zenoh.Locality.REMOTE
+            found: Any
+            if not history:
+                found = self._session.declare_subscriber(
+                    key, direct(arrived), allowed_origin=origin
+                )
+            else:
+                from zenoh import ext
+
+                found = ext.declare_advanced_subscriber(
+                    self._session,
+                    key,
+                    direct(arrived),
+                    allowed_origin=origin,
+                    history=ext.HistoryConfig(detect_late_publishers=True, max_samples=history),
+                    subscriber_detection=True,
+                )
+            self.inbox.put(ready)
+            return found
+
+        return Declared(self._sender, declare)
+
+    def _arrived(
+        self,
+        sample: Any,
+        read: Callable[[bytes], Any],
+        received: Callable[[Attachment, Any], object],
+    ) -> None:
+        try:
+            attachment = self._attachment(sample)
+            data = self._payload(sample)
+            values = read(data)
+        except FibwsError as error:
+            self.inbox.put(self.report, f"{sample.key_expr}: {error}")
+            return
+        self.inbox.put(received, attachment, values, size=max(1, len(data)))
+
+    def send(
+        self, publisher: Declared, lane: int, size: int, limit: int, make: Callable[[], Any]
+    ) -> None:
+        """Send a message.
+
+        Args:
+            lane: stands for the publisher; its oldest messages are dropped if too many wait.
+            size: its bytes, more or less.
+            limit: most messages that wait.
+            make: returns the message and its attachment; called in a thread.
+        """
+
+        def job() -> None:
+            found = publisher.get()
+            if found is None:
+                return
+            try:
+                data, attachment = make()
+            except FibwsError as error:
+                self.inbox.put(self.report, str(error))
+                return
+            found.put(data, attachment=attachment)
+
+        # One thread for each publisher, so that its messages stay in order.
+        is_large = size >= LARGE and not self._sender.has(lane)
+        sender = self._large if is_large or self._large.has(lane) else self._sender
+        sender.send(lane, job, size, max(1, limit))
+
+    def serve(
+        self,
+        key: str,
+        read: Callable[[bytes], Any],
+        requested: Callable[[Attachment, Any, Callable[..., None]], object],
+    ) -> Declared:
+        """Serve a service.
+
+        Args:
+            read: as in `subscribe`.
+            requested: called, in the event loop, with the attachment and the request, and with a
+                function that takes what makes the response, in a thread, and then an error's text.
+        """
+
+        def arrived(query: zenoh.Query) -> None:
+            try:
+                attachment = self._attachment(query)
+                data = self._payload(query)
+                values = read(data)
+            except FibwsError as error:
+                self.inbox.put(self.report, f"{key}: {error}")
+                self._reply(query, key, b"", None, str(error))
+                return
+
+            def respond(make: Callable[[], tuple[bytes, bytes]] | None, error: str = "") -> None:
+                def job() -> None:
+                    data, head, fault = b"", None, error
+                    if make is not None:
+                        try:
+                            data, head = make()
+                        except FibwsError as found:
+                            fault = str(found)
+                    self._reply(query, key, data, head, fault)
+
+                self._sender.call(job)
+
+            self.inbox.put(requested, attachment, values, respond)
+
+        def declare() -> Any:
+            import zenoh
+
+            return self._session.declare_queryable(
+                key, direct(arrived), complete=True, allowed_origin=zenoh.Locality.REMOTE
+            )
+
+        return Declared(self._sender, declare)
+
+    def _reply(self, query: Any, key: str, data: bytes, head: bytes | None, error: str) -> None:
+        """Answer a query; all responses have an attachment."""
+        if head is None:
+            query.reply_err(error.encode())
+        else:
+            query.reply(key, data, attachment=head)
+        query.drop()
+
+    def call(
+        self,
+        key: str,
+        make: Callable[[], tuple[bytes, bytes]],
+        timeout: float,
+        read: Callable[[bytes], Any],
+        responded: Callable[[Any, str], object],
+    ) -> Callable[[], None]:
+        """Call a service.
+
+        Args:
+            make: returns the request and its attachment; called in a thread.
+            timeout: seconds until the network gives up.
+            read: as in `subscribe`.
+            responded: called, in the event loop, with the response and an empty text, or with None
+                and an error's text; more than once if there are several servers, and at the end.
+
+        Returns:
+            A function that cancels.
+        """
+        import zenoh
+
+        token = zenoh.CancellationToken()
+
+        def replied(reply: zenoh.Reply) -> None:
+            sample = reply.ok
+            try:
+                if sample is None:
+                    payload = reply.err.payload.to_bytes() if reply.err is not None else b""
+                    raise Ros2Error(payload[:1000].decode("utf-8", "replace") or "it failed")
+                self._attachment(sample)
+                values, fault = read(self._payload(sample)), ""
+            except FibwsError as error:
+                values, fault = None, str(error)
+            self.inbox.put(responded, values, fault)
+
+        def job() -> None:
+            try:
+                data, attachment = make()
+            except FibwsError as error:
+                self.inbox.put(responded, None, str(error))
+                return
+            self._session.get(
+                key,
+                direct(replied, lambda: self.inbox.put(responded, None, "it did not answer")),
+                payload=data,
+                attachment=attachment,
+                timeout=timeout,
+                target=zenoh.QueryTarget.ALL_COMPLETE,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                allowed_destination=zenoh.Locality.REMOTE,
+                cancellation_token=token,
+            )
+
+        self._sender.call(job)
+        return lambda: self._sender.call(token.cancel)
+
+    # Checking what arrives.
+
+    def _attachment(self, sample: Any) -> Attachment:
+        found = sample.attachment
+        if found is None:
+            raise Ros2Error("there is no attachment")
+        return Attachment.parse(found.to_bytes())
+
+    def _payload(self, sample: Any) -> bytes:
+        payload = sample.payload
+        size = len(payload) if payload is not None else 0
+        if size > self._max_message_size:
+            limit = self._max_message_size
+            raise Ros2Error(f"{size} bytes, limit is {limit} (--max-message-size)")
+        data: bytes = payload.to_bytes() if payload is not None else b""
+        return data
+
+    def report(self, text: str) -> None:
+        """Log that something invalid has arrived; not each time."""
+        self.faults += 1
+        if is_power_of_ten(self.faults):
+            logger.warning("ROS 2 (%d faults so far): %s", self.faults, printable(text[:500]))
+
+    def _count_dropped(self) -> None:
+        self.dropped += 1

@@ -1,0 +1,90 @@
+"""The tokens of this hub's nodes, by which ROS 2 programs see them."""
+
+from __future__ import annotations
+
+from itertools import count
+
+from fibws.hub.graph.graph import Graph, NodeOfLink
+from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_legal, is_of_action
+from fibws.hub.ros2.network import Declared, Network
+from fibws.hub.ros2.nodes import Ros2Node
+
+
+class OwnEntity:
+    """A token of this hub.
+
+    Attributes:
+        gid: what messages and requests of it have in their attachments.
+    """
+
+    __slots__ = ("declared", "entity", "gid")
+
+    def __init__(self, entity: Entity, network: Network) -> None:
+        token = entity.token()
+        self.entity = entity
+        self.gid = gid_of(token)
+        self.declared: Declared = network.declare_token(token)
+
+    def close(self) -> None:
+        """Undeclare the token."""
+        self.declared.close()
+
+
+class OwnNodes:
+    """The nodes of the graph that are not ROS 2's, as ROS 2 sees them.
+
+    The hub's own nodes are left out, as are nodes and topics whose names ROS 2 does not allow.
+    """
+
+    def __init__(self, graph: Graph, network: Network) -> None:
+        self._graph = graph
+        self._network = network
+        self._tokens: dict[str, OwnEntity] = {}
+        """By node."""
+        self._ids = count(1)
+        graph.watch("node", self._changed)
+
+    def start(self) -> None:
+        """Declare all nodes."""
+        for name in self._graph.nodes:
+            self._changed(name)
+
+    def is_shown(self, node: str) -> bool:
+        """Return whether ROS 2 may see a node."""
+        found = self._graph.nodes.get(node)
+        is_own = found is not None and not isinstance(found, Ros2Node | NodeOfLink)
+        return is_own and node not in self._graph.internal and is_legal(node)
+
+    def may_show(self, name: str) -> bool:
+        """Return whether ROS 2 may see a topic or a service."""
+        return is_legal(name) and not is_of_action(name)
+
+    def declare(
+        self, kind: Kind, node: str, name: str, type_: str, type_hash: str, qos: Qos
+    ) -> OwnEntity:
+        """Declare what a node has, which ROS 2 sees."""
+        network, owner = self._network, self._token(node).entity
+        number = str(next(self._ids))
+        ids = network.domain, network.session_id, owner.node_id, number
+        return OwnEntity(Entity(*ids, kind, node, name, type_, type_hash, qos), network)
+
+    def close(self) -> None:
+        """Undeclare all nodes."""
+        for token in self._tokens.values():
+            token.close()
+        self._tokens.clear()
+
+    def _changed(self, name: str) -> None:
+        if not self.is_shown(name):
+            if name in self._tokens:
+                self._tokens.pop(name).close()
+        elif self._graph.policy.allows_all:
+            self._token(name)  # Otherwise once it has something that ROS 2 may see.
+
+    def _token(self, name: str) -> OwnEntity:
+        found = self._tokens.get(name)
+        if found is None:
+            number, network = str(next(self._ids)), self._network
+            entity = Entity(network.domain, network.session_id, number, number, "NN", name)
+            found = self._tokens[name] = OwnEntity(entity, network)
+        return found

@@ -1,0 +1,394 @@
+"""Services across both worlds: those of ROS 2 nodes for the graph, and the reverse."""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Callable
+from functools import partial
+
+from pydantic_core import from_json
+
+from fibws.errors import FibwsError, InvalidMessage, OperationError, UnknownDefinition
+from fibws.hub.delivery.clock import Clock
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.service import Call, InternalServer, Service
+from fibws.hub.log_text import printable
+from fibws.hub.ros2.key_layout import GID_SIZE, NO_HASH, Attachment, Entity, Qos, data_key
+from fibws.hub.ros2.network import Declared, Network
+from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
+from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
+from fibws.hub.ros2.types import Ros2Service, Ros2Types, check_hash
+from fibws.interfaces.serialization import FEWEST_BYTES, Serializer
+
+logger = logging.getLogger("fibws.hub")
+
+CALL_TIMEOUT = 24 * 3600.0
+"""Seconds, which zenoh needs to know; the hub ends calls much earlier."""
+MOST_REQUESTS = 1000
+"""Calls of ROS 2 clients that may wait for a response at once."""
+MOST_CLIENTS = 100
+"""Callers of a service that ROS 2 sees as its clients."""
+SERVICE_QOS = Qos(depth=10)
+
+
+class Ros2Server:
+    """A service of a ROS 2 node, which the graph calls; a `ServiceServer`.
+
+    Attributes:
+        type: the name and the hash of its type.
+        service: the service of the graph; None while it cannot be attached.
+        tried_with: the service of the graph that has displaced it.
+    """
+
+    def __init__(self, owner: Ros2Node, entity: Entity, services: Ros2Services) -> None:
+        self.owner = owner
+        self.node = owner.name
+        self.name = entity.name
+        self.type = entity.type, entity.type_hash
+        self.service: Service | None = None
+        self._services = services
+        self._open: dict[Call, Callable[[], None]] = {}
+        self._clients: dict[str, OwnEntity] = {}
+        """What shows callers to ROS 2 as clients, by node."""
+        self._gid = os.urandom(GID_SIZE)
+        self._sequence = 0
+
+    def handle(self, call: Call) -> None:
+        """Pass a call to the node."""
+        network, type_ = self._services.network, call.service.type
+        try:
+            service = self._services.ros2_type(call.service)
+            if type_.codecs is None or service is None:
+                raise UnknownDefinition(type_.name, type_.fault)
+            out, back = type_.codecs.service_serializers(type_.name)
+            request = out.serialize(call.request)
+        except FibwsError as error:
+            call.fail(str(error), error.code)
+            return
+        self._sequence += 1
+        attachment = Attachment(self._sequence, time.time_ns(), self._gid_of(call.caller)).pack()
+        convert = service.request.to_cdr
+
+        def responded(data: bytearray | None, error: str) -> None:
+            if self._open.pop(call, None) is None:
+                return
+            if data is None:
+                call.fail(f"Service {self.name} of ROS 2 node {self.node} failed: {error}")
+                return
+            try:
+                call.respond(_read(back, data))
+            except FibwsError as found:
+                call.fail(f"Service {self.name} returned an invalid response: {found}")
+
+        self._open[call] = network.call(
+            data_key(network.domain, self.name, "srv", *self.type),
+            lambda: (convert(request), attachment),
+            CALL_TIMEOUT,
+            service.response.from_cdr,
+            responded,
+        )
+
+    def cancel(self, call: Call) -> None:
+        """Forget a call, which needs no response any more."""
+        cancel = self._open.pop(call, None)
+        if cancel is not None:
+            cancel()
+
+    def displaced(self, service: Service) -> None:
+        """Take note that another server has the service; calls that wait may still be answered."""
+        self.service = None
+
+    def close(self) -> None:
+        """Fail the calls that wait, as the node has left."""
+        for call, cancel in list(self._open.items()):
+            del self._open[call]
+            cancel()
+            call.fail(f"Service {self.name}: the ROS 2 node {self.node} has left", "server_lost")
+        for client in self._clients.values():
+            client.close()
+        self._clients.clear()
+
+    def forget(self, caller: str) -> None:
+        """Show a caller that has left no more."""
+        client = self._clients.pop(caller, None)
+        if client is not None:
+            client.close()
+
+    def _gid_of(self, caller: str) -> bytes:
+        """Return the gid of a caller; show it to ROS 2 unless that sees it already."""
+        own = self._services.own
+        if caller not in self._clients and own.is_shown(caller):
+            if len(self._clients) < MOST_CLIENTS:
+                self._clients[caller] = own.declare(
+                    "SC", caller, self.name, *self.type, SERVICE_QOS
+                )
+        client = self._clients.get(caller)
+        return client.gid if client is not None else self._gid
+
+
+class OwnService:
+    """A service of this hub as ROS 2 sees it.
+
+    Attributes:
+        declared: what takes requests, by the hash in the key.
+    """
+
+    def __init__(self, service: Service, type_: Ros2Service, token: OwnEntity) -> None:
+        self.service = service
+        self.type = type_
+        self.token = token
+        self.declared: dict[str, Declared] = {}
+
+    def close(self) -> None:
+        """Undeclare everything."""
+        self.token.close()
+        for declared in self.declared.values():
+            declared.close()
+        self.declared.clear()
+
+
+class Ros2Services:
+    """Connects the services of the graph with those of ROS 2 nodes.
+
+    Args:
+        timeout: seconds in which a service must answer; 0 for no limit.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        network: Network,
+        nodes: Ros2Nodes,
+        own: OwnNodes,
+        types: Ros2Types,
+        clock: Clock,
+        timeout: float,
+    ) -> None:
+        self.network = network
+        self.own = own
+        self._graph = graph
+        self._nodes = nodes
+        self._types = types
+        self._clock = clock
+        self._timeout = timeout
+        self._servers: dict[str, Ros2Server] = {}
+        self._own_services: dict[str, OwnService] = {}
+        self._requests = 0
+        """Calls of ROS 2 clients that wait for a response."""
+        self._is_closed = False
+        graph.watch("service", self.changed)
+        graph.watch("node", self._node_changed)
+
+    def start(self) -> None:
+        """Show all services to ROS 2."""
+        for name in list(self._graph.services):
+            self.changed(name)
+
+    def close(self) -> None:
+        """Serve ROS 2 no more; the ROS 2 nodes have been detached."""
+        self._is_closed = True
+        for service in self._own_services.values():
+            service.close()
+        self._own_services.clear()
+
+    def ros2_type(self, service: Service) -> Ros2Service | None:
+        """Return the type of a service in ROS 2; None if its fields are unknown.
+
+        Raises:
+            Ros2Error: it cannot be converted.
+        """
+        type_ = service.type
+        if type_.codecs is None or not type_.is_known:
+            return None
+        return self._types.service(type_.codecs.definitions, type_.name)
+
+    # Changes: see `Endpoints`.
+
+    def changed(self, name: str) -> None:
+        """Attach the service of a ROS 2 node, or show that of the graph to ROS 2."""
+        if self._is_closed:
+            return
+        self._settle_server(name)
+        self._settle_own(name)
+
+    def detach(self, node: Ros2Node) -> None:
+        """Detach what a node serves, since it leaves."""
+        for name in list(node.served):
+            server = self._servers.get(name)
+            if server is not None and server.owner is node:
+                self._detach(server)
+
+    def _node_changed(self, name: str) -> None:
+        if name not in self._graph.nodes:
+            for server in self._servers.values():
+                server.forget(name)
+
+    # Services of ROS 2.
+
+    def _settle_server(self, name: str) -> None:
+        entities = [
+            entity for entity in self._nodes.entities(name, is_topic=False) if entity.kind == "SS"
+        ]
+        newest = entities[-1] if entities else None
+        server = self._servers.get(name)
+        if server is not None:
+            is_same = newest is not None and (
+                server.owner is self._nodes.attached.get(newest.node)
+                and server.type == (newest.type, newest.type_hash)
+            )
+            if is_same:
+                if server.service is None and name not in self._graph.services:
+                    self._serve(server)  # The one that had displaced it is gone.
+                return
+            self._detach(server)
+        if newest is not None:
+            new = Ros2Server(self._nodes.attached[newest.node], newest, self)
+            self._servers[name] = new
+            new.owner.served[name] = None
+            self._serve(new)
+
+    def _serve(self, server: Ros2Server) -> None:
+        type_, type_hash = server.type
+        try:
+            service = self._graph.serve(server.name, type_, None, server)
+        except FibwsError as error:
+            self._warn(server, error)
+            return
+        server.service = service
+        try:
+            found = self.ros2_type(service)
+            if found is not None:
+                check_hash(type_, found.type_hash, type_hash)
+        except FibwsError as error:
+            server.service = None
+            self._graph.remove_service(service)
+            self._warn(server, error)
+
+    def _detach(self, server: Ros2Server) -> None:
+        del self._servers[server.name]
+        server.owner.served.pop(server.name, None)
+        service, server.service = server.service, None
+        if service is not None:
+            self._graph.remove_service(service)
+        server.close()
+
+    def _warn(self, server: Ros2Server, error: Exception) -> None:
+        text = f"{server.node} cannot serve {server.name} here: {error}"
+        logger.warning("%s", printable(text))
+
+    # Services of this hub.
+
+    def _settle_own(self, name: str) -> None:
+        service = self._graph.services.get(name)
+        type_ = self._shown_type(service)
+        present = self._own_services.get(name)
+        if present is not None and (present.service is not service or present.type is not type_):
+            del self._own_services[name]
+            present.close()
+            present = None
+        if service is None or type_ is None:
+            return
+        if present is None:
+            token = self.own.declare(
+                "SS", service.node, name, type_.name, type_.type_hash, SERVICE_QOS
+            )
+            present = self._own_services[name] = OwnService(service, type_, token)
+        hashes = {type_.type_hash}
+        if any(each.type_hash == NO_HASH for each in self._nodes.entities(name, is_topic=False)):
+            hashes.add(NO_HASH)
+        for gone in present.declared.keys() - hashes:
+            present.declared.pop(gone).close()
+        for new in hashes - present.declared.keys():
+            present.declared[new] = self.network.serve(
+                data_key(self.network.domain, name, "srv", type_.name, new),
+                type_.request.from_cdr,
+                partial(self._requested, present),
+            )
+
+    def _shown_type(self, service: Service | None) -> Ros2Service | None:
+        """Return the type of a service in ROS 2 if it is to be shown there."""
+        if service is None or isinstance(service.server, InternalServer | Ros2Server):
+            return None
+        may_call = self._graph.is_allowed(CLIENT, "call", service.name)
+        if not may_call or not self.own.may_show(service.name):
+            return None
+        if not self.own.is_shown(service.node):
+            return None
+        try:
+            return self.ros2_type(service)
+        except FibwsError:
+            return None
+
+    def _requested(
+        self, own: OwnService, attachment: Attachment, data: bytearray, respond: Callable[..., None]
+    ) -> None:
+        """Call a service for a ROS 2 client."""
+        name = own.service.name
+        if self._requests >= MOST_REQUESTS:
+            respond(None, f"too many requests wait for this hub (limit {MOST_REQUESTS})")
+            return
+        entity = self._nodes.of_gid(attachment.gid)
+        is_known = entity is not None and entity.node in self._nodes.attached
+        caller = entity.node if entity is not None and is_known else CLIENT
+        try:
+            self._call(own, name, caller, attachment, data, respond)
+        except FibwsError as error:
+            respond(None, str(error))
+
+    def _call(
+        self,
+        own: OwnService,
+        name: str,
+        caller: str,
+        attachment: Attachment,
+        data: bytearray,
+        respond: Callable[..., None],
+    ) -> None:
+        type_ = own.service.type
+        if type_.codecs is None:
+            raise UnknownDefinition(type_.name, type_.fault)
+        into, out = type_.codecs.service_serializers(type_.name)
+        convert = own.type.response.to_cdr
+        ended: list[Callable[[], object]] = []
+
+        def end() -> None:
+            self._requests -= 1
+            for each in ended:
+                each()
+
+        def succeeded(call: Call, text: bytes) -> None:
+            end()
+            try:
+                values = call.response if call.response is not None else from_json(text)
+                response = out.serialize(values)
+            except (FibwsError, ValueError) as error:
+                respond(None, f"{name} returned an invalid response: {error}")
+                return
+            echo = attachment._replace(stamp=time.time_ns()).pack()
+            respond(lambda: (convert(response), echo))
+
+        def failed(call: Call, text: str, code: str) -> None:
+            end()
+            respond(None, text)
+
+        values = _read(into, data)
+        call = self._graph.call(name, values, caller, succeeded, failed)
+        self._requests += 1
+        if self._timeout:
+            timer = self._clock.call_later(self._timeout, lambda: call.time_out(self._timeout))
+            ended.append(timer.cancel)
+        call.start()
+
+
+def _read(serializer: Serializer, data: bytearray) -> dict[str, object]:
+    """Return the values of a message; raise `InvalidMessage` or `OperationError`."""
+    serializer.check(data)
+    if len(data) > FEWEST_BYTES and serializer.is_heavy(data, numbers=True):
+        text = f"a message of {len(data)} bytes of type {serializer.type} has too many values"
+        raise OperationError(text)
+    try:
+        return serializer.deserialize(data)
+    except UnicodeDecodeError:
+        raise InvalidMessage(f"a string of {serializer.type} is not UTF-8") from None

@@ -1,0 +1,663 @@
+"""The topics of ROS 2 nodes: their publishers and subscribers in the graph, and the messages.
+
+Messages travel on demand. The hub subscribes to a key while a node of the graph that is not ROS 2's
+subscribes to the topic, and publishes while a ROS 2 node does. What has come from ROS 2 never goes
+back.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from functools import partial
+from itertools import count
+from typing import Any, Protocol
+
+from fibws.errors import FibwsError, LimitReached
+from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.topic import Conflict, LatchQuota, SinkReport, Source, Topic
+from fibws.hub.log_text import printable
+from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
+from fibws.hub.ros2.network import Declared, Network
+from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
+from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
+from fibws.hub.ros2.types import Ros2Message, Ros2Types, check_hash
+
+logger = logging.getLogger("fibws.hub")
+
+LINGER = 2.0
+"""Seconds for which messages still come when nobody subscribes any more."""
+TURN = 0.001
+"""Seconds for which topics are updated before others have their turn."""
+UNLIMITED = 1000
+"""Messages that wait for ROS 2, of a publisher whose queue_size sets no limit."""
+MOST_HISTORY = 1000
+"""Earlier messages that are asked for of a publisher that keeps more."""
+MOST_WARNINGS = 1000
+"""Conflicts that are logged, each once."""
+LEFT_OUT = frozenset({"/rosout"})
+"""Topics that both have, with other types."""
+
+NOT_TRIED: Any = object()
+"""Stands for a type of a topic that is unlike all others, and unlike None."""
+
+
+class Loop(Clock, Protocol):
+    """The event loop."""
+
+    def call_soon(self, callback: Callable[[], object], /) -> object:
+        """Call a function in the next turn."""
+
+
+class Ros2Publisher:
+    """A ROS 2 node as a publisher of a topic, with its source in the graph.
+
+    Attributes:
+        type: the name and the hash of its type.
+        qos: latched if one of its publishers is.
+        source: None while it cannot be attached; then ``tried_with`` is the topic's type by which
+            that failed.
+        message: None while the fields of the type are unknown.
+    """
+
+    __slots__ = ("message", "node", "qos", "source", "tried_with", "type")
+
+    def __init__(self, node: Ros2Node, type_: tuple[str, str], qos: Qos) -> None:
+        self.node = node
+        self.type = type_
+        self.qos = qos
+        self.source: Source | None = None
+        self.message: Ros2Message | None = None
+        self.tried_with: Any = NOT_TRIED
+
+
+class Ros2Subscriber:
+    """A ROS 2 node as a subscriber of a topic; a `Sink`, for which the outlet takes messages.
+
+    Attributes:
+        type: the name and the hash of its type.
+        is_attached: if it is not, ``tried_with`` is the topic's type by which that failed.
+    """
+
+    __slots__ = ("is_attached", "message", "node", "outlet", "owner", "tried_with", "type")
+
+    def __init__(self, owner: Ros2Node, type_: tuple[str, str], outlet: Outlet) -> None:
+        self.owner = owner
+        self.node = owner.name
+        self.type = type_
+        self.outlet = outlet
+        self.message: Ros2Message | None = None
+        self.is_attached = False
+        self.tried_with: Any = NOT_TRIED
+
+    def receive(self, publication: Publication) -> None:
+        """Take a message for this subscriber alone, which all of its topic get."""
+        self.outlet.receive(publication)
+
+    def replay(self, publication: Publication) -> None:
+        """Do nothing: the publishers of `OwnPublisher` keep latched messages."""
+
+    def report(self) -> SinkReport:
+        """Return no totals: nobody tells what has arrived."""
+        return SinkReport()
+
+
+class OwnPublisher:
+    """A publisher of this hub as ROS 2 sees it.
+
+    Args:
+        lane: its number among all.
+
+    Attributes:
+        declared: what sends its messages, by the hash in the key.
+    """
+
+    __slots__ = ("_network", "declared", "lane", "message", "own", "sequence", "source")
+
+    def __init__(
+        self, source: Source, message: Ros2Message, own: OwnEntity, network: Network, lane: int
+    ) -> None:
+        self.source = source
+        self.message = message
+        self.own = own
+        self.lane = lane
+        self.sequence = 0
+        self.declared: dict[str, Declared] = {}
+        self._network = network
+
+    def settle(self, hashes: set[str]) -> None:
+        """Publish for subscribers with these hashes, and for no others."""
+        for gone in self.declared.keys() - hashes:
+            self.declared.pop(gone).close()
+        for new in hashes - self.declared.keys():
+            network, entity = self._network, self.own.entity
+            key = data_key(network.domain, entity.name, "msg", entity.type, new)
+            self.declared[new] = network.declare_publisher(key, int(self.source.latch))
+            latched = self.source.recall()
+            if latched is not None:
+                self._send(latched, self.declared[new])
+
+    def send(self, publication: Publication) -> None:
+        """Send a message; raises `OperationError` if it has no bytes."""
+        for declared in self.declared.values():
+            self._send(publication, declared)
+
+    def _send(self, publication: Publication, declared: Declared) -> None:
+        data = publication.ros1()
+        self.sequence += 1
+        attachment = Attachment(self.sequence, time.time_ns(), self.own.gid).pack()
+        convert = self.message.converter.to_cdr
+        queue_size = self.source.queue_size
+        self._network.send(
+            declared,
+            self.lane,
+            len(data),
+            queue_size if queue_size > 0 else UNLIMITED,
+            lambda: (convert(data), attachment),
+        )
+
+    def close(self) -> None:
+        """Undeclare everything."""
+        self.settle(set())
+        self.own.close()
+
+
+class Outlet:
+    """Sends the messages of one topic; the `Receiver` that all its ROS 2 subscribers share."""
+
+    __slots__ = ("_links", "_topics")
+
+    def __init__(self, links: Links, topics: Ros2Topics) -> None:
+        self._links = links
+        self._topics = topics
+
+    def receive(self, publication: Publication) -> None:
+        """Send a message of a node that is not ROS 2's."""
+        try:
+            self._topics.publish(self._links, publication)
+        except FibwsError as error:
+            self._topics.network.report(f"{self._links.topic}: {error}")
+
+
+class Inlet:
+    """A subscription to one key.
+
+    Attributes:
+        history: how many earlier messages it asked for.
+        learned: the nodes of gids that are in no token.
+        proven: the nodes whose gids are those of their tokens.
+        is_ready: whether messages arrive.
+    """
+
+    __slots__ = ("declared", "history", "is_ready", "learned", "proven")
+
+    def __init__(self, history: int) -> None:
+        self.declared: Declared
+        self.history = history
+        self.learned: dict[bytes, str] = {}
+        self.proven: set[str] = set()
+        self.is_ready = False
+
+
+class Links:
+    """What connects a topic with ROS 2; publishers and subscribers by node."""
+
+    def __init__(self, topic: str, topics: Ros2Topics) -> None:
+        self.topic = topic
+        self.publishers: dict[str, Ros2Publisher] = {}
+        self.subscribers: dict[str, Ros2Subscriber] = {}
+        self.outlet = Outlet(self, topics)
+        self.inlets: dict[tuple[str, str], Inlet] = {}
+        """By the name and the hash of the type."""
+        self.lingering: Timer | None = None
+        self.own_publishers: dict[str, OwnPublisher] = {}
+        self.own_subscribers: dict[str, OwnEntity] = {}
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is connected."""
+        return not (
+            self.publishers
+            or self.subscribers
+            or self.inlets
+            or self.own_publishers
+            or self.own_subscribers
+        )
+
+
+class Ros2Topics:
+    """Connects the topics of the graph with those of ROS 2 nodes.
+
+    Args:
+        max_latched: bytes that the latched messages of a ROS 2 publisher may take.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        network: Network,
+        nodes: Ros2Nodes,
+        own: OwnNodes,
+        types: Ros2Types,
+        loop: Loop,
+        max_latched: int,
+    ) -> None:
+        self.network = network
+        self._graph = graph
+        self._nodes = nodes
+        self._own = own
+        self._types = types
+        self._loop = loop
+        self._max_latched = max_latched
+        self._links: dict[str, Links] = {}
+        self._dirty: dict[str, None] = {}
+        self._is_due = False
+        self._is_closed = False
+        self._lanes = count(1)
+        self._warned: set[str] = set()
+        graph.watch_topics(lambda topic: self.changed(topic.name))
+
+    def start(self) -> None:
+        """Show all topics to ROS 2."""
+        for name in self._graph.topics:
+            self.changed(name)
+
+    def close(self) -> None:
+        """End all connections; the ROS 2 nodes have been detached."""
+        self._is_closed = True
+        for links in self._links.values():
+            self._stop_lingering(links)
+            for publisher in links.own_publishers.values():
+                publisher.close()
+            for subscriber in links.own_subscribers.values():
+                subscriber.close()
+            self._close_inlets(links)
+        self._links.clear()
+
+    # Changes: see `Endpoints`.
+
+    def changed(self, name: str) -> None:
+        """Update a topic soon."""
+        if self._is_closed or name in LEFT_OUT:
+            return
+        self._dirty[name] = None
+        if not self._is_due:
+            self._is_due = True
+            self._loop.call_soon(self._update)
+
+    def detach(self, node: Ros2Node) -> None:
+        """Detach what a node publishes and subscribes to, since it leaves."""
+        for name in {**node.published, **node.subscribed}:
+            links = self._links[name]
+            publisher = links.publishers.get(node.name)
+            if publisher is not None and publisher.node is node:
+                self._detach_publisher(links, publisher)
+            subscriber = links.subscribers.get(node.name)
+            if subscriber is not None and subscriber.owner is node:
+                self._detach_subscriber(links, subscriber)
+            self.changed(name)
+
+    def _update(self) -> None:
+        until = time.perf_counter() + TURN
+        self._is_due = False
+        while self._dirty and not self._is_closed:
+            name = next(iter(self._dirty))
+            del self._dirty[name]
+            self._settle(name)
+            if self._dirty and time.perf_counter() > until:
+                if not self._is_due:
+                    self._is_due = True
+                    self._loop.call_soon(self._update)
+                return
+
+    def _settle(self, name: str) -> None:
+        """Attach what should be attached to a topic, and detach what should not."""
+        links = self._links.get(name)
+        if links is None:
+            links = self._links[name] = Links(name, self)
+        publishers: dict[str, list[Entity]] = {}
+        subscribers: dict[str, list[Entity]] = {}
+        for entity in self._nodes.entities(name, is_topic=True):
+            users = publishers if entity.kind == "MP" else subscribers
+            users.setdefault(entity.node, []).append(entity)
+        self._settle_publishers(links, publishers)
+        self._settle_subscribers(links, subscribers)
+        self._settle_inlets(links)
+        self._settle_own(links)
+        if links.is_empty:
+            self._links.pop(name, None)
+
+    # Publishers of ROS 2.
+
+    def _settle_publishers(self, links: Links, wanted: dict[str, list[Entity]]) -> None:
+        for name, old in list(links.publishers.items()):
+            entities = wanted.get(name)
+            is_same = (
+                entities is not None
+                and old.node is self._nodes.attached.get(name)
+                and (old.type, old.qos) == _type_and_qos(entities)
+            )
+            if not is_same or self._is_due_again(links, old):
+                self._detach_publisher(links, old)
+        for name, entities in wanted.items():
+            if name not in links.publishers:
+                type_, qos = _type_and_qos(entities)
+                new = Ros2Publisher(self._nodes.attached[name], type_, qos)
+                self._attach_publisher(links, new)
+
+    def _is_due_again(self, links: Links, old: Ros2Publisher | Ros2Subscriber) -> bool:
+        """Return whether the topic has another type than when something was attached."""
+        type_ = self._graph.topic(links.topic).type
+        return old.tried_with is not NOT_TRIED and old.tried_with is not type_
+
+    def _attach_publisher(self, links: Links, new: Ros2Publisher) -> None:
+        graph, topic, node = self._graph, self._graph.topic(links.topic), new.node.name
+        links.publishers[node] = new
+        new.node.published[links.topic] = None
+        topic.watching_sources.unlinked(node)
+        try:
+            new.source = graph.advertise(
+                topic,
+                node,
+                new.type[0],
+                latch=new.qos.is_latched,
+                quota=LatchQuota(self._max_latched),
+                queue_size=new.qos.depth,
+            )
+            new.message = self._message(topic, new.type[1])
+        except FibwsError as error:
+            source, new.source = new.source, None
+            if source is not None:
+                graph.remove_source(source)
+            else:
+                topic.watching_sources.left(node)
+            self._conflict(links.topic, node, new.type[0], error, publishes=True)
+        # Without its fields it has no messages, until somebody brings the definition.
+        new.tried_with = graph.topic(links.topic).type
+
+    def _detach_publisher(self, links: Links, old: Ros2Publisher) -> None:
+        node = old.node.name
+        del links.publishers[node]
+        old.node.published.pop(links.topic, None)
+        source, old.source = old.source, None
+        if source is not None:
+            self._graph.remove_source(source)
+        self._remove_conflict(links.topic, node, publishes=True)
+
+    def _message(self, topic: Topic, type_hash: str | None) -> Ros2Message | None:
+        """Return the type of a topic in ROS 2; None if its fields are unknown.
+
+        Raises:
+            Ros2Error: it has another hash than ROS 2 has, or it cannot be converted.
+        """
+        type_ = topic.type
+        if type_ is None or type_.codecs is None:
+            return None
+        message = self._types.message(type_.codecs.definitions, type_.name)
+        if type_hash is not None:
+            check_hash(message.name, message.type_hash, type_hash)
+        return message
+
+    # Subscribers of ROS 2.
+
+    def _settle_subscribers(self, links: Links, wanted: dict[str, list[Entity]]) -> None:
+        for name, old in list(links.subscribers.items()):
+            entities = wanted.get(name)
+            is_same = (
+                entities is not None
+                and old.owner is self._nodes.attached.get(name)
+                and old.type == _type_and_qos(entities)[0]
+            )
+            if not is_same or self._is_due_again(links, old):
+                self._detach_subscriber(links, old)
+        for name, entities in wanted.items():
+            if name not in links.subscribers:
+                type_, _ = _type_and_qos(entities)
+                sink = Ros2Subscriber(self._nodes.attached[name], type_, links.outlet)
+                self._attach_subscriber(links, sink)
+
+    def _attach_subscriber(self, links: Links, new: Ros2Subscriber) -> None:
+        graph, topic = self._graph, self._graph.topic(links.topic)
+        links.subscribers[new.node] = new
+        new.owner.subscribed[links.topic] = None
+        try:
+            graph.subscribe(topic, new, new.type[0], receiver=links.outlet, needs_definition=True)
+            new.is_attached = True
+            new.message = self._message(topic, new.type[1])
+        except FibwsError as error:
+            if new.is_attached:
+                new.is_attached = False
+                graph.unsubscribe(topic, new)
+            self._conflict(links.topic, new.node, new.type[0], error, publishes=False)
+        new.tried_with = graph.topic(links.topic).type
+
+    def _detach_subscriber(self, links: Links, old: Ros2Subscriber) -> None:
+        del links.subscribers[old.node]
+        old.owner.subscribed.pop(links.topic, None)
+        topic = self._graph.topics.get(links.topic)
+        if topic is not None and old.is_attached:
+            self._graph.unsubscribe(topic, old)
+        self._remove_conflict(links.topic, old.node, publishes=False)
+
+    def _conflict(
+        self, name: str, node: str, type_: str, error: Exception, *, publishes: bool
+    ) -> None:
+        """List a conflict at its topic, for all tools."""
+        text = f"{node} exchanges no messages on {name}: {error}"
+        if text not in self._warned and len(self._warned) < MOST_WARNINGS:
+            self._warned.add(text)
+            logger.warning("%s", printable(text))
+        conflict = Conflict(node, type_, publishes, str(error))
+        self._graph.add_conflict(self._graph.topic(name), conflict)
+
+    def _remove_conflict(self, name: str, node: str, *, publishes: bool) -> None:
+        topic = self._graph.topics.get(name)
+        if topic is not None and topic.conflicts:
+            self._graph.remove_conflict(topic, node, publishes=publishes)
+
+    # Messages of ROS 2.
+
+    def _settle_inlets(self, links: Links) -> None:
+        """Subscribe to the keys that are needed, and some time later to no more."""
+        wanted: dict[tuple[str, str], int] = {}
+        for publisher in links.publishers.values():
+            if publisher.message is not None:
+                depth = publisher.qos.depth if publisher.qos.is_latched else 0
+                history = max(wanted.get(publisher.type, 0), min(depth, MOST_HISTORY))
+                wanted[publisher.type] = history
+        for type_ in links.inlets.keys() - wanted.keys():
+            self._close_inlet(links, type_)
+        topic = self._graph.topic(links.topic)
+        if any(node not in self._nodes.attached for node in topic.subscribers()):
+            self._stop_lingering(links)
+            for type_, history in wanted.items():
+                self._open_inlet(links, type_, history)
+        elif links.inlets and links.lingering is None:
+            links.lingering = self._loop.call_later(LINGER, partial(self._lingered, links))
+
+    def _lingered(self, links: Links) -> None:
+        links.lingering = None
+        self._close_inlets(links)
+        self.changed(links.topic)
+
+    def _stop_lingering(self, links: Links) -> None:
+        if links.lingering is not None:
+            links.lingering.cancel()
+            links.lingering = None
+
+    def _open_inlet(self, links: Links, type_: tuple[str, str], history: int) -> None:
+        inlet = links.inlets.get(type_)
+        if inlet is not None and inlet.history < history:
+            self._close_inlet(links, type_)
+            inlet = None
+        if inlet is not None:
+            if inlet.is_ready:
+                self._link(links, type_)
+            return
+        message = next(
+            each.message
+            for each in links.publishers.values()
+            if each.type == type_ and each.message is not None
+        )
+        inlet = links.inlets[type_] = Inlet(history)
+        inlet.declared = self.network.subscribe(
+            data_key(self.network.domain, links.topic, "msg", *type_),
+            history,
+            message.converter.from_cdr,
+            partial(self._received, links, type_, inlet),
+            partial(self._ready, links, type_, inlet),
+        )
+
+    def _close_inlets(self, links: Links) -> None:
+        for type_ in list(links.inlets):
+            self._close_inlet(links, type_)
+
+    def _close_inlet(self, links: Links, type_: tuple[str, str]) -> None:
+        links.inlets.pop(type_).declared.close()
+        for publisher in links.publishers.values():
+            if publisher.type == type_ and publisher.source is not None:
+                publisher.source.forget_latched()
+                publisher.source.topic.watching_sources.unlinked(publisher.node.name)
+
+    def _ready(self, links: Links, type_: tuple[str, str], inlet: Inlet) -> None:
+        if links.inlets.get(type_) is inlet:
+            inlet.is_ready = True
+            self._link(links, type_)
+
+    def _link(self, links: Links, type_: tuple[str, str]) -> None:
+        """Take note that messages of all publishers of a type arrive."""
+        for publisher in links.publishers.values():
+            if publisher.type == type_ and publisher.source is not None:
+                publisher.source.topic.source_linked(publisher.node.name)
+
+    def _received(
+        self,
+        links: Links,
+        type_: tuple[str, str],
+        inlet: Inlet,
+        attachment: Attachment,
+        data: bytearray,
+    ) -> None:
+        """Publish a message of a ROS 2 node."""
+        if links.inlets.get(type_) is not inlet:
+            return
+        publisher = self._publisher(links, type_, inlet, attachment.gid)
+        if publisher is None or publisher.source is None:
+            self.network.report(f"{links.topic}: a message of an unknown publisher")
+            return
+        try:
+            publisher.source.publish_serialized(memoryview(data))
+        except LimitReached as error:
+            logger.warning("%s: %s", publisher.node.name, error)
+        except FibwsError as error:
+            self.network.report(f"{links.topic}: {publisher.node.name}: {error}")
+
+    def _publisher(
+        self, links: Links, type_: tuple[str, str], inlet: Inlet, gid: bytes
+    ) -> Ros2Publisher | None:
+        """Return the publisher with a gid.
+
+        Some programs have gids that do not follow from their tokens: each of these is taken for a
+        publisher whose gid is not known yet.
+        """
+        entity = self._nodes.of_gid(gid)
+        if entity is not None and entity.name == links.topic:
+            inlet.proven.add(entity.node)
+            return links.publishers.get(entity.node)
+        known = links.publishers.get(inlet.learned.get(gid, ""))
+        if known is not None:
+            return known
+        there = [each for each in links.publishers.values() if each.type == type_]
+        if len(there) == 1:
+            return there[0]
+        names = {each.node.name for each in there}
+        inlet.learned = {old: node for old, node in inlet.learned.items() if node in names}
+        inlet.proven &= names
+        taken = {*inlet.proven, *inlet.learned.values()}
+        for publisher in there:
+            if publisher.node.name not in taken:
+                inlet.learned[gid] = publisher.node.name
+                return publisher
+        return None
+
+    # Nodes of this hub, for ROS 2.
+
+    def publish(self, links: Links, publication: Publication) -> None:
+        """Send a message of a topic to ROS 2, unless it has come from there."""
+        node = publication.node
+        if node in self._nodes.attached:
+            return
+        publisher = links.own_publishers.get(node)
+        topic = self._graph.topics.get(links.topic)
+        if topic is None or publisher is None or publisher.source is not topic.sources.get(node):
+            self._settle_own(links)  # It has only just advertised.
+            publisher = links.own_publishers.get(node)
+        if publisher is not None:
+            publisher.send(publication)
+
+    def _settle_own(self, links: Links) -> None:
+        """Show the publishers and subscribers of this hub to ROS 2."""
+        topic = self._graph.topics.get(links.topic)
+        message = self._own_message(topic)
+        hashes = {
+            each.type[1]
+            for each in links.subscribers.values()
+            if each.is_attached and each.message is not None
+        }
+        sources = dict(topic.sources) if topic is not None and message is not None else {}
+        may_publish = self._graph.is_allowed(CLIENT, "subscribe", links.topic)
+        for node, old in list(links.own_publishers.items()):
+            is_same = sources.get(node) is old.source and old.message is message
+            if not is_same or not self._own.is_shown(node) or not may_publish:
+                del links.own_publishers[node]
+                old.close()
+        for node, source in sources.items():
+            if not may_publish or not self._own.is_shown(node) or message is None:
+                continue
+            publisher = links.own_publishers.get(node)
+            if publisher is None:
+                qos = Qos(is_latched=source.latch, depth=max(1, source.queue_size))
+                own = self._own.declare(
+                    "MP", node, links.topic, message.name, message.type_hash, qos
+                )
+                lane = next(self._lanes)
+                publisher = OwnPublisher(source, message, own, self.network, lane)
+                links.own_publishers[node] = publisher
+            publisher.settle(hashes)
+        self._settle_own_subscribers(links, topic, message)
+
+    def _settle_own_subscribers(
+        self, links: Links, topic: Topic | None, message: Ros2Message | None
+    ) -> None:
+        may_subscribe = self._graph.is_allowed(CLIENT, "publish", links.topic)
+        nodes = set(topic.subscribers()) if topic is not None and may_subscribe else set()
+        nodes = {node for node in nodes if self._own.is_shown(node)}
+        for node, old in list(links.own_subscribers.items()):
+            is_same = message is not None and old.entity.type_hash == message.type_hash
+            if node not in nodes or not is_same:
+                links.own_subscribers.pop(node).close()
+        if message is None:
+            return
+        type_ = message.name, message.type_hash
+        for node in nodes - links.own_subscribers.keys():
+            links.own_subscribers[node] = self._own.declare("MS", node, links.topic, *type_, Qos())
+
+    def _own_message(self, topic: Topic | None) -> Ros2Message | None:
+        """Return the type of a topic in ROS 2, if the topic can be shown there."""
+        if topic is None or not self._own.may_show(topic.name) or topic.name in LEFT_OUT:
+            return None
+        try:
+            return self._message(topic, None)
+        except FibwsError:
+            return None  # It cannot be converted; conflicts say so where it matters.
+
+
+def _type_and_qos(entities: list[Entity]) -> tuple[tuple[str, str], Qos]:
+    """Return the type of a node's publishers or subscribers of a topic, and their QoS."""
+    first = entities[0]
+    is_latched = any(each.qos.is_latched for each in entities)
+    depth = max(each.qos.depth for each in entities)
+    return (first.type, first.type_hash), Qos(is_latched=is_latched, depth=depth)
