@@ -10,7 +10,13 @@ from functools import partial
 
 from pydantic_core import from_json
 
-from fibws.errors import FibwsError, InvalidMessage, OperationError, UnknownDefinition
+from fibws.errors import (
+    FibwsError,
+    InterfaceError,
+    InvalidMessage,
+    OperationError,
+    UnknownDefinition,
+)
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
@@ -39,7 +45,7 @@ class Ros2Server:
     Attributes:
         type: the name and the hash of its type.
         service: the service of the graph; None while it cannot be attached.
-        tried_with: the service of the graph that has displaced it.
+        is_refused: whether it can never be attached.
     """
 
     def __init__(self, owner: Ros2Node, entity: Entity, services: Ros2Services) -> None:
@@ -48,6 +54,7 @@ class Ros2Server:
         self.name = entity.name
         self.type = entity.type, entity.type_hash
         self.service: Service | None = None
+        self.is_refused = False
         self._services = services
         self._open: dict[Call, Callable[[], None]] = {}
         self._clients: dict[str, OwnEntity] = {}
@@ -135,15 +142,16 @@ class OwnService:
         declared: what takes requests, by the hash in the key.
     """
 
-    def __init__(self, service: Service, type_: Ros2Service, token: OwnEntity) -> None:
+    def __init__(self, service: Service, type_: Ros2Service) -> None:
         self.service = service
         self.type = type_
-        self.token = token
+        self.token: OwnEntity | None = None
         self.declared: dict[str, Declared] = {}
 
     def close(self) -> None:
         """Undeclare everything."""
-        self.token.close()
+        if self.token is not None:
+            self.token.close()
         for declared in self.declared.values():
             declared.close()
         self.declared.clear()
@@ -239,7 +247,8 @@ class Ros2Services:
                 and server.type == (newest.type, newest.type_hash)
             )
             if is_same:
-                if server.service is None and name not in self._graph.services:
+                is_free = server.service is None and name not in self._graph.services
+                if is_free and not server.is_refused:
                     self._serve(server)  # The one that had displaced it is gone.
                 return
             self._detach(server)
@@ -252,19 +261,21 @@ class Ros2Services:
     def _serve(self, server: Ros2Server) -> None:
         type_, type_hash = server.type
         try:
-            service = self._graph.serve(server.name, type_, None, server)
+            self._check_hash(type_, type_hash)
+            server.service = self._graph.serve(server.name, type_, None, server)
         except FibwsError as error:
-            self._warn(server, error)
-            return
-        server.service = service
+            server.is_refused = True
+            text = f"{server.node} cannot serve {server.name} here: {error}"
+            logger.warning("%s", printable(text))
+
+    def _check_hash(self, type_: str, type_hash: str) -> None:
+        """Raise `Ros2Error` if a service in ROS 2 has other fields, or cannot be converted."""
         try:
-            found = self.ros2_type(service)
-            if found is not None:
-                check_hash(type_, found.type_hash, type_hash)
-        except FibwsError as error:
-            server.service = None
-            self._graph.remove_service(service)
-            self._warn(server, error)
+            definitions = self._graph.definitions.known("srv", type_)
+            found = self._types.service(definitions, type_)
+        except InterfaceError:
+            return  # It is shown, and cannot be called.
+        check_hash(type_, found.type_hash, type_hash)
 
     def _detach(self, server: Ros2Server) -> None:
         del self._servers[server.name]
@@ -273,10 +284,6 @@ class Ros2Services:
         if service is not None:
             self._graph.remove_service(service)
         server.close()
-
-    def _warn(self, server: Ros2Server, error: Exception) -> None:
-        text = f"{server.node} cannot serve {server.name} here: {error}"
-        logger.warning("%s", printable(text))
 
     # Services of this hub.
 
@@ -291,10 +298,7 @@ class Ros2Services:
         if service is None or type_ is None:
             return
         if present is None:
-            token = self.own.declare(
-                "SS", service.node, name, type_.name, type_.type_hash, SERVICE_QOS
-            )
-            present = self._own_services[name] = OwnService(service, type_, token)
+            present = self._own_services[name] = OwnService(service, type_)
         hashes = {type_.type_hash}
         if any(each.type_hash == NO_HASH for each in self._nodes.entities(name, is_topic=False)):
             hashes.add(NO_HASH)
@@ -305,6 +309,10 @@ class Ros2Services:
                 data_key(self.network.domain, name, "srv", type_.name, new),
                 type_.request.from_cdr,
                 partial(self._requested, present),
+            )
+        if present.token is None:  # Whoever sees it may call at once.
+            present.token = self.own.declare(
+                "SS", service.node, name, type_.name, type_.type_hash, SERVICE_QOS
             )
 
     def _shown_type(self, service: Service | None) -> Ros2Service | None:

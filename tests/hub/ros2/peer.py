@@ -186,7 +186,7 @@ class Peer:
         entity.declared = declared
         if not latched:
             loop = asyncio.get_running_loop()
-            handler = zenoh.handlers.Callback(
+            handler: Any = zenoh.handlers.Callback(
                 lambda status: loop.call_soon_threadsafe(entity.note, status.matching),
                 indirect=False,
             )

@@ -161,10 +161,10 @@ async def test_what_comes_from_ros_2_does_not_go_back(
     hub: Hub, peer: Peer, node: fibws.Node
 ) -> None:
     talker = await peer.publisher("/talker", "/chatter")
-    _, queue = await peer.subscriber("/listener", "/chatter")
     ours = await node.advertise("/chatter", String)
     async with node.subscribe("/chatter", String) as messages:
         await flowing(talker)
+        _, queue = await peer.subscriber("/listener", "/chatter")
         await until(lambda: "/listener" in subscribers(hub, "/chatter"), hub)
         await talker.publish(cdr_string("theirs"))
         assert (await anext(messages)).data == "theirs"
@@ -255,20 +255,32 @@ async def test_late_publisher_with_latched_messages_reaches_waiting_nodes(
             assert (await anext(messages)).data == "the map"
 
 
+async def until_conflicts(hub: Hub, topic: str, nodes: dict[str, bool]) -> None:
+    """Wait for conflicts of nodes, each with whether it publishes."""
+    revisions: asyncio.Queue[None] = asyncio.Queue()
+    add = hub.graph.add_conflict
+
+    def note(*arguments: Any) -> None:
+        add(*arguments)
+        revisions.put_nowait(None)
+
+    hub.graph.add_conflict = note  # type: ignore[assignment, method-assign]
+    async with asyncio.timeout(PATIENCE):
+        while {each.node: each.publishes for each in hub.graph.topic(topic).conflicts} != nodes:
+            await revisions.get()
+    hub.graph.add_conflict = add  # type: ignore[method-assign]
+
+
 async def test_type_with_other_fields_is_a_conflict_of_the_topic(
-    hub: Hub, peer: Peer, node: fibws.Node, caplog: pytest.LogCaptureFixture
+    hub: Hub, peer: Peer, node: fibws.Node
 ) -> None:
     wrong = f"RIHS01_{'0' * 64}"
     await peer.publisher("/talker", "/name", STRING, wrong)
     await peer.subscriber("/listener", "/name", STRING, wrong)
 
-    def conflicts() -> set[tuple[str, bool]]:
-        found = hub.graph.topics.get("/name")
-        return {(each.node, each.publishes) for each in found.conflicts} if found else set()
-
     await until(lambda: ros2_nodes(hub) == {"/talker", "/listener"}, hub)
     async with node.subscribe("/name", String):
-        await until(lambda: conflicts() == {("/talker", True), ("/listener", False)}, hub)
+        await until_conflicts(hub, "/name", {"/talker": True, "/listener": False})
         assert wrong in hub.graph.topics["/name"].conflicts[0].fault
         assert not sources(hub, "/name")
         await until(lambda: subscribers(hub, "/name") == {"/ours"}, hub)
@@ -279,7 +291,7 @@ async def test_node_of_another_type_is_a_conflict_until_the_topic_is_free(
 ) -> None:
     publisher = await node.advertise("/name", Int32)
     await peer.publisher("/talker", "/name")
-    await until(lambda: hub.graph.topics["/name"].conflicts, hub)
+    await until_conflicts(hub, "/name", {"/talker": True})
     assert sources(hub, "/name") == {"/ours"}
     publisher.close()
     await until(lambda: sources(hub, "/name") == {"/talker"}, hub)
