@@ -96,6 +96,8 @@ BELOW_IN_HUB = {
     | {"credentials", "hub_address", "tls", "hub.federation", "hub.graph", "hub.audit"}
     | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}
     | {"hub.zenoh_session"},
+    "ros2": {"errors", "access.rights", "interfaces", "hub.graph", "hub.ros2", "hub.settings"}
+    | {"hub.delivery.clock", "hub.log_text", "hub.zenoh_session"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "access.rights", "hub.graph"}
     | {"hub.delivery", "hub.rosapi", "hub.log_text", "hub.audit"},
 }
@@ -165,6 +167,7 @@ PURE = modules(
     "ros1/launch/xml_element.py",
     *("hub/settings.py", "hub/log_text.py", "hub/audit.py", "hub/websocket/keepalive.py"),
     "hub/websocket/quotas.py",
+    *(f"hub/ros2/{name}.py" for name in ("cdr", "key_layout", "type_hashes", "types")),
     *(
         f"tf/{name}.py"
         for name in ("buffer", "errors", "history", "messages", "selection", "transform")

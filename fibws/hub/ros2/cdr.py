@@ -5,7 +5,7 @@ aligned to its size, counted from behind these; a string has a NUL behind it tha
 a message without fields has one byte. Otherwise the bytes are those of ROS 1, so that a converter
 copies pieces that are as long as possible: an image is a few of them.
 
-For each type two functions are compiled when they are first needed, as in
+For each type two functions are compiled when they are first needed, in any thread, as in
 `fibws.interfaces.serialization_code`. For ``geometry_msgs/PointStamped`` the one that makes CDR is,
 in short,
 
@@ -22,7 +22,6 @@ depends on ``p & 7`` alone, so that there are 8 structs for each piece.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from functools import cached_property
 from struct import Struct
@@ -84,8 +83,6 @@ class Converters:
     def __init__(self, find: Find) -> None:
         self._find = find
         self._by_name: dict[str, Converter] = {}
-        self.lock = threading.RLock()
-        """Held while functions are compiled, which may be in any thread."""
 
     def of(self, type_: str) -> Converter:
         """Return the converter of a message.
@@ -170,14 +167,12 @@ class Converter:
     @cached_property
     def to_cdr_function(self) -> Function:
         """The compiled function that makes CDR; see the module."""
-        with self.converters.lock:
-            return _ToCdr(self).function()
+        return _ToCdr(self).function()
 
     @cached_property
     def from_cdr_function(self) -> Function:
         """The compiled function that reads CDR: it takes data, offset and output."""
-        with self.converters.lock:
-            return _FromCdr(self).function()
+        return _FromCdr(self).function()
 
     @cached_property
     def chunk(self) -> _Chunk | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import Callable, Iterable
 from typing import Protocol, TypeVar
@@ -54,13 +55,12 @@ class Ros2Node(DistantNode):
 
     def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
         """Report that it answers: its token would be gone otherwise."""
-        done("")
-        return lambda: None
+        return asyncio.get_running_loop().call_soon(done, "").cancel
 
     def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
         """Report that ROS 2 nodes cannot be ended by others."""
-        done(f"{self.name} is a ROS 2 node, which can only be ended on its machine")
-        return lambda: None
+        text = f"{self.name} is a ROS 2 node, which can only be ended on its machine"
+        return asyncio.get_running_loop().call_soon(done, text).cancel
 
     def replaced(self) -> None:
         """Leave, since a node of this hub has taken its name."""
