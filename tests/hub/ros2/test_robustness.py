@@ -100,7 +100,7 @@ async def test_messages_that_are_too_large_are_left_out(start_hub: StartHub, end
 
 async def test_burst_arrives_in_order(hub: Hub, peer: Peer, node: fibws.Node) -> None:
     _, queue = await peer.subscriber("/listener", "/chatter")
-    publisher = await node.advertise("/chatter", String)
+    publisher = await node.advertise("/chatter", String, queue_size=1000)
     await until(lambda: subscribers(hub, "/chatter"), hub)
     for number in range(500):
         await publisher.publish(data=str(number))
@@ -120,7 +120,7 @@ async def test_large_and_small_messages_of_one_publisher_stay_in_order(
     store: Any = get_typestore(Stores.ROS2_JAZZY)
     type_hash = store.hash_rihs01("std_msgs/msg/Float64MultiArray")
     _, queue = await peer.subscriber("/listener", "/numbers", type_, type_hash)
-    publisher = await node.advertise("/numbers", Float64MultiArray)
+    publisher = await node.advertise("/numbers", Float64MultiArray, queue_size=100)
     await until(lambda: subscribers(hub, "/numbers"), hub)
     sizes = [10, 20_000, 5, 30_000, 1, 0, 9000] * 3
     for size in sizes:
