@@ -7,11 +7,10 @@ from contextlib import AsyncExitStack
 
 import pytest
 from conftest import StartHub
+from running_programs import free_port
 
 import fibws
 from fibws.hub import Hub
-
-from ..federation.conftest import unused_port
 
 pytest.importorskip("zenoh")
 pytest.importorskip("xxhash")
@@ -23,7 +22,7 @@ StartPeer = Callable[[], Awaitable[Peer]]
 
 @pytest.fixture
 def endpoint() -> str:
-    return f"tcp/127.0.0.1:{unused_port()}"
+    return f"tcp/127.0.0.1:{free_port()}"
 
 
 @pytest.fixture
