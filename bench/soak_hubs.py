@@ -62,7 +62,7 @@ def soak_hubs(plan: Plan, report: Report) -> None:
 
 @dataclass
 class Facts:
-    """What was seen.
+    """The results.
 
     Attributes:
         faults: how often a link was cut or stood still.

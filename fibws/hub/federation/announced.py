@@ -1,4 +1,4 @@
-"""What other hubs have announced, with the names of this hub."""
+"""The announcements of other hubs, translated to the names of this hub."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class RemoteTopic(NamedTuple):
 
 
 class PeerGraph:
-    """What one hub has announced.
+    """The announcements of one hub.
 
     Args:
         quota: bounds its latched messages that are kept here.

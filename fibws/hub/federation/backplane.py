@@ -25,7 +25,7 @@ Cancel: TypeAlias = Callable[[], None]
 
 @dataclass(slots=True)
 class Traffic:
-    """What was exchanged with another hub."""
+    """Messages and bytes exchanged with another hub."""
 
     messages_sent: int = 0
     messages_received: int = 0

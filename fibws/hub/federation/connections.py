@@ -157,7 +157,7 @@ class _OwnWire:
         self._websocket = websocket
         self._waiting = asyncio.Event()
         self.reason: CloseReason | None = None
-        """Why this hub closes the connection, if it does."""
+        """The reason given when this hub closes the connection."""
         self.closing = asyncio.Event()
         self.is_behind = False
         """Whether the socket takes no more at present."""
@@ -215,7 +215,7 @@ class Join:
     ) -> None:
         self.url = hub_url(address)
         self.fault = "it was not tried yet"
-        """Why there is no connection; empty while there is one."""
+        """The reason for not being connected; empty while connected."""
         self.on_fault: Callable[[str], object] = lambda fault: None
         """Called each time that there is none."""
         self._credentials = Credentials.find(address, environment={})

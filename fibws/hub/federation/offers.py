@@ -1,4 +1,4 @@
-"""What this hub announces to other hubs, and the messages that they want."""
+"""The announcements of this hub to other hubs."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class LinkNode(NodeOfLink):
 
 
 class Offers:
-    """What one backplane is given of this hub's graph.
+    """Announces this hub's graph on one backplane.
 
     Args:
         outlets: gives sources their numbers.

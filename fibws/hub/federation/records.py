@@ -1,4 +1,4 @@
-"""What hubs announce to each other: nodes, topics, services, actions and shared parameters.
+"""Records that hubs announce to each other: nodes, topics, services, actions, shared parameters.
 
 Each record replaces an earlier one of its name, and None removes it, so that a hub can be brought
 up to date from any state. Names are global names of the backplane, which may lie below a prefix

@@ -1,4 +1,4 @@
-"""What other hubs have, attached to this hub's graph.
+"""Nodes, topics, services and actions of other hubs, attached to this hub's graph.
 
 Hubs announce records, and each record may come by several ways. A node is attached once: by the
 shortest way, and its topics, services and actions with it. Everything is brought up to date by

@@ -149,7 +149,7 @@ class RemoteSubscriber:
 
 @dataclass(slots=True)
 class Attached:
-    """What of other hubs is attached to a topic, by node."""
+    """The publishers and subscribers of other hubs that are attached to a topic, by node."""
 
     publishers: dict[str, RemotePublisher] = field(default_factory=dict)
     subscribers: dict[str, RemoteSubscriber] = field(default_factory=dict)

@@ -51,7 +51,7 @@ class SharedParameters:
         self._namespaces = tuple(namespaces)
         self._changed = changed
         self._own = frozenset(graph.parameters.names())
-        """What the hub sets for itself, such as /run_id."""
+        """Parameters that the hub sets for itself, such as /run_id."""
         self._followed: set[str] = set()
         """The namespaces whose changes are recorded."""
         self._deleted: dict[str, None] = {}

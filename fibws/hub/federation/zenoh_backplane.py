@@ -86,7 +86,7 @@ _FLOWING = b"\x01"
 
 
 class _State(BaseModel):
-    """What a hub has, in answer to a query."""
+    """The answer to a query for everything that a hub announces."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")
 
@@ -165,7 +165,7 @@ class ZenohBackplane(Backplane):
         """The seconds until each hub that has not told what it has is asked again."""
         self._early: dict[str, list[tuple[int, bytes]]] = {}
         self._state: dict[str, dict[str, Any]] = {}
-        """What was announced, by kind and name."""
+        """The announced records, by kind and name."""
         self._counter = 0
         self._publishers: dict[int, _Publisher] = {}
         self._wanted: set[tuple[str, int]] = set()

@@ -22,6 +22,7 @@ depends on ``p & 7`` alone, so that there are 8 structs for each piece.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cached_property
 from struct import Struct
@@ -240,7 +241,7 @@ def _element(type_: str) -> _Chunk | None:
     return _Chunk(_SIZES[type_], _SIZES[type_])
 
 
-class _Code:
+class _Code(ABC):
     """The source of one function."""
 
     parameters = ""
@@ -253,7 +254,7 @@ class _Code:
         self.indent = "    "
         self.names: dict[str, Any] = {"PADS": tuple(bytes(size) for size in range(8))}
         self.chunks: list[tuple[_Chunk | _Skip | None, str]] = []
-        """What comes next: None for a length; and the variable for it."""
+        """The next pieces, None for a length, each with its variable."""
         self.lengths: list[tuple[str, bool]] = []
         """The variables of the lengths, and whether they are of strings."""
 
@@ -363,25 +364,25 @@ class _Code:
         """Return the variables of the next pieces."""
         return "".join(f"{name}, " for piece, name in self.chunks if not isinstance(piece, _Skip))
 
+    @abstractmethod
     def flush(self) -> None:
         """Add lines that convert the pieces so far."""
-        raise NotImplementedError
 
+    @abstractmethod
     def string(self) -> None:
         """Add lines that convert a string."""
-        raise NotImplementedError
 
+    @abstractmethod
     def copy(self, count: str, element: _Chunk) -> None:
         """Add lines that copy elements which are equal in both."""
-        raise NotImplementedError
 
+    @abstractmethod
     def guard(self, count: str, field: Field) -> None:
         """Add lines that refuse a count of elements that cannot fit."""
-        raise NotImplementedError
 
+    @abstractmethod
     def call(self, nested: Converter) -> None:
         """Add lines that convert a message by its own function."""
-        raise NotImplementedError
 
 
 class _ToCdr(_Code):

@@ -86,7 +86,7 @@ _DEFAULT_DEPTH: Final = 42
 
 @dataclass(frozen=True, slots=True)
 class Entity:
-    """What a token stands for.
+    """A node, publisher, subscriber, service server or client, as its token describes it.
 
     Attributes:
         session: the id of the zenoh session that it belongs to.
@@ -166,7 +166,7 @@ _WORDS: Final = {"MP": "topic", "MS": "topic", "SS": "service", "SC": "service"}
 
 
 class Attachment(NamedTuple):
-    """What comes with a message, a request or a response.
+    """The metadata of a message, a request or a response.
 
     Attributes:
         sequence: the number of the message or request.

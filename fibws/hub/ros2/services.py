@@ -58,7 +58,7 @@ class Ros2Server:
         self._services = services
         self._open: dict[Call, Callable[[], None]] = {}
         self._clients: dict[str, OwnEntity] = {}
-        """What shows callers to ROS 2 as clients, by node."""
+        """The service clients that ROS 2 sees for callers, by node."""
         self._gid = os.urandom(GID_SIZE)
         self._sequence = 0
 

@@ -203,7 +203,7 @@ class Inlet:
 
 
 class Links:
-    """What connects a topic with ROS 2; publishers and subscribers by node."""
+    """The connections of a topic with ROS 2; publishers and subscribers by node."""
 
     def __init__(self, topic: str, topics: Ros2Topics) -> None:
         self.topic = topic

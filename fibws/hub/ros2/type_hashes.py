@@ -43,7 +43,7 @@ TYPE_IDS: Final = {
 """As in type_description_interfaces/FieldType."""
 _NESTED, _BOUNDED_STRING, _BOUNDED_WSTRING = 1, 21, 22
 _ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
-"""What is added to the id of an element."""
+"""Added to the id of an element."""
 EMPTY_MEMBER: Final = "structure_needs_at_least_one_member"
 """The only field of a message without fields, a uint8."""
 

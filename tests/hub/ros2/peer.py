@@ -55,7 +55,7 @@ def read_attachment(data: bytes) -> tuple[int, int, bytes]:
 
 
 class Entity:
-    """What has a token.
+    """Something that has a token.
 
     Attributes:
         gid: what is in the attachments of its messages.

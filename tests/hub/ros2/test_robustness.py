@@ -1,4 +1,4 @@
-"""What ROS 2 programs that send nonsense, or do too much, cannot do to the hub; and rights."""
+"""ROS 2 programs that send nonsense or too much harm nobody; and rights."""
 
 from __future__ import annotations
 
