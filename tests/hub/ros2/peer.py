@@ -169,7 +169,9 @@ class Peer:
 
         def declare() -> Any:
             if not latched:
-                return self.session.declare_publisher(key)
+                # As rmw_zenoh does for history KEEP_ALL: nothing is dropped on the way.
+                block = zenoh.CongestionControl.BLOCK
+                return self.session.declare_publisher(key, congestion_control=block)
             return ext.declare_advanced_publisher(
                 self.session,
                 key,

@@ -179,7 +179,7 @@ async def test_invalid_request_gets_an_error_and_does_no_harm(
 ) -> None:
     tokens, changed = await tokens_of(peer, hub)
     await node.service("/add", AddTwoInts, lambda request: AddTwoInts.Response(sum=request.a))
-    await until_tokens(changed, lambda: any(token.startswith("SS") for token in tokens))
+    await until_tokens(changed, lambda: any("%add/" in token for token in tokens))
     reply = await peer.call("/add", data, attachment)
     assert reply is not None
     assert reply.err is not None
