@@ -145,7 +145,7 @@ def test_programs_of_an_installed_ros_are_found(layout: Layout, tmp_path: Path) 
     packages = Packages([layout.source], installed=[tmp_path / "none", tmp_path / "ros"])
     assert packages.executable("topic_tools", "relay") == relay
     assert packages.executable("fibonacci", "node") == folder / "src" / "node"
-    with pytest.raises(PackageNotFound):
+    with pytest.raises(ExecutableNotFound):
         packages.executable("topic_tools", "mux")
 
 
