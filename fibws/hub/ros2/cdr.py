@@ -481,8 +481,9 @@ class _FromCdr(_Code):
         self.add(f"    o += {count}")
 
     def guard(self, count: str, field: Field) -> None:
-        least = 4 if field.type == "string" else max(1, self.converters.of(field.type).least // 2)
-        self.add(f"if {count} > (len(data) - o) // {least}:")
+        least = 4 if field.type == "string" else self.converters.of(field.type).least // 2
+        limit = f"(len(data) - o) // {least}" if least else str(MOST_ELEMENTS)
+        self.add(f"if {count} > {limit}:")
         self.add("    raise ValueError")
 
     def call(self, nested: Converter) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from itertools import count
 
 from fibws.hub.graph.graph import Graph, NodeOfLink
 from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_legal, is_of_action
 from fibws.hub.ros2.network import Declared, Network
 from fibws.hub.ros2.nodes import Ros2Node
+
+_ILLEGAL = re.compile(r"\W", re.ASCII)
 
 
 class OwnEntity:
@@ -33,7 +36,7 @@ class OwnEntity:
 class OwnNodes:
     """The nodes of the graph that are not ROS 2's, as ROS 2 sees them.
 
-    The hub's own nodes are left out, as are nodes and topics whose names ROS 2 does not allow.
+    The hub's own nodes are left out, as are topics and services whose names ROS 2 does not allow.
     """
 
     def __init__(self, graph: Graph, network: Network) -> None:
@@ -53,7 +56,7 @@ class OwnNodes:
         """Return whether ROS 2 may see a node."""
         found = self._graph.nodes.get(node)
         is_own = found is not None and not isinstance(found, Ros2Node | NodeOfLink)
-        return is_own and node not in self._graph.internal and is_legal(node)
+        return is_own and node not in self._graph.internal
 
     def may_show(self, name: str) -> bool:
         """Return whether ROS 2 may see a topic or a service."""
@@ -66,7 +69,7 @@ class OwnNodes:
         network, owner = self._network, self._token(node).entity
         number = str(next(self._ids))
         ids = network.domain, network.session_id, owner.node_id, number
-        return OwnEntity(Entity(*ids, kind, node, name, type_, type_hash, qos), network)
+        return OwnEntity(Entity(*ids, kind, owner.node, name, type_, type_hash, qos), network)
 
     def close(self) -> None:
         """Undeclare all nodes."""
@@ -85,6 +88,14 @@ class OwnNodes:
         found = self._tokens.get(name)
         if found is None:
             number, network = str(next(self._ids)), self._network
-            entity = Entity(network.domain, network.session_id, number, number, "NN", name)
+            entity = Entity(network.domain, network.session_id, number, number, "NN", legal(name))
             found = self._tokens[name] = OwnEntity(entity, network)
         return found
+
+
+def legal(name: str) -> str:
+    """Return a node's name as ROS 2 allows it: ``/_1_a/b`` for ``/1-a/b``."""
+    if is_legal(name):
+        return name
+    parts = (_ILLEGAL.sub("_", part) for part in name.strip("/").split("/"))
+    return "".join(f"/_{part}" if part[:1].isdigit() else f"/{part or '_'}" for part in parts)[:200]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import count
 from typing import Any, Protocol
@@ -25,6 +25,7 @@ from fibws.hub.ros2.network import Declared, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
 from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
 from fibws.hub.ros2.types import Ros2Message, Ros2Types, check_hash
+from fibws.interfaces.catalogue import Definitions
 
 logger = logging.getLogger("fibws.hub")
 
@@ -38,6 +39,8 @@ MOST_HISTORY = 1000
 """Earlier messages that are asked for of a publisher that keeps more."""
 MOST_WARNINGS = 1000
 """Conflicts that are logged, each once."""
+ROS2_NAMES = {"tf/tfMessage": "tf2_msgs/TFMessage"}
+"""Types of ROS 1 that have another name in ROS 2."""
 LEFT_OUT = frozenset({"/rosout"})
 """Topics that both have, with other types."""
 
@@ -112,7 +115,8 @@ class OwnPublisher:
         lane: its number among all.
 
     Attributes:
-        declared: what sends its messages, by the hash in the key.
+        declared: what sends its messages, by the name and the hash of the type in the key, and the
+            type.
     """
 
     __slots__ = ("_network", "declared", "lane", "message", "own", "sequence", "source")
@@ -125,31 +129,32 @@ class OwnPublisher:
         self.own = own
         self.lane = lane
         self.sequence = 0
-        self.declared: dict[str, Declared] = {}
+        self.declared: dict[tuple[str, str], tuple[Declared, Ros2Message]] = {}
         self._network = network
 
-    def settle(self, hashes: set[str]) -> None:
-        """Publish for subscribers with these hashes, and for no others."""
-        for gone in self.declared.keys() - hashes:
-            self.declared.pop(gone).close()
-        for new in hashes - self.declared.keys():
-            network, entity = self._network, self.own.entity
-            key = data_key(network.domain, entity.name, "msg", entity.type, new)
-            self.declared[new] = network.declare_publisher(key, int(self.source.latch))
+    def settle(self, wanted: Mapping[tuple[str, str], Ros2Message]) -> None:
+        """Publish for subscribers with these types, and for no others."""
+        for gone in self.declared.keys() - wanted.keys():
+            self.declared.pop(gone)[0].close()
+        for new in wanted.keys() - self.declared.keys():
+            network = self._network
+            key = data_key(network.domain, self.own.entity.name, "msg", *new)
+            declared = network.declare_publisher(key, int(self.source.latch))
+            self.declared[new] = declared, wanted[new]
             latched = self.source.recall()
             if latched is not None:
-                self._send(latched, self.declared[new])
+                self._send(latched, *self.declared[new])
 
     def send(self, publication: Publication) -> None:
         """Send a message; raises `OperationError` if it has no bytes."""
-        for declared in self.declared.values():
-            self._send(publication, declared)
+        for declared, message in self.declared.values():
+            self._send(publication, declared, message)
 
-    def _send(self, publication: Publication, declared: Declared) -> None:
+    def _send(self, publication: Publication, declared: Declared, message: Ros2Message) -> None:
         data = publication.ros1()
         self.sequence += 1
         attachment = Attachment(self.sequence, time.time_ns(), self.own.gid).pack()
-        convert = self.message.converter.to_cdr
+        convert = message.converter.to_cdr
         queue_size = self.source.queue_size
         self._network.send(
             declared,
@@ -161,7 +166,7 @@ class OwnPublisher:
 
     def close(self) -> None:
         """Undeclare everything."""
-        self.settle(set())
+        self.settle({})
         self.own.close()
 
 
@@ -367,7 +372,7 @@ class Ros2Topics:
                 quota=LatchQuota(self._max_latched),
                 queue_size=new.qos.depth,
             )
-            new.message = self._message(topic, new.type[1])
+            new.message = self._message(topic, *new.type)
         except FibwsError as error:
             source, new.source = new.source, None
             if source is not None:
@@ -387,8 +392,11 @@ class Ros2Topics:
             self._graph.remove_source(source)
         self._remove_conflict(links.topic, node, publishes=True)
 
-    def _message(self, topic: Topic, type_hash: str | None) -> Ros2Message | None:
+    def _message(self, topic: Topic, name: str, type_hash: str | None) -> Ros2Message | None:
         """Return the type of a topic in ROS 2; None if its fields are unknown.
+
+        Args:
+            name: that of the type in ROS 2; the topic may have another one with the same fields.
 
         Raises:
             Ros2Error: it has another hash than ROS 2 has, or it cannot be converted.
@@ -396,7 +404,12 @@ class Ros2Topics:
         type_ = topic.type
         if type_ is None or type_.codecs is None:
             return None
-        message = self._types.message(type_.codecs.definitions, type_.name)
+        definitions: Definitions = type_.codecs.definitions
+        if name != type_.name:
+            definitions = self._graph.definitions.known("msg", name)
+            if definitions.md5(name) != type_.md5sum:
+                return None
+        message = self._types.message(definitions, name)
         if type_hash is not None:
             check_hash(message.name, message.type_hash, type_hash)
         return message
@@ -426,7 +439,7 @@ class Ros2Topics:
         try:
             graph.subscribe(topic, new, new.type[0], receiver=links.outlet, needs_definition=True)
             new.is_attached = True
-            new.message = self._message(topic, new.type[1])
+            new.message = self._message(topic, *new.type)
         except FibwsError as error:
             if new.is_attached:
                 new.is_attached = False
@@ -602,8 +615,8 @@ class Ros2Topics:
         """Show the publishers and subscribers of this hub to ROS 2."""
         topic = self._graph.topics.get(links.topic)
         message = self._own_message(topic)
-        hashes = {
-            each.type[1]
+        wanted = {
+            each.type: each.message
             for each in links.subscribers.values()
             if each.is_attached and each.message is not None
         }
@@ -626,7 +639,7 @@ class Ros2Topics:
                 lane = next(self._lanes)
                 publisher = OwnPublisher(source, message, own, self.network, lane)
                 links.own_publishers[node] = publisher
-            publisher.settle(hashes)
+            publisher.settle(wanted)
         self._settle_own_subscribers(links, topic, message)
 
     def _settle_own_subscribers(
@@ -650,7 +663,8 @@ class Ros2Topics:
         if topic is None or not self._own.may_show(topic.name) or topic.name in LEFT_OUT:
             return None
         try:
-            return self._message(topic, None)
+            name = topic.type.name if topic.type is not None else ""
+            return self._message(topic, ROS2_NAMES.get(name, name), None)
         except FibwsError:
             return None  # It cannot be converted; conflicts say so where it matters.
 

@@ -180,6 +180,18 @@ def test_any_bytes_are_read_or_refused(name: str, noise: bytes, at: int) -> None
     serializer.check(ros1)
 
 
+def test_number_of_elements_without_bytes_is_bounded(tmp_path: Path) -> None:
+    (tmp_path / "my_msgs" / "msg").mkdir(parents=True)
+    (tmp_path / "my_msgs" / "msg" / "Many.msg").write_text("std_msgs/Empty[] all\n")
+    converter = Converters(Interfaces([tmp_path]).message).of("my_msgs/Many")
+    few, many = 2**16, 2**16 + 1
+    assert converter.from_cdr(HEAD + struct.pack("<I", few) + bytes(few)) == struct.pack("<I", few)
+    with pytest.raises(InvalidMessage):
+        converter.from_cdr(HEAD + struct.pack("<I", many) + bytes(many))
+    with pytest.raises(InvalidMessage):
+        converter.to_cdr(struct.pack("<I", many))
+
+
 def test_hostile_lengths_cost_nothing() -> None:
     begin = time.perf_counter()
     for name in ("tf2_msgs/TFMessage", "diagnostic_msgs/DiagnosticArray", "nav_msgs/Path"):

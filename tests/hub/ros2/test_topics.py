@@ -400,3 +400,50 @@ async def test_hub_connects_to_a_router(start_hub: StartHub, hub: Hub, endpoint:
         message = await there.wait_for_message("/chatter", String, timeout=PATIENCE)
         assert message.data == "hello"
     await until(lambda: not ros2_nodes(other), other)
+
+
+async def test_types_with_other_names_and_the_same_fields_pass(
+    hub: Hub, peer: Peer, node: fibws.Node
+) -> None:
+    from rosbags.typesys import Stores, get_typestore
+
+    type_ = "tf2_msgs::msg::dds_::TFMessage_"
+    type_hash = get_typestore(Stores.ROS2_JAZZY).hash_rihs01("tf2_msgs/msg/TFMessage")
+    tokens, changed = await tokens_of(peer, hub)
+    publisher = await node.advertise("/tf", "tf/tfMessage")
+    await until_tokens(changed, lambda: any(f"%tf/{type_}" in token for token in tokens))
+    _, queue = await peer.subscriber("/listener", "/tf", type_, type_hash)
+    talker = await peer.publisher("/talker", "/tf", type_, type_hash)
+    empty = b"\x00\x01\x00\x00" + bytes(4)
+    async with node.subscribe("/tf", "tf/tfMessage") as messages:
+        await until(lambda: "/listener" in subscribers(hub, "/tf"), hub)
+        await publisher.publish(transforms=[])
+        async with asyncio.timeout(PATIENCE):
+            assert (await queue.get()).data == empty
+        assert (await anext(messages)).transforms == []
+        await flowing(talker)
+        await until(lambda: "/talker" in sources(hub, "/tf"), hub)
+        await talker.publish(empty)
+        assert (await anext(messages)).transforms == []
+    assert not hub.graph.topics["/tf"].conflicts
+
+
+async def test_node_whose_name_ros_2_does_not_allow_is_shown_with_another_one(
+    hub: Hub, peer: Peer
+) -> None:
+    tokens, changed = await tokens_of(peer, hub)
+
+    class Odd:
+        def replaced(self) -> None:
+            pass
+
+        def publishing(self) -> tuple[str, ...]:
+            return ()
+
+        subscribing = providing = publishing
+
+    odd = Odd()
+    hub.graph.enter(odd, "/1-a/b c")
+    await until_tokens(changed, lambda: "NN/%/%_1_a/b_c" in tokens)
+    hub.graph.leave(odd, "/1-a/b c")
+    await until_tokens(changed, lambda: not tokens)
