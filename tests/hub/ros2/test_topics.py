@@ -93,7 +93,7 @@ async def test_messages_pass_in_both_directions(hub: Hub, peer: Peer, node: fibw
     talker = await peer.publisher("/talker", "/chatter")
     _, queue = await peer.subscriber("/listener", "/replies")
     replies = await node.advertise("/replies", String)
-    async with node.subscribe("/chatter", String) as messages:
+    async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
         await flowing(talker)
         for number in range(3):
             await talker.publish(cdr_string(f"hello {number}"))
@@ -162,7 +162,7 @@ async def test_what_comes_from_ros_2_does_not_go_back(
 ) -> None:
     talker = await peer.publisher("/talker", "/chatter")
     ours = await node.advertise("/chatter", String)
-    async with node.subscribe("/chatter", String) as messages:
+    async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
         await flowing(talker)
         _, queue = await peer.subscriber("/listener", "/chatter")
         await until(lambda: "/listener" in subscribers(hub, "/chatter"), hub)
@@ -247,7 +247,7 @@ async def test_late_nodes_get_latched_messages_of_ros_2(
 async def test_late_publisher_with_latched_messages_reaches_waiting_nodes(
     hub: Hub, start_peer: StartPeer, node: fibws.Node
 ) -> None:
-    async with node.subscribe("/map", String) as messages:
+    async with node.subscribe("/map", String) as messages, asyncio.timeout(PATIENCE):
         peer = await start_peer()
         talker = await peer.publisher("/server", "/map", latched=True)
         await talker.publish(cdr_string("the map"))
@@ -311,7 +311,7 @@ async def test_nodes_of_humble_have_no_hashes(hub: Hub, peer: Peer, node: fibws.
     talker = await peer.publisher("/talker", "/chatter", STRING, none)
     _, queue = await peer.subscriber("/listener", "/replies", STRING, none)
     replies = await node.advertise("/replies", String)
-    async with node.subscribe("/chatter", String) as messages:
+    async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
         await flowing(talker)
         await talker.publish(cdr_string("hello"))
         assert (await anext(messages)).data == "hello"
@@ -412,18 +412,17 @@ async def test_types_with_other_names_and_the_same_fields_pass(
     tokens, changed = await tokens_of(peer, hub)
     publisher = await node.advertise("/tf", "tf/tfMessage")
     await until_tokens(changed, lambda: any(f"%tf/{type_}" in token for token in tokens))
-    _, queue = await peer.subscriber("/listener", "/tf", type_, type_hash)
     talker = await peer.publisher("/talker", "/tf", type_, type_hash)
     empty = b"\x00\x01\x00\x00" + bytes(4)
-    async with node.subscribe("/tf", "tf/tfMessage") as messages:
-        await until(lambda: "/listener" in subscribers(hub, "/tf"), hub)
-        await publisher.publish(transforms=[])
-        async with asyncio.timeout(PATIENCE):
-            assert (await queue.get()).data == empty
-        assert (await anext(messages)).transforms == []
+    async with node.subscribe("/tf", "tf/tfMessage") as messages, asyncio.timeout(PATIENCE):
         await flowing(talker)
         await until(lambda: "/talker" in sources(hub, "/tf"), hub)
         await talker.publish(empty)
+        assert (await anext(messages)).transforms == []
+        _, queue = await peer.subscriber("/listener", "/tf", type_, type_hash)
+        await until(lambda: "/listener" in subscribers(hub, "/tf"), hub)
+        await publisher.publish(transforms=[])
+        assert (await queue.get()).data == empty
         assert (await anext(messages)).transforms == []
     assert not hub.graph.topics["/tf"].conflicts
 

@@ -61,11 +61,14 @@ async def test_other_hubs_exchange_messages_with_ros_2_nodes(
     cloud = await start_hub(hub_name="cloud")
     hub = await start_hub(hub_name="robot", ros2=(endpoint,), join=(cloud.url,), join_prefix=robot)
     async with Peer(endpoint) as peer, fibws.Node("viewer", hub=cloud.url) as viewer:
-        talker = await peer.publisher("/talker", "/chatter")
+        # Latched, as messages may come before the link between the hubs passes any.
+        talker = await peer.publisher("/talker", "/chatter", latched=True)
+        await talker.publish(cdr_string("hello"))
         _, queue = await peer.subscriber("/listener", "/commands")
-        async with viewer.subscribe(f"{robot}/chatter", String) as messages:
-            await flowing(talker)
-            await talker.publish(cdr_string("hello"))
+        async with (
+            viewer.subscribe(f"{robot}/chatter", String) as messages,
+            asyncio.timeout(PATIENCE),
+        ):
             assert (await anext(messages)).data == "hello"
         commands = await viewer.advertise(f"{robot}/commands", String, latch=True)
         await commands.publish(data="go")
