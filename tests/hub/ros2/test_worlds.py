@@ -52,6 +52,8 @@ async def test_nodes_of_ros_1_and_ros_2_exchange_messages(
         down = await listener1.connect("/down", type="std_msgs/Int32", md5sum=MD5_OF_INT32)
         await talker2.publish(b"\x00\x01\x00\x00" + int32(3))
         assert await down.receive() == int32(3)
+        down.close()
+        link.close()
 
 
 @pytest.mark.parametrize("robot", ["", "/robot7"])
