@@ -12,10 +12,11 @@ import logging
 import threading
 from collections.abc import Callable
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibws.errors import FibwsError, Ros2Error
+from fibws.errors import FibwsError, HubError, Ros2Error
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros2.key_layout import Attachment, tokens_key
 from fibws.hub.zenoh_session import LEASE, Inbox, Sender, direct, open_session
@@ -108,7 +109,9 @@ class Network:
         self._is_open = False
 
     async def open(self) -> None:
-        """Connect; raises `HubError` if that is impossible."""
+        """Connect; raises `HubError` if that is impossible, or a package is missing."""
+        if find_spec("xxhash") is None:
+            raise HubError("--ros2 requires xxhash: pip install 'fibws[zenoh]'")
         self._session = await open_session(self._listen, self._connect, self._config, flag="--ros2")
         self.session_id = str(self._session.zid())
         self._is_open = True
