@@ -47,7 +47,8 @@ processes = multiprocessing.get_context("fork")
 
 def hubs(plan: Plan, report: Report) -> None:
     """Measure a link between two hubs, and hubs around one in the middle."""
-    for kind in ("websocket", *(("zenoh",) if find_spec("zenoh") else ())):
+    has_zenoh = find_spec("zenoh") is not None and not plan.quick
+    for kind in ("websocket", *(("zenoh",) if has_zenoh else ())):
         with _first(kind) as (first, join), running(HUB, pinned=False, options=join) as second:
             rows = asyncio.run(_link(kind, first, second, join, plan, report))
         report.table(f"Two hubs that are joined: {kind}", ("", "value", "limit"), rows)

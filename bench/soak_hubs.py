@@ -19,7 +19,7 @@ from bench.servers import Server, running
 from bench.soak import LIMIT_GROWTH_PERCENT, SETTLE_SECONDS
 from fibws.msg.std_msgs import Int32
 
-SECONDS, QUICK_SECONDS = 60.0, 3.0
+SECONDS, QUICK_SECONDS = 60.0, 2.0
 HZ = 100.0
 """Messages a second of each publisher; each of three hubs has one."""
 UP_SECONDS, DOWN_SECONDS, STALLED_SECONDS = (0.2, 4.0), (0.05, 2.0), (4.5, 6.0)
