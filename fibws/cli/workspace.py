@@ -302,5 +302,6 @@ def _summary(package: SourcePackage) -> str:
     lists = package.lists
     parts = [counted(len(files), KINDS[kind]) for kind, files in lists.definitions.items() if files]
     parts += [visible(each.path.name) for each in lists.programs]
+    parts += [visible(each.path.name) for each in lists.reconfigure]
     parts += ["Python modules"] if lists.python_setup is not None else []
     return ", ".join(parts) or "nothing to build"

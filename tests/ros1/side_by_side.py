@@ -39,7 +39,9 @@ ROSCORE = "/usr/bin/roscore"
 GENERATORS = Path("/usr/lib/genpy")
 DEFINITIONS = Path(fibws.__file__).parent / "interfaces" / "definitions"
 
-MODULES = "numpy, rospy, std_msgs, sensor_msgs, actionlib, message_filters, genpy"
+MODULES = (
+    "numpy, rospy, std_msgs, sensor_msgs, actionlib, message_filters, genpy, dynamic_reconfigure"
+)
 
 
 @dataclass(frozen=True)

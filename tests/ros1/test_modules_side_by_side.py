@@ -24,6 +24,10 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "filters": (Part("filters/fed.py", interrupted=False),),
     "messages of two topics": (Part("filters/synchronized.py", interrupted=False),),
     "the modules of tools": (Part("tools/tools.py", interrupted=False),),
+    "parameters that others change": (
+        Part("reconfigure/server.py", until="ready", errors=False),
+        Part("reconfigure/client.py", interrupted=False),
+    ),
 }
 NOT_IN_ROS = {"actions/fibonacci_client.py", "actions/fibonacci_server.py"}
 """Debian has no actionlib_tutorials."""
@@ -44,7 +48,7 @@ async def test_scenario_goes_as_in_ros(ros: World, name: str) -> None:
     await say_the_same(ros, *SCENARIOS[name])
 
 
-@pytest.mark.parametrize("folder", ["actions", "filters", "tools"])
+@pytest.mark.parametrize("folder", ["actions", "filters", "reconfigure", "tools"])
 def test_all_scripts_are_played(folder: str) -> None:
     played = {part.script for parts in SCENARIOS.values() for part in parts} | NOT_IN_ROS
     scripts = {path.relative_to(SCRIPTS).as_posix() for path in (SCRIPTS / folder).glob("*.py")}

@@ -11,6 +11,7 @@ from fibws.command_names import command_name
 from fibws.errors import WorkspaceError
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
+_PYTHON = Path(__file__).parents[1] / "python"
 
 COMMANDS = ("roslaunch", "rosmsg", "rosnode", "rosparam", "rosservice", "rostest", "rostopic")
 """The commands that are programs of a package of their own name: ``rosrun rostopic rostopic``."""
@@ -32,9 +33,10 @@ _MODULES = {
 _SCRIPTS = {
     ("rospy_tutorials", "talker"): _EXAMPLES / "rospy_talker.py",
     ("rospy_tutorials", "listener"): _EXAMPLES / "rospy_listener.py",
+    ("dynamic_reconfigure", "dynparam"): _PYTHON / "dynamic_reconfigure" / "dynparam.py",
 }
 
-_NODE_TESTS = Path(__file__).parents[1] / "python" / "rostest" / "node_tests.py"
+_NODE_TESTS = _PYTHON / "rostest" / "node_tests.py"
 _TEST_PROGRAMS = [
     *("advertisetest", "hztest", "paramtest", "publishtest", "servicetest", "subscribetest"),
 ]

@@ -16,7 +16,6 @@ from fibws.ros1.workspace.package_checks import (
     check_package,
     missing_dependencies,
     note_cpp,
-    note_reconfigure,
 )
 from fibws.ros1.workspace.packages import PREFIXES, Packages
 from fibws.ros1.workspace.paths import BUILD, DEVEL, MARK, SOURCE, SPACES
@@ -140,7 +139,6 @@ class Workspace:
         return [
             *(warning for package in chosen for warning in package.warnings),
             *missing_dependencies(chosen, known),
-            *note_reconfigure(chosen),
             *note_cpp(chosen),
         ]
 

@@ -10,6 +10,7 @@ from fibws.errors import FibwsError, PackageFileError
 from fibws.ros1.workspace.file_writer import File, Tree
 from fibws.ros1.workspace.package_xml import FILE as MANIFEST
 from fibws.ros1.workspace.python_setup import read_setup
+from fibws.ros1.workspace.reconfigure import config_modules
 from fibws.ros1.workspace.setup_files import MODULES
 from fibws.ros1.workspace.source_tree import SourcePackage
 
@@ -65,11 +66,15 @@ def generated_files(package: SourcePackage) -> Tree:
     for program in lists.programs:
         text = _PROGRAM.format(shebang=_shebang(), path=str(program.path))
         tree[program.target] = File(text.encode(), True)
-    if lists.python_setup is not None:
-        try:
+    try:
+        for file in lists.reconfigure:
+            tree |= config_modules(name, file.path)
+        if lists.python_setup is not None:
             tree |= _modules(package.folder)
-        except FibwsError as error:
-            package.errors.append(error)
+    except FibwsError as error:
+        package.errors.append(error)
+    if lists.reconfigure:
+        tree.setdefault(f"{MODULES}/{name}/__init__.py", File(b""))
     return tree
 
 

@@ -114,14 +114,3 @@ def note_cpp(packages: Iterable[SourcePackage]) -> Iterator[str]:
         targets = "1 target" if count == 1 else f"{count} targets"
         names = ", ".join(package.name for package in having)
         yield f"fibws does not build C++: {targets} left out, in {names}"
-
-
-def note_reconfigure(packages: Iterable[SourcePackage]) -> Iterator[str]:
-    """Yield one warning about all .cfg files of dynamic_reconfigure, if there are any."""
-    files = ", ".join(
-        f"{package.name}/{each.path.relative_to(package.folder).as_posix()}"
-        for package in packages
-        for each in package.lists.reconfigure
-    )
-    if files:
-        yield f"fibws does not generate modules of dynamic_reconfigure: {files} left out"

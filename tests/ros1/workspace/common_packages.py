@@ -5,6 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 PROGRAM = "#!/usr/bin/env python\nprint('hello')\n"
+CONFIG = """\
+#!/usr/bin/env python
+from dynamic_reconfigure.parameter_generator_catkin import *
+
+gen = ParameterGenerator()
+gen.add("size", int_t, 1, "A size", 5, 0, 10)
+exit(gen.generate("reconfigured", "node", "Tutorials"))
+"""
 SETUP = """\
 from distutils.core import setup
 from catkin_pkg.python_setup import generate_distutils_setup
@@ -277,11 +285,11 @@ catkin_install_python(PROGRAMS nodes/server.py DESTINATION ${CATKIN_PACKAGE_BIN_
         files={
             "setup.py": SETUP.format(name="reconfigured", more=""),
             "src/reconfigured/__init__.py": "",
-            "cfg/Tutorials.cfg": PROGRAM,
+            "cfg/Tutorials.cfg": CONFIG,
             "nodes/server.py": PROGRAM,
         },
         programs=("server.py",),
-        imports="import reconfigured",
+        imports="import reconfigured, reconfigured.cfg.TutorialsConfig",
     ),
     "python_only": Shape(
         """

@@ -51,15 +51,14 @@ def test_no_shape_has_an_error(plan: Plan) -> None:
 
 def test_only_what_fibws_lacks_is_warned_of(layout: Layout, plan: Plan) -> None:
     warnings = [layout.relative(warning) for warning in plan.warnings]
-    missing = ("dynamic_reconfigure", "laser_geometry", "xacro", "rviz", "robot_state_publisher")
+    missing = ("laser_geometry", "xacro", "rviz", "robot_state_publisher")
     kinds = {
         next((f"{name} not found" for name in missing if f"{name} not found" in warning), warning)
         for warning in warnings
     }
     (cpp,) = [warning for warning in kinds if "C++" in warning]
-    (reconfigure,) = [warning for warning in kinds if ".cfg" in warning]
-    assert "turtlesim" in cpp and "reconfigured/cfg/Tutorials.cfg" in reconfigure
-    assert kinds - {cpp, reconfigure} <= {f"{name} not found" for name in missing}
+    assert "turtlesim" in cpp
+    assert kinds - {cpp} <= {f"{name} not found" for name in missing}
     assert len(warnings) == len(kinds)
 
 

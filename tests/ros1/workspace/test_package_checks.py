@@ -151,11 +151,3 @@ def test_all_cpp_programs_are_one_warning(layout: Layout) -> None:
     layout.package("c", "roscpp", after="add_executable(node src/node.cpp)")
     (warning,) = layout.warnings()
     assert "C++" in warning and "3 targets" in warning and warning.endswith("a, c")
-
-
-def test_all_files_of_dynamic_reconfigure_are_one_warning(layout: Layout) -> None:
-    macro = "generate_dynamic_reconfigure_options(cfg/A.cfg)"
-    for name in ("a", "b"):
-        layout.package(name, after=macro, files={"cfg/A.cfg": ""})
-    (warning,) = layout.warnings()
-    assert "dynamic_reconfigure" in warning and "a/cfg/A.cfg, b/cfg/A.cfg" in warning
