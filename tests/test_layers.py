@@ -52,7 +52,7 @@ BELOW = {
     | {"__version__"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}
-    | {"command_names", "definition_folders", "processes"},
+    | {"command_names", "definition_folders", "processes", "tf"},
     "broadcaster": {*NODE, *CLASSES, "cli"},
     "listener": {*NODE, *CLASSES, "cli"},
     "testing": {*NODE, "hub"},
@@ -170,7 +170,9 @@ PURE = modules(
     *(f"hub/ros2/{name}.py" for name in ("cdr", "key_layout", "type_hashes", "types")),
     *(
         f"tf/{name}.py"
-        for name in ("buffer", "errors", "history", "messages", "selection", "transform")
+        for name in (
+            *("buffer", "errors", "history", "listing", "messages", "selection", "transform"),
+        )
     ),
 )
 

@@ -7,8 +7,7 @@ async with fibws.Node("robot") as node, asyncio.TaskGroup() as tasks:
     camera = buffer.lookup("map", "camera").transform
 """
 
-from fibws.tf.buffer import Buffer
-from fibws.tf.listener import TransformListener
-from fibws.tf.transform import Transform
+from lazy_loader import attach_stub
 
-__all__ = ["Buffer", "Transform", "TransformListener"]
+# Each public name is loaded when it is first used: rospy's tf2_py needs no node library.
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

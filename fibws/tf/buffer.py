@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
+from typing import NamedTuple
 
 from fibws.tf.errors import (
     FrameLoop,
@@ -15,8 +16,8 @@ from fibws.tf.errors import (
     UnconnectedFrames,
     UnknownFrame,
 )
-from fibws.tf.history import LATEST, History, Sample, Static
-from fibws.tf.transform import Transform, normalized
+from fibws.tf.history import CACHE_TIME, LATEST, History, Sample, Static
+from fibws.tf.transform import Transform, along, normalized
 
 MAX_FRAMES = 1000
 """Maximum number of frames with a parent; more remove the one that was silent the longest."""
@@ -31,12 +32,38 @@ TOLERANCE = 0.01
 """Maximum difference between a quaternion's squared length and 1, as in tf2."""
 
 
-class Buffer:
-    """Keeps transforms and looks up the one between any two connected frames."""
+class FrameInfo(NamedTuple):
+    """What is known about a frame with a parent."""
 
-    def __init__(self) -> None:
+    frame: str
+    parent: str
+    authority: str
+    """The node that sent the latest sample."""
+    samples: int
+    latest: int
+    """The stamp of the latest sample; 0 for static frames."""
+    oldest: int
+    """The stamp of the oldest sample; 0 for static frames."""
+
+
+class Buffer:
+    """Keeps transforms and looks up the one between any two connected frames.
+
+    Args:
+        cache_time: nanoseconds that the history of each moving frame reaches back from its latest
+            sample.
+        strict: treat samples as tf2 does: those that repeat a stamp and those that are too old are
+            refused, and a frame that began as moving, or as static, stays so.
+    """
+
+    def __init__(self, cache_time: int = CACHE_TIME, *, strict: bool = False) -> None:
+        self._cache_time = cache_time
+        self._strict = strict
         self._frames: dict[str, History | Static] = {}
         """The frames with a parent, by id; the one with the newest sample is last."""
+        self._authorities: dict[str, str] = {}
+        self._known: dict[str, None] = {}
+        """All frames that were named, in this order; their number is bounded, too."""
         self._samples = 0
 
     def __len__(self) -> int:
@@ -48,27 +75,45 @@ class Buffer:
         """The number of samples of all frames."""
         return self._samples
 
-    def insert(self, frame: str, sample: Sample, *, static: bool = False) -> None:
+    def insert(
+        self, frame: str, sample: Sample, *, static: bool = False, authority: str = ""
+    ) -> None:
         """Add a sample of a frame's transform in its parent.
 
-        A static transform replaces the moving ones of the frame, and a moving one the static one.
+        A static transform replaces the moving ones of the frame, and a moving one the static one;
+        not so in a strict buffer.
 
         Args:
             static: the sample is valid at all times; its stamp is ignored.
+            authority: the node that sent it.
 
         Raises:
             InvalidTransform: the frame or the sample is invalid; the text says why.
         """
         frame, sample = checked(frame, sample)
-        place = self._frames.pop(frame, None)
-        self._samples -= len(place) if place is not None else 0
+        known = self._frames.get(frame)
+        before = 0 if known is None else len(known)
+        if self._strict and known is not None:
+            static = isinstance(known, Static)
+        place: History | Static
         if static:
             place = Static(sample)
         else:
-            if not isinstance(place, History):
-                place = History(frame)
-            place.insert(sample)
+            if not isinstance(known, History):
+                known = History(self._cache_time, strict=self._strict)
+            known.insert(sample)
+            place = known
+        self._frames.pop(frame, None)
+        self._samples -= before
+        self._authorities[frame] = authority
         self._keep(frame, place)
+        self._remember(frame, sample.parent)
+
+    def clear(self) -> None:
+        """Remove all samples of moving frames; the static ones stay, as in tf2."""
+        for frame, place in list(self._frames.items()):
+            if isinstance(place, History):
+                self._remove(frame)
 
     def lookup(self, target: str, source: str, stamp: int = LATEST) -> Sample:
         """Return the transform of ``source`` in ``target``, as tf2's lookupTransform.
@@ -89,14 +134,99 @@ class Buffer:
             TransformOutOfTime: the path is unknown at this time.
         """
         target, source = frame_id(target), frame_id(source)
-        if stamp == LATEST:
-            rising, falling = self._path(target, source, LATEST)
-            stamp = min((link.stamp for link in rising + falling if link.stamp), default=LATEST)
-        rising, falling = self._path(target, source, stamp)
-        return Sample(stamp, target, _along(falling).inverse() @ _along(rising))
+        stamp, rising, falling = self._timed_path(target, source, stamp)
+        transform = along([link.transform for link in rising])
+        if falling:
+            transform = along([link.transform for link in falling]).inverse() @ transform
+        return Sample(stamp, target, transform)
+
+    def lookup_full(
+        self, target: str, target_stamp: int, source: str, source_stamp: int, fixed: str
+    ) -> Sample:
+        """Return the transform of ``source`` at one time in ``target`` at another.
+
+        Args:
+            target: the frame in which the result is.
+            target_stamp: the time of the target frame, and of the result; 0 for the latest.
+            source: the frame whose transform is wanted.
+            source_stamp: the time of the source frame; 0 for the latest.
+            fixed: a frame that does not move between the two times, such as map.
+
+        Raises:
+            TransformError: as `lookup`.
+        """
+        target, source, fixed = frame_id(target), frame_id(source), frame_id(fixed)
+        names = (("target_frame", target), ("source_frame", source), ("fixed_frame", fixed))
+        for argument, frame in names:
+            self._require(frame, argument)
+        in_fixed = self.lookup(fixed, source, source_stamp)
+        in_target = self.lookup(target, fixed, target_stamp)
+        return in_target._replace(transform=in_target.transform @ in_fixed.transform)
+
+    def check(self, target: str, source: str, stamp: int = LATEST) -> None:
+        """Raise as `lookup` does, without computing the transform."""
+        self._timed_path(frame_id(target), frame_id(source), stamp)
+
+    def latest_common_time(self, target: str, source: str) -> int:
+        """Return the latest time at which the path between two frames is known.
+
+        It is 0 if the whole path is static, and a frame's own latest time if both are the same.
+
+        Raises:
+            TransformError: as `lookup`.
+        """
+        target, source = frame_id(target), frame_id(source)
+        if target == source:
+            place = self._frames.get(source)
+            return place.latest.stamp if place is not None else LATEST
+        self._require(target, "target_frame")
+        self._require(source, "source_frame")
+        return self._common_time(target, source)
+
+    def chain(
+        self, target: str, target_stamp: int, source: str, source_stamp: int, fixed: str
+    ) -> list[str]:
+        """Return the frames on the way from ``source`` over ``fixed`` to ``target``.
+
+        Raises:
+            TransformError: as `lookup_full`.
+        """
+        first = self._frames_between(frame_id(fixed), frame_id(source), source_stamp)
+        second = self._frames_between(frame_id(target), frame_id(fixed), target_stamp)
+        return [*first[:-1], *second] if first and second else [*first, *second]
+
+    def exists(self, frame: str) -> bool:
+        """Return whether a transform has named this frame."""
+        return frame in self._known
+
+    def frames(self) -> list[str]:
+        """Return all frames, in the order in which transforms named them."""
+        return list(self._known)
+
+    def infos(self) -> list[FrameInfo]:
+        """Return what is known about each frame with a parent, in the same order."""
+        found = ((frame, self._frames.get(frame)) for frame in self._known)
+        return [
+            FrameInfo(
+                frame,
+                place.latest.parent,
+                self._authorities.get(frame, ""),
+                len(place),
+                place.latest.stamp,
+                place.oldest_stamp,
+            )
+            for frame, place in found
+            if place is not None
+        ]
+
+    def listing(self) -> str:
+        """Return a line for each frame with its parent, as tf2's allFramesAsString."""
+        return "".join(
+            f"Frame {info.frame} exists with parent {info.parent}.\n" for info in self.infos()
+        )
 
     def _keep(self, frame: str, place: History | Static) -> None:
-        if len(self._frames) == MAX_FRAMES:
+        if len(self._frames) >= MAX_FRAMES:
             self._remove_one()
         self._frames[frame] = place
         self._samples += len(place)
@@ -104,18 +234,57 @@ class Buffer:
             place.shorten()
             self._samples -= 1
 
+    def _remember(self, frame: str, parent: str) -> None:
+        known = self._known
+        if frame not in known:
+            known[frame] = None
+        if parent not in known:
+            known[parent] = None
+            if len(known) > 4 * MAX_FRAMES:
+                parents = {place.latest.parent for place in self._frames.values()}
+                self._known = {each: None for each in known if each in {*self._frames, *parents}}
+
     def _remove_one(self) -> None:
         """Remove a frame; a static one, which is published only once, if there is no other."""
         oldest = next(
             (frame for frame, place in self._frames.items() if isinstance(place, History)),
             next(iter(self._frames)),
         )
-        self._samples -= len(self._frames.pop(oldest))
+        self._remove(oldest)
+        if all(place.latest.parent != oldest for place in self._frames.values()):
+            del self._known[oldest]
+
+    def _remove(self, frame: str) -> None:
+        self._samples -= len(self._frames.pop(frame))
+        del self._authorities[frame]
+
+    def _require(self, frame: str, argument: str) -> None:
+        if frame not in self._known:
+            raise UnknownFrame(frame, argument)
+
+    def _timed_path(
+        self, target: str, source: str, stamp: int
+    ) -> tuple[int, list[Sample], list[Sample]]:
+        """Return the time of a path, and its links up to the nearest common ancestor."""
+        if target == source:
+            return stamp or self.latest_common_time(target, source), [], []
+        self._require(target, "target_frame")
+        self._require(source, "source_frame")
+        if stamp == LATEST:
+            stamp = self._common_time(target, source)
+        try:
+            return stamp, *self._path(target, source, stamp)
+        except TransformOutOfTime as error:
+            raise TransformOutOfTime(
+                f"{error}, when looking up transform from frame [{source}] to frame [{target}]"
+            ) from None
+
+    def _common_time(self, target: str, source: str) -> int:
+        rising, falling = self._path(target, source, LATEST)
+        return min((link.stamp for link in rising + falling if link.stamp), default=LATEST)
 
     def _path(self, target: str, source: str, stamp: int) -> tuple[list[Sample], list[Sample]]:
         """Return the links from source and target up to their nearest common ancestor."""
-        if target == source:
-            return [], []
         rising: list[Sample] = []
         falling: list[Sample] = []
         height = {source: 0}
@@ -134,26 +303,27 @@ class Buffer:
                 return rising[: height[link.parent]], falling
         if gap is not None:
             raise gap
-        for frame in (target, source):
-            if not self._exists(frame):
-                raise UnknownFrame(frame)
         raise UnconnectedFrames(target, source)
 
     def _links(self, frame: str, stamp: int) -> Iterator[Sample]:
         """Yield the links from a frame to its parent, and so on up to the root."""
-        start = frame
-        for _ in range(len(self._frames)):
-            if (place := self._frames.get(frame)) is None:
+        start, frames = frame, self._frames
+        for _ in range(len(frames)):
+            if (place := frames.get(frame)) is None:
                 return
             yield (link := place.at(stamp))
             frame = link.parent
-        if frame in self._frames:
-            raise FrameLoop(start)
+        if frame in frames:
+            raise FrameLoop(start, self.listing())
 
-    def _exists(self, frame: str) -> bool:
-        return frame in self._frames or any(
-            place.latest.parent == frame for place in self._frames.values()
-        )
+    def _frames_between(self, target: str, source: str, stamp: int) -> list[str]:
+        """Return the frames from source to target, both included; none if they are the same."""
+        _, rising, falling = self._timed_path(target, source, stamp)
+        if not rising and not falling:
+            return []
+        up = [source, *(link.parent for link in rising)]
+        down = [target, *(link.parent for link in falling)]
+        return up + down[-2::-1]
 
 
 def frame_id(name: str) -> str:
@@ -181,24 +351,18 @@ def checked(frame: str, sample: Sample) -> tuple[str, Sample]:
     frame, parent = frame_id(frame), frame_id(sample.parent)
     if frame == parent:
         raise InvalidTransform(f"the frame {frame!r} cannot be its own parent")
-    translation, rotation = sample.transform.translation, sample.transform.rotation
-    if not all(map(isfinite, (*translation, *rotation))):
+    translation, rotation = sample.transform
+    (x, y, z), (qx, qy, qz, qw) = translation, rotation
+    length = qx * qx + qy * qy + qz * qz + qw * qw
+    if not isfinite(x + y + z + length) and not all(map(isfinite, (*translation, *rotation))):
         raise InvalidTransform(
             f"{frame!r}: expected finite numbers, got the translation {translation} and the "
             f"rotation {rotation} (x, y, z, w)"
         )
-    if abs(sum(component * component for component in rotation) - 1) > TOLERANCE:
+    if not abs(length - 1) <= TOLERANCE:
         raise InvalidTransform(
             f"{frame!r}: the rotation {rotation} is not a quaternion (x, y, z, w) of length 1; "
             f"the identity is (0, 0, 0, 1)"
         )
     transform = Transform(translation, normalized(rotation))
     return frame, Sample(sample.stamp, parent, transform)
-
-
-def _along(links: list[Sample]) -> Transform:
-    """Return the transform from the first link's frame up to the last link's parent."""
-    whole = Transform()
-    for link in links:
-        whole = link.transform @ whole
-    return whole

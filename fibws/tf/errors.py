@@ -1,7 +1,9 @@
-"""Errors of transforms, as those of tf2.
+"""Errors of transforms, with the texts of tf2.
 
 TransformError
 ├── InvalidTransform       a malformed transform, or invalid arguments
+│   ├── RepeatedData       the frame has a transform of this time
+│   └── OldData            the transform is older than the frame's history
 ├── UnknownFrame           no transform has named this frame
 ├── UnconnectedFrames      no transforms connect the two frames
 ├── FrameLoop              a frame is its own ancestor
@@ -21,12 +23,28 @@ class InvalidTransform(TransformError, ValueError):
     """A malformed transform, or invalid arguments; tf2's InvalidArgumentException."""
 
 
-class UnknownFrame(TransformError, LookupError):
-    """No transform in the buffer names this frame; tf2's LookupException."""
+class RepeatedData(InvalidTransform):
+    """The frame has a transform of this time; tf2's TF_REPEATED_DATA."""
 
-    def __init__(self, frame: str) -> None:
+
+class OldData(InvalidTransform):
+    """The transform is older than the frame's history; tf2's TF_OLD_DATA."""
+
+
+class UnknownFrame(TransformError, LookupError):
+    """No transform in the buffer names this frame; tf2's LookupException.
+
+    Args:
+        frame: the frame.
+        argument: which argument of the lookup it was.
+    """
+
+    def __init__(self, frame: str, argument: str = "target_frame") -> None:
         self.frame = frame
-        super().__init__(f"Frame {frame!r} does not exist: no transform names it")
+        self.argument = argument
+        super().__init__(
+            f'"{frame}" passed to lookupTransform argument {argument} does not exist. '
+        )
 
 
 class UnconnectedFrames(TransformError):
@@ -36,17 +54,23 @@ class UnconnectedFrames(TransformError):
         self.target = target
         self.source = source
         super().__init__(
-            f"Could not find a connection between {target!r} and {source!r} "
-            f"because they are not part of the same tree"
+            f"Could not find a connection between '{target}' and '{source}' "
+            "because they are not part of the same tree."
+            "Tf has two or more unconnected trees."
         )
 
 
 class FrameLoop(TransformError):
-    """A frame is its own ancestor; also a LookupException in tf2."""
+    """A frame is its own ancestor; also a LookupException in tf2.
 
-    def __init__(self, frame: str) -> None:
+    Args:
+        frame: the frame whose ancestors contain the loop.
+        listing: all frames with their parents, one on each line.
+    """
+
+    def __init__(self, frame: str, listing: str) -> None:
         self.frame = frame
-        super().__init__(f"The ancestors of frame {frame!r} contain a loop")
+        super().__init__(f"The tf tree is invalid because it contains a loop.\n{listing}\n")
 
 
 class TransformOutOfTime(TransformError):

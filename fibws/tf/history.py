@@ -6,14 +6,13 @@ A stamp is in nanoseconds since 1970; 0 stands for the latest one, as in tf2. Pu
 from __future__ import annotations
 
 from bisect import bisect_left
-from operator import attrgetter
 from typing import NamedTuple
 
-from fibws.tf.errors import TransformOutOfTime
+from fibws.tf.errors import OldData, RepeatedData, TransformOutOfTime
 from fibws.tf.transform import Transform
 
 CACHE_TIME = 10_000_000_000
-"""Nanoseconds that a history reaches back from its latest sample, as in tf2."""
+"""Nanoseconds that a history reaches back from its latest sample by default, as in tf2."""
 
 LATEST = 0
 
@@ -27,11 +26,18 @@ class Sample(NamedTuple):
 
 
 class History:
-    """The samples of a moving frame during the last `CACHE_TIME`, by their stamps."""
+    """The samples of a moving frame, by their stamps.
 
-    def __init__(self, frame: str) -> None:
-        self._frame = frame
+    Args:
+        cache_time: nanoseconds that it reaches back from its latest sample.
+        strict: refuse samples as tf2 does; see `insert`.
+    """
+
+    def __init__(self, cache_time: int = CACHE_TIME, *, strict: bool = False) -> None:
+        self._cache_time = cache_time
+        self._strict = strict
         self._samples: list[Sample] = []  # Oldest first.
+        self._stamps: list[int] = []
 
     def __len__(self) -> int:
         return len(self._samples)
@@ -41,25 +47,49 @@ class History:
         """The newest sample; there is always one after the first `insert`."""
         return self._samples[-1]
 
+    @property
+    def oldest_stamp(self) -> int:
+        """The stamp of the oldest sample."""
+        return self._stamps[0]
+
     def insert(self, sample: Sample) -> None:
         """Add a sample; it replaces one of the same time.
 
         tf2 ignores it since Noetic (TF_REPEATED_DATA), which would freeze every broadcaster that
         does not set its stamps. A sample older than the history (TF_OLD_DATA) clears it: the clock
         was set back, or a recording was restarted.
+
+        Raises:
+            RepeatedData: the history is strict, and has a sample of this time.
+            OldData: the history is strict, and the sample is too old for it.
         """
-        samples = self._samples
-        if samples and sample.stamp < self.latest.stamp - CACHE_TIME:
-            samples.clear()
-        place = bisect_left(samples, sample.stamp, key=attrgetter("stamp"))
-        same = place < len(samples) and samples[place].stamp == sample.stamp
-        samples[place : place + same] = [sample]
-        oldest = self.latest.stamp - CACHE_TIME
-        del samples[: bisect_left(samples, oldest, key=attrgetter("stamp"))]
+        stamps, samples, stamp = self._stamps, self._samples, sample.stamp
+        if not stamps or stamp > stamps[-1]:
+            stamps.append(stamp)
+            samples.append(sample)
+        elif stamp < stamps[-1] - self._cache_time:
+            if self._strict:
+                raise OldData(
+                    "TF_OLD_DATA ignoring data from the past (Possible reasons are listed at "
+                    "http://wiki.ros.org/tf/Errors%20explained)"
+                )
+            stamps[:], samples[:] = [stamp], [sample]
+        else:
+            place = bisect_left(stamps, stamp)
+            if stamps[place] == stamp:
+                if self._strict:
+                    raise RepeatedData("TF_REPEATED_DATA ignoring data with redundant timestamp")
+                samples[place] = sample
+            else:
+                stamps.insert(place, stamp)
+                samples.insert(place, sample)
+        if stamps[0] < (oldest := stamps[-1] - self._cache_time):
+            count = bisect_left(stamps, oldest)
+            del stamps[:count], samples[:count]
 
     def shorten(self) -> None:
         """Remove the oldest sample."""
-        del self._samples[0]
+        del self._samples[0], self._stamps[0]
 
     def at(self, stamp: int) -> Sample:
         """Return the sample at a time, interpolated between two samples.
@@ -69,15 +99,16 @@ class History:
         Raises:
             TransformOutOfTime: the time is outside the history.
         """
-        samples = self._samples
-        if stamp == LATEST:
-            return self.latest
-        place = bisect_left(samples, stamp, key=attrgetter("stamp"))
-        if place < len(samples) and samples[place].stamp == stamp:
-            return samples[place]
-        if not 0 < place < len(samples):
+        stamps = self._stamps
+        if stamp == LATEST or stamp == stamps[-1]:
+            return self._samples[-1]
+        place = bisect_left(stamps, stamp)
+        if place == len(stamps) or (place == 0 and stamps[0] != stamp):
             raise self._out_of_time(stamp)
-        before, after = samples[place - 1], samples[place]
+        after = self._samples[place]
+        if after.stamp == stamp:
+            return after
+        before = self._samples[place - 1]
         if before.parent != after.parent:
             return before
         ratio = (stamp - before.stamp) / (after.stamp - before.stamp)
@@ -85,15 +116,21 @@ class History:
         return Sample(stamp, before.parent, between)
 
     def _out_of_time(self, stamp: int) -> TransformOutOfTime:
-        oldest, latest = self._samples[0].stamp, self.latest.stamp
+        oldest, latest = self._stamps[0], self._stamps[-1]
+        lookup = "Lookup would require extrapolation"
         if oldest == latest:
-            known = f"is known at {seconds(latest)} only"
-        elif stamp > latest:
-            known = f"is known until {seconds(latest)}: extrapolation into the future"
-        else:
-            known = f"is known since {seconds(oldest)}: extrapolation into the past"
+            return TransformOutOfTime(
+                f"{lookup} at time {seconds(stamp)}, but only time {seconds(latest)} is in the "
+                "buffer"
+            )
+        if stamp > latest:
+            return TransformOutOfTime(
+                f"{lookup} {seconds(stamp - latest)}s into the future.  "
+                f"Requested time {seconds(stamp)} but the latest data is at time {seconds(latest)}"
+            )
         return TransformOutOfTime(
-            f"The transform of {self._frame!r} was requested at {seconds(stamp)}, but it {known}"
+            f"{lookup} {seconds(oldest - stamp)}s into the past.  Requested time {seconds(stamp)} "
+            f"but the earliest data is at time {seconds(oldest)}"
         )
 
 
@@ -111,12 +148,17 @@ class Static:
         """The sample; its stamp is 0, so that it does not limit the latest common time."""
         return self._sample
 
+    @property
+    def oldest_stamp(self) -> int:
+        """The stamp of the sample, which is 0."""
+        return LATEST
+
     def at(self, stamp: int) -> Sample:
         """Return the sample."""
         return self._sample
 
 
 def seconds(nanoseconds: int) -> str:
-    """Write nanoseconds as seconds, exactly, without trailing zeros."""
+    """Write nanoseconds as seconds, with all nine decimals, as ROS does."""
     whole, rest = divmod(nanoseconds, 1_000_000_000)
-    return f"{whole}.{rest:09}".rstrip("0").rstrip(".")
+    return f"{whole}.{rest:09}"

@@ -5,10 +5,10 @@ Quaternions are ``(x, y, z, w)`` as in geometry_msgs/Quaternion, usually of leng
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import atan2, cos, dist, hypot, sin
-from operator import add, mul
-from typing import TypeAlias
+from collections.abc import Iterable
+from math import asin, atan2, cos, dist, hypot, sin, sqrt
+from operator import add
+from typing import NamedTuple, TypeAlias
 
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -17,8 +17,7 @@ NO_TRANSLATION: Vector = (0.0, 0.0, 0.0)
 NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Transform:
+class Transform(NamedTuple):
     """The position and orientation of a frame in its parent.
 
     It turns coordinates in the frame into coordinates in the parent.
@@ -112,16 +111,19 @@ def angle(first: Quaternion, second: Quaternion) -> float:
 
 def slerp(first: Quaternion, second: Quaternion, ratio: float) -> Quaternion:
     """Interpolate between two rotations along the shortest arc, at constant speed."""
-    half = angle(first, second) / 2
-    if sum(map(mul, first, second)) < 0:
-        x, y, z, w = second
-        second = (-x, -y, -z, -w)
+    if first == second:
+        return first
+    ax, ay, az, aw = first
+    bx, by, bz, bw = second
+    if ax * bx + ay * by + az * bz + aw * bw < 0:
+        bx, by, bz, bw = -bx, -by, -bz, -bw
+    # The arc sine is exact where the arc cosine of the product is not: near 0.
+    x, y, z, w = ax - bx, ay - by, az - bz, aw - bw
+    half = 2 * asin(min(1.0, sqrt(x * x + y * y + z * z + w * w) / 2))
     if half < 1e-6:  # So close that the arc is its chord, while sines of it are near 0.
         share, rest = ratio, 1 - ratio
     else:
         share, rest = sin(ratio * half) / sin(half), sin((1 - ratio) * half) / sin(half)
-    ax, ay, az, aw = first
-    bx, by, bz, bw = second
     return normalized(
         (
             ax * rest + bx * share,
@@ -130,6 +132,39 @@ def slerp(first: Quaternion, second: Quaternion, ratio: float) -> Quaternion:
             aw * rest + bw * share,
         )
     )
+
+
+def with_sign_of_matrix(rotation: Quaternion) -> Quaternion:
+    """Return the one of a quaternion and its negative that conversions of its matrix give.
+
+    w is positive, or else the largest of the others, as with tf's transformations and KDL.
+    """
+    x, y, z, w = rotation
+    leading = w if 4 * w * w > 1 else max(x, y, z, key=abs)
+    return (-x, -y, -z, -w) if leading < 0 else rotation
+
+
+def along(links: Iterable[Transform]) -> Transform:
+    """Return the product of transforms: from the first one's frame to the last one's parent.
+
+    It is the same as ``last @ ... @ second @ first``, in half the time.
+    """
+    x = y = z = qx = qy = qz = 0.0
+    qw = 1.0
+    for (dx, dy, dz), (bx, by, bz, bw) in links:
+        cx, cy, cz = 2 * (by * z - bz * y), 2 * (bz * x - bx * z), 2 * (bx * y - by * x)
+        x, y, z = (
+            x + bw * cx + by * cz - bz * cy + dx,
+            y + bw * cy + bz * cx - bx * cz + dy,
+            z + bw * cz + bx * cy - by * cx + dz,
+        )
+        qx, qy, qz, qw = (
+            bw * qx + bx * qw + by * qz - bz * qy,
+            bw * qy - bx * qz + by * qw + bz * qx,
+            bw * qz + bx * qy - by * qx + bz * qw,
+            bw * qw - bx * qx - by * qy - bz * qz,
+        )
+    return Transform((x, y, z), (qx, qy, qz, qw))
 
 
 def of_yaw_pitch_roll(yaw: float, pitch: float, roll: float) -> Quaternion:
@@ -141,3 +176,18 @@ def of_yaw_pitch_roll(yaw: float, pitch: float, roll: float) -> Quaternion:
     about_y = (0.0, sin(pitch / 2), 0.0, cos(pitch / 2))
     about_z = (0.0, 0.0, sin(yaw / 2), cos(yaw / 2))
     return product(about_z, product(about_y, about_x))
+
+
+def roll_pitch_yaw(rotation: Quaternion) -> Vector:
+    """Return the angles, in radians, about the fixed axes x, y and z, in this order.
+
+    They are those of `of_yaw_pitch_roll`; if the pitch is a right angle, the yaw is 0.
+    """
+    x, y, z, w = rotation
+    sine = 2 * (w * y - x * z)
+    across = hypot(1 - 2 * (y * y + z * z), 2 * (x * y + w * z))
+    pitch = atan2(sine, across)
+    if across < 1e-9:
+        return (atan2(2 * (w * x - y * z), 1 - 2 * (x * x + z * z)), pitch, 0.0)
+    roll = atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    return (roll, pitch, atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)))

@@ -14,7 +14,7 @@ from fibws.tf.history import Sample
 from fibws.tf.selection import Selection
 from fibws.tf.transform import Transform, of_yaw_pitch_roll
 
-LOG = logging.getLogger("tests.tf.selection")
+LOG = logging.getLogger("tests.transforms.selection")
 ANGULAR, TRANSLATIONAL = 0.1, 0.01
 
 

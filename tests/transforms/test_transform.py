@@ -14,12 +14,15 @@ from fibws.tf.transform import (
     Quaternion,
     Transform,
     Vector,
+    along,
     angle,
     normalized,
     of_yaw_pitch_roll,
     product,
+    roll_pitch_yaw,
     rotated,
     slerp,
+    with_sign_of_matrix,
 )
 
 from .oracle import (
@@ -148,3 +151,37 @@ def test_integers_are_accepted() -> None:
     assert quarter.angle(Transform()) == pytest.approx(math.pi)
     assert quarter.interpolated(Transform(), 0.5).translation == (0.5, 1.0, 1.5)
     assert (quarter @ Transform((1, 0, 0))).translation == (0, 2, 3)
+
+
+@given(st.lists(transforms, max_size=6))
+def test_product_along_a_path(links: list[Transform]) -> None:
+    expected = np.eye(4)
+    for link in links:
+        expected = homogeneous(link) @ expected
+    assert_same(along(links), expected, scale=1000)
+
+
+@given(angles, st.floats(-1.5, 1.5), angles)
+def test_angles_of_a_rotation(yaw: float, pitch: float, roll: float) -> None:
+    found = roll_pitch_yaw(of_yaw_pitch_roll(yaw, pitch, roll))
+    turned = np.subtract(found, (roll, pitch, yaw)) / 2
+    np.testing.assert_allclose(np.sin(turned), 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("pitch", [math.pi / 2, -math.pi / 2])
+def test_angles_of_a_vertical_rotation_have_no_yaw(pitch: float) -> None:
+    rotation = of_yaw_pitch_roll(0.3, pitch, 0.1)
+    roll, found, yaw = roll_pitch_yaw(rotation)
+    assert found == pytest.approx(pitch)
+    assert yaw == 0
+    again = of_yaw_pitch_roll(yaw, found, roll)
+    np.testing.assert_allclose(matrix_of(again), matrix_of(rotation), atol=1e-9)
+
+
+@given(rotations)
+def test_sign_of_matrix(rotation: Quaternion) -> None:
+    signed = with_sign_of_matrix(rotation)
+    x, y, z, w = rotation
+    assert signed in (rotation, (-x, -y, -z, -w))
+    assert signed[3] > 0.5 or max(signed[:3], key=abs) > 0
+    assert with_sign_of_matrix(signed) == signed

@@ -14,6 +14,8 @@ from fibws.tf.buffer import MAX_FRAME_ID, Buffer
 from fibws.tf.errors import (
     FrameLoop,
     InvalidTransform,
+    OldData,
+    RepeatedData,
     TransformError,
     TransformOutOfTime,
     UnconnectedFrames,
@@ -136,9 +138,9 @@ def test_lookup_at_a_time(buffer: Buffer) -> None:
     sample = buffer.lookup("map", "camera", int(1.5 * SECOND))
     assert (sample.stamp, sample.transform.translation) == (1.5 * SECOND, (155.0, 0.0, 0.0))
     for at in (0.9, 3.1):
-        with pytest.raises(TransformOutOfTime, match="'odom'"):
+        with pytest.raises(TransformOutOfTime, match=r"from frame \[camera\] to frame \[map\]$"):
             x_of(buffer, "map", "camera", at)
-        with pytest.raises(TransformOutOfTime, match="'odom'"):
+        with pytest.raises(TransformOutOfTime, match=r"from frame \[map\] to frame \[camera\]$"):
             x_of(buffer, "camera", "map", at)
 
 
@@ -146,7 +148,7 @@ def test_gap_above_the_nearest_ancestor_is_ignored(robot: Buffer) -> None:
     place(robot, "arm", "base", 2000, at=2)
     place(robot, "hand", "arm", 20000, at=2)
     assert x_of(robot, "camera", "hand", at=2) == 21900
-    with pytest.raises(TransformOutOfTime, match="'base'"):
+    with pytest.raises(TransformOutOfTime, match=r"but only time 1.000000000 is"):
         x_of(robot, "map", "hand", at=2)
 
 
@@ -192,9 +194,11 @@ def test_frame_may_become_static_or_moving(buffer: Buffer) -> None:
 
 
 def test_unknown_frame_is_an_error(robot: Buffer) -> None:
-    with pytest.raises(UnknownFrame, match="Frame 'foot' does not exist"):
+    with pytest.raises(
+        UnknownFrame, match='"foot" passed to lookupTransform argument source_frame'
+    ):
         robot.lookup("map", "foot")
-    with pytest.raises(UnknownFrame, match="Frame 'world' does not exist"):
+    with pytest.raises(UnknownFrame, match='"world" passed to lookupTransform argument target_'):
         robot.lookup("world", "hand")
     with pytest.raises(LookupError):
         Buffer().lookup("a", "b")
@@ -213,11 +217,11 @@ def test_loop_is_an_error(buffer: Buffer, length: int) -> None:
         place(buffer, f"f{number}", f"f{(number + 1) % length}", 1)
     place(buffer, "base", "map", 1)
     place(buffer, "tail", "f0", 1)
-    with pytest.raises(FrameLoop, match="'f0'"):
+    with pytest.raises(FrameLoop, match=r"Frame f0 exists with parent f1.\n"):
         buffer.lookup("map", "f0")
-    with pytest.raises(FrameLoop, match="'f0'"):
+    with pytest.raises(FrameLoop, match=r"Frame f0 exists with parent f1.\n"):
         buffer.lookup("f0", "map")
-    with pytest.raises(FrameLoop, match="'tail'"):
+    with pytest.raises(FrameLoop, match=r"because it contains a loop.\nFrame f0"):
         buffer.lookup("base", "tail")
     assert x_of(buffer, "f1", "f0") == 1
 
@@ -277,7 +281,7 @@ def test_frame_without_samples_for_longest_is_removed_at_the_limit(
     assert (len(buffer), buffer.samples) == (4, 5)
     for frame in ("camera", "a", "c", "new"):
         buffer.lookup("base", frame)
-    with pytest.raises(UnknownFrame, match="'b'"):
+    with pytest.raises(UnknownFrame, match='"b"'):
         buffer.lookup("base", "b")
 
 
@@ -288,7 +292,7 @@ def test_static_frame_is_removed_if_there_are_no_others(
     for frame in ("a", "b", "c"):
         place(buffer, frame, "base", 1, static=True)
     assert (len(buffer), buffer.samples) == (2, 2)
-    with pytest.raises(UnknownFrame, match="'a'"):
+    with pytest.raises(UnknownFrame, match='"a"'):
         buffer.lookup("base", "a")
 
 
@@ -302,6 +306,102 @@ def test_samples_are_bounded(buffer: Buffer, monkeypatch: pytest.MonkeyPatch) ->
     assert (x_of(buffer, "base", "arm"), x_of(buffer, "map", "base", at=3)) == (2, 3)
     place(buffer, "base", "map", 8, at=8)
     assert buffer.samples == 5
+
+
+def test_names_of_frames_are_bounded(buffer: Buffer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MAX_FRAMES", 3)
+    for number in range(50):
+        place(buffer, "cup", f"hand{number}", 1, at=number)
+        place(buffer, f"cup{number}", "table", 1)
+    assert len(buffer.frames()) <= 13
+    assert buffer.exists("hand49")
+    assert x_of(buffer, "table", "cup49") == 1
+
+
+# Time travel, chains, listings
+
+
+@pytest.fixture
+def train(buffer: Buffer) -> Buffer:
+    """map → train → {door, seat}: the train moves 10 m in a second."""
+    for at in (1.0, 2.0, 3.0):
+        place(buffer, "train", "map", at * 10, at)
+        place(buffer, "seat", "train", 2, at)
+    place(buffer, "door", "train", 1, static=True)
+    return buffer
+
+
+def test_lookup_of_two_times_goes_over_the_fixed_frame(train: Buffer) -> None:
+    sample = train.lookup_full("door", 3 * SECOND, "seat", 1 * SECOND, "map")
+    assert sample.transform.translation == (-19.0, 0.0, 0.0)
+    assert (sample.stamp, sample.parent) == (3 * SECOND, "door")
+    assert train.lookup_full("door", 0, "seat", 0, "map").transform.translation == (1.0, 0.0, 0.0)
+    with pytest.raises(UnknownFrame, match="argument fixed_frame does not exist"):
+        train.lookup_full("door", 0, "seat", 0, "moon")
+    with pytest.raises(TransformOutOfTime, match=r"from frame \[map\] to frame \[door\]"):
+        train.lookup_full("door", 4 * SECOND, "seat", SECOND, "map")
+
+
+def test_latest_common_time(train: Buffer) -> None:
+    place(train, "seat", "train", 2, at=4)
+    assert train.latest_common_time("map", "seat") == 3 * SECOND
+    assert train.latest_common_time("seat", "train") == 4 * SECOND
+    assert train.latest_common_time("door", "train") == 0
+    assert train.latest_common_time("seat", "seat") == 4 * SECOND
+    assert train.lookup("seat", "seat").stamp == 4 * SECOND
+    with pytest.raises(UnknownFrame):
+        train.latest_common_time("moon", "seat")
+
+
+def test_chain(train: Buffer) -> None:
+    assert train.chain("seat", 0, "door", 0, "train") == ["door", "train", "seat"]
+    assert train.chain("seat", 0, "door", 0, "map") == ["door", "train", "map", "train", "seat"]
+    assert train.chain("map", 0, "door", 0, "map") == ["door", "train", "map"]
+    assert train.chain("map", 0, "map", 0, "map") == []
+
+
+def test_check_raises_as_lookup_does(train: Buffer) -> None:
+    train.check("map", "seat", 2 * SECOND)
+    with pytest.raises(TransformOutOfTime):
+        train.check("map", "seat", 9 * SECOND)
+    with pytest.raises(UnknownFrame):
+        train.check("map", "moon")
+
+
+def test_frames_are_listed_in_the_order_in_which_they_were_named(train: Buffer) -> None:
+    train.insert("seat", Sample(4 * SECOND, "train", transform()), authority="/node")
+    assert train.frames() == ["train", "map", "seat", "door"]
+    assert train.exists("map")
+    assert not train.exists("moon")
+    assert train.infos()[1] == ("seat", "train", "/node", 4, 4 * SECOND, SECOND)
+    assert train.listing().splitlines() == [
+        "Frame train exists with parent map.",
+        "Frame seat exists with parent train.",
+        "Frame door exists with parent train.",
+    ]
+
+
+def test_clear_keeps_static_frames(train: Buffer) -> None:
+    train.clear()
+    assert (len(train), train.samples) == (1, 1)
+    assert x_of(train, "train", "door") == 1
+    with pytest.raises(UnconnectedFrames):
+        train.lookup("map", "seat")
+
+
+def test_strict_buffer_treats_samples_as_tf2() -> None:
+    buffer = Buffer(5 * SECOND, strict=True)
+    place(buffer, "base", "map", 1, at=10)
+    with pytest.raises(RepeatedData):
+        place(buffer, "base", "map", 2, at=10)
+    with pytest.raises(OldData):
+        place(buffer, "base", "map", 2, at=4)
+    place(buffer, "base", "map", 3, at=11, static=True)
+    assert x_of(buffer, "map", "base", at=10.5) == 2
+    place(buffer, "camera", "base", 1, static=True)
+    place(buffer, "camera", "base", 2, at=10)
+    assert x_of(buffer, "base", "camera", at=99) == 2
+    assert (len(buffer), buffer.samples) == (2, 3)
 
 
 FRAMES = st.sampled_from("abcde")
