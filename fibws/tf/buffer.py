@@ -17,7 +17,7 @@ from fibws.tf.errors import (
     UnknownFrame,
 )
 from fibws.tf.history import CACHE_TIME, LATEST, History, Sample, Static
-from fibws.tf.transform import Transform, along, normalized
+from fibws.tf.transform import Transform, along, normalized, with_sign_of_matrix
 
 MAX_FRAMES = 1000
 """Maximum number of frames with a parent; more remove the one that was silent the longest."""
@@ -161,7 +161,9 @@ class Buffer:
             self._require(frame, argument)
         in_fixed = self.lookup(fixed, source, source_stamp)
         in_target = self.lookup(target, fixed, target_stamp)
-        return in_target._replace(transform=in_target.transform @ in_fixed.transform)
+        translation, rotation = in_target.transform @ in_fixed.transform
+        transform = Transform(translation, with_sign_of_matrix(rotation))  # as in tf2
+        return in_target._replace(transform=transform)
 
     def check(self, target: str, source: str, stamp: int = LATEST) -> None:
         """Raise as `lookup` does, without computing the transform."""

@@ -18,11 +18,16 @@ class TransformListener:
     """Subscribes to ``/tf`` and ``/tf_static`` and fills a buffer.
 
     Invalid transforms are logged, once for each frame.
+
+    Args:
+        node: the node.
+        buffer: the buffer.
+        authorities: note in the buffer which node sent each transform.
     """
 
-    def __init__(self, node: fibws.Node, buffer: Buffer) -> None:
+    def __init__(self, node: fibws.Node, buffer: Buffer, *, authorities: bool = False) -> None:
         self._moving, self._static = (
-            node.subscribe(topic, TFMessage, queue_size=QUEUE_SIZE)
+            node.subscribe(topic, TFMessage, queue_size=QUEUE_SIZE, headers=authorities)
             for topic in ("/tf", "/tf_static")
         )
         self._buffer = buffer
@@ -44,10 +49,11 @@ class TransformListener:
 
     async def _receive(self, messages: fibws.Subscription[TFMessage], *, static: bool) -> None:
         async for message in messages:
+            authority = messages.connection_header.get("callerid", "")
             for transform in message.transforms:
                 frame, sample = read(transform)
                 try:
-                    self._buffer.insert(frame, sample, static=static)
+                    self._buffer.insert(frame, sample, static=static, authority=authority)
                 except InvalidTransform as error:
                     self._warn_once(frame, f"Ignored a transform on {messages.topic}: {error}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import isfinite
+from typing import Any
 
 import click
 
@@ -15,7 +16,7 @@ from fibws.tf.history import LATEST, Sample
 from fibws.tf.messages import write
 from fibws.tf.transform import Transform, of_yaw_pitch_roll
 
-ARGUMENTS = "X Y Z {YAW PITCH ROLL | QX QY QZ QW} FRAME_ID CHILD_FRAME_ID [PERIOD]"
+ARGUMENTS = "{X Y Z {YAW PITCH ROLL | QX QY QZ QW} FRAME_ID CHILD_FRAME_ID [PERIOD] | PARAMETER}"
 
 
 def place(arguments: tuple[str, ...]) -> tuple[str, Sample]:
@@ -58,6 +59,29 @@ def _is_number(argument: str) -> bool:
         return False
 
 
+async def place_in(node: fibws.Node, parameter: str) -> tuple[str, Sample]:
+    """Read the frame and its transform from a parameter that holds a TransformStamped.
+
+    Raises:
+        ClickException: there is no such parameter, or it is not a transform.
+    """
+    try:
+        value: Any = await node.params.get(parameter)
+        transform = value["transform"]
+        translation, rotation = transform["translation"], transform["rotation"]
+        x, y, z = (float(translation[name]) for name in "xyz")
+        qx, qy, qz, qw = (float(rotation[name]) for name in "xyzw")
+        frame, parent = str(value["child_frame_id"]), str(value["header"]["frame_id"])
+        return checked(frame, Sample(LATEST, parent, Transform((x, y, z), (qx, qy, qz, qw))))
+    except fibws.FibwsError as error:
+        raise click.ClickException(f"parameter {parameter}: {error}") from None
+    except (KeyError, TypeError, ValueError):
+        raise click.ClickException(
+            f"parameter {parameter} is not a transform: expected header, child_frame_id and "
+            "transform, as in geometry_msgs/TransformStamped"
+        ) from None
+
+
 async def publish(node: fibws.Node, frame: str, sample: Sample) -> None:
     """Publish a static transform until the node ends."""
     static = await node.advertise("/tf_static", TFMessage, latch=True)
@@ -76,14 +100,16 @@ def command(node: fibws.Node, arguments: tuple[str, ...]) -> None:
     X, Y and Z are metres; YAW, PITCH and ROLL are radians about the axes z, y and x of FRAME_ID,
     ROLL first; QX, QY, QZ and QW are a quaternion.
 
+    PARAMETER is a parameter that holds these values as a geometry_msgs/TransformStamped.
+
     The transform is published once, on a latched topic, as by tf2_ros. PERIOD is ignored; accepted
     for compatibility with tf.
     """
-    frame, sample = place(arguments)
+    known = None if len(arguments) == 1 else place(arguments)
 
     async def program() -> None:
         async with node:
-            await publish(node, frame, sample)
+            await publish(node, *(known or await place_in(node, arguments[0])))
 
     node_program.run(program())
 

@@ -28,6 +28,16 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("reconfigure/server.py", until="ready", errors=False),
         Part("reconfigure/client.py", interrupted=False),
     ),
+    "a buffer of transforms": (Part("tf/buffer.py", errors=False, interrupted=False),),
+    "a listener to transforms": (
+        Part("tf/robot.py", until="ready"),
+        Part("tf/observer.py", interrupted=False),
+    ),
+    "a server of transforms": (
+        Part("tf/robot.py", until="ready"),
+        Part("tf/lookup_server.py", until="ready", errors=False),
+        Part("tf/lookup_client.py", interrupted=False),
+    ),
 }
 NOT_IN_ROS = {"actions/fibonacci_client.py", "actions/fibonacci_server.py"}
 """Debian has no actionlib_tutorials."""
@@ -48,7 +58,7 @@ async def test_scenario_goes_as_in_ros(ros: World, name: str) -> None:
     await say_the_same(ros, *SCENARIOS[name])
 
 
-@pytest.mark.parametrize("folder", ["actions", "filters", "reconfigure", "tools"])
+@pytest.mark.parametrize("folder", ["actions", "filters", "reconfigure", "tf", "tools"])
 def test_all_scripts_are_played(folder: str) -> None:
     played = {part.script for parts in SCENARIOS.values() for part in parts} | NOT_IN_ROS
     scripts = {path.relative_to(SCRIPTS).as_posix() for path in (SCRIPTS / folder).glob("*.py")}

@@ -101,3 +101,39 @@ async def test_late_subscriber_receives_transforms_of_all_publishers(
 
 def test_identity_is_published() -> None:
     assert place(tuple("0 0 0 0 0 0 base camera".split()))[1].transform == Transform()
+
+
+async def test_transform_may_be_in_a_parameter(hub: Hub, start: Start, node: fibws.Node) -> None:
+    value = {
+        "header": {"frame_id": "base"},
+        "child_frame_id": "camera",
+        "transform": {
+            "translation": {"x": 1, "y": 2, "z": 3.5},
+            "rotation": {"x": 0, "y": 0, "z": 0, "w": 1},
+        },
+    }
+    await node.params.set("/mount", value)
+    program = await start(PUBLISHER, "/mount", "--hub", hub.url)
+    assert "publishing base to camera" in await program.line()
+    async with asyncio.timeout(PATIENCE):
+        (camera,) = (await anext(node.subscribe("/tf_static", TFMessage))).transforms
+    assert (camera.child_frame_id, camera.transform.translation.z) == ("camera", 3.5)
+
+
+@pytest.mark.parametrize(
+    ("value", "fault"),
+    [
+        (None, "parameter /mount: "),
+        (5, "parameter /mount is not a transform"),
+        ({"transform": {}}, "parameter /mount is not a transform"),
+    ],
+)
+async def test_wrong_parameter_is_an_error(
+    hub: Hub, start: Start, node: fibws.Node, value: object, fault: str
+) -> None:
+    if value is not None:
+        await node.params.set("/mount", value)
+    program = await start(PUBLISHER, "/mount", "--hub", hub.url)
+    code, _, err = await program.end()
+    assert code == 1
+    assert fault in err

@@ -24,6 +24,11 @@ _MODULES = {
     **{(name, name): ("fibws.cli", name) for name in COMMANDS},
     ("tf", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
     ("tf2_ros", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
+    ("tf", "tf_echo"): ("fibws.tf.tf_echo",),
+    ("tf", "tf_monitor"): ("fibws.tf.tf_monitor",),
+    ("tf", "view_frames"): ("fibws.tf.view_frames",),
+    ("tf2_tools", "echo"): ("fibws.tf.tf_echo",),
+    ("tf2_tools", "view_frames"): ("fibws.tf.view_frames",),
     ("tf2_web_republisher", "tf2_web_republisher"): ("fibws.tf.tf2_web_republisher",),
     ("rospy_tutorials", "add_two_ints_server"): ("fibws.examples.add_two_ints_server",),
     ("rospy_tutorials", "add_two_ints_client"): ("fibws.examples.add_two_ints_client",),
@@ -34,6 +39,7 @@ _SCRIPTS = {
     ("rospy_tutorials", "talker"): _EXAMPLES / "rospy_talker.py",
     ("rospy_tutorials", "listener"): _EXAMPLES / "rospy_listener.py",
     ("dynamic_reconfigure", "dynparam"): _PYTHON / "dynamic_reconfigure" / "dynparam.py",
+    ("tf2_ros", "buffer_server"): _PYTHON / "tf2_ros" / "buffer_server.py",
 }
 
 _NODE_TESTS = _PYTHON / "rostest" / "node_tests.py"

@@ -242,7 +242,9 @@ class BufferCore:
         """Return the latest time at which the transform between two frames is known.
 
         Raises:
-            TransformException: as `lookup_transform_core`.
+            LookupException: a frame does not exist.
+            TransformException: the frames are in different trees, or the tree has a loop.
+            InvalidArgumentException: a frame's name is empty or begins with ``/``.
         """
         for frame in (source_frame, dest_frame):
             _check_frame("get_latest_common_time", frame)
@@ -250,8 +252,11 @@ class BufferCore:
                 if not self._buffer.exists(frame):
                     text = f'"{frame}" passed to get_latest_common_time does not exist. '
                     raise LookupException(text)
-        with _translated(), self._lock:
-            stamp = self._buffer.latest_common_time(dest_frame, source_frame)
+        try:
+            with self._lock:
+                stamp = self._buffer.latest_common_time(source_frame, dest_frame)
+        except TransformError as error:
+            raise TransformException(str(error)) from None
         return rospy.Time(*divmod(stamp, SECOND))
 
     def all_frames_as_string(self) -> str:

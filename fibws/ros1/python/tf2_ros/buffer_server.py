@@ -146,7 +146,8 @@ def main() -> None:
         rospy.Duration(seconds), rospy.get_param("~publish_frame_service", False)
     )
     tf2_ros.TransformListener(buffer)
-    BufferServer(buffer, rospy.get_name())
+    own = rospy.get_param("~use_node_namespace", False)
+    BufferServer(buffer, rospy.get_name() if own else "tf2_buffer_server")
     rospy.spin()
 
 
