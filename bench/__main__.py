@@ -35,6 +35,7 @@ from bench.soak_hubs import soak_hubs
 from bench.startup import startup
 from bench.stuck import stuck
 from bench.subscriptions import subscriptions
+from bench.tf import tf
 from bench.tls import tls
 
 SCENARIOS = {
@@ -53,6 +54,7 @@ SCENARIOS = {
     "subscriptions": subscriptions,
     "growth": growth,
     "rospy": rospy,
+    "tf": tf,
     "ros1": ros1,
     "robots": robots.robots,
     "nodes": nodes,

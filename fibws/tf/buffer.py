@@ -90,7 +90,10 @@ class Buffer:
         Raises:
             InvalidTransform: the frame or the sample is invalid; the text says why.
         """
-        frame, sample = checked(frame, sample)
+        if frame not in self._known or sample.parent not in self._known:
+            frame, sample = _with_valid_names(frame, sample)
+        if not _is_unit(sample.transform) or frame == sample.parent:
+            frame, sample = checked(frame, sample)
         known = self._frames.get(frame)
         before = 0 if known is None else len(known)
         if self._strict and known is not None:
@@ -344,13 +347,26 @@ def frame_id(name: str) -> str:
     return name
 
 
+def _with_valid_names(frame: str, sample: Sample) -> tuple[str, Sample]:
+    frame, parent = frame_id(frame), frame_id(sample.parent)
+    return frame, sample if parent == sample.parent else sample._replace(parent=parent)
+
+
+def _is_unit(transform: Transform) -> bool:
+    """Return whether all numbers are finite, and the rotation needs not be normalized."""
+    (x, y, z), (qx, qy, qz, qw) = transform
+    length = qx * qx + qy * qy + qz * qz + qw * qw
+    return abs(length - 1) < 1e-12 and isfinite(x + y + z)
+
+
 def checked(frame: str, sample: Sample) -> tuple[str, Sample]:
     """Return a valid frame id and a sample with a normalized rotation.
 
     Raises:
         InvalidTransform: the frame or the sample is invalid; the text says why.
     """
-    frame, parent = frame_id(frame), frame_id(sample.parent)
+    frame, sample = _with_valid_names(frame, sample)
+    parent = sample.parent
     if frame == parent:
         raise InvalidTransform(f"the frame {frame!r} cannot be its own parent")
     translation, rotation = sample.transform

@@ -218,10 +218,9 @@ def test_published_values() -> None:
 def test_angles_and_matrices_agree(axes: str) -> None:
     about = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
     for _ in range(3):
-        angles = [random.uniform(-math.pi, math.pi) for _ in range(3)]
-        turns = [
-            t.rotation_matrix(a, about[each]) for a, each in zip(angles, axes[1:], strict=True)
-        ]
+        a, b, c = (random.uniform(-math.pi, math.pi) for _ in range(3))
+        pairs = zip((a, b, c), axes[1:], strict=True)
+        turns = [t.rotation_matrix(angle, about[letter]) for angle, letter in pairs]
         if axes[0] == "s":
             turns.reverse()
         matrix = t.euler_matrix(a, b, c, axes)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from math import isnan
 from typing import Any
@@ -305,6 +305,21 @@ class BufferCore:
         except TransformError as error:
             return (0, str(error))
         return (1, "")
+
+    def _insert_all(
+        self, samples: Iterable[tuple[str, Sample]], authority: str, *, static: bool
+    ) -> None:
+        """Add transforms that are not messages; see `set_transform`."""
+        refused = []
+        insert = self._buffer.insert
+        with self._lock:
+            for frame, sample in samples:
+                try:
+                    insert(frame, sample, static=static, authority=authority)
+                except InvalidTransform as error:
+                    refused.append((frame, sample, error))
+        for frame, sample, error in refused:
+            self._report(frame, sample, authority, error)
 
     def _insert(self, message: Any, authority: str, *, static: bool) -> None:
         header = message.header

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -10,6 +10,7 @@ import rospy
 from rospy import core
 from tf2_py import BufferCore
 
+from fibws.tf.history import Sample
 from tf2_ros.buffer_interface import BufferInterface
 
 DEFAULT_CAN_TRANSFORM_POLLING_SCALE = 0.01
@@ -45,6 +46,13 @@ class Buffer(BufferCore, BufferInterface):
     def set_transform_static(self, transform: Any, authority: str) -> None:
         """Add a static transform; see `BufferCore.set_transform_static`."""
         super().set_transform_static(transform, authority)
+        self._wake()
+
+    def set_all(
+        self, samples: Iterable[tuple[str, Sample]], authority: str, *, static: bool
+    ) -> None:
+        """Add transforms as `fibws.tf` has them, in a fifth of the time."""
+        self._insert_all(samples, authority, static=static)
         self._wake()
 
     def lookup_transform(

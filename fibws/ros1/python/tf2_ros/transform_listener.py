@@ -3,13 +3,62 @@
 from __future__ import annotations
 
 import threading
+from functools import cache
 from typing import Any
 
 import rospy
 from genpy.classes import message_class
+from genpy.message import Message
 from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
 
+from fibws.interfaces import Interfaces
+from fibws.interfaces.message import ObjectStyle
+from fibws.interfaces.serialization import ClassCodec
+from fibws.tf.history import Sample
+from fibws.tf.messages import read_serialized
+from tf2_ros.buffer import Buffer
+
 TFMessage = message_class("tf2_msgs/TFMessage")
+
+
+class _Received(Message):
+    """A TFMessage whose transforms are decoded to messages only if they are used.
+
+    Attributes:
+        samples: its frames and samples; None if it did not arrive as ROS 1's bytes.
+    """
+
+    samples: list[tuple[str, Sample]] | None = None
+    _data: Any = None
+    _decoded: list[Any] | None = None
+
+    @property
+    def transforms(self) -> list[Any]:
+        """The TransformStamped of all frames."""
+        if self._decoded is None:
+            self._decoded = TFMessage().deserialize(bytes(self._data)).transforms
+        return self._decoded
+
+    @transforms.setter
+    def transforms(self, value: list[Any]) -> None:
+        self.samples, self._decoded = None, value
+
+    @classmethod
+    def _make_codec(cls, interfaces: Interfaces, style: ObjectStyle) -> ClassCodec[Any]:
+        return _SamplesCodec(cls, interfaces, style)
+
+
+class _SamplesCodec(ClassCodec[Any]):
+    def deserialize(self, data: Any) -> Any:
+        message = self.message_class.__new__(self.message_class)
+        message.samples = read_serialized(data)
+        message._data = data
+        return message
+
+
+_ReceivedTFMessage: type[Message] = type(
+    "TFMessage", (_Received, TFMessage), {"__module__": TFMessage.__module__}
+)
 
 
 class TransformListener:
@@ -35,7 +84,7 @@ class TransformListener:
         self.tf_sub, self.tf_static_sub = (
             rospy.Subscriber(
                 topic,
-                TFMessage,
+                _ReceivedTFMessage,
                 callback,
                 queue_size=queue_size,
                 buff_size=buff_size,
@@ -65,14 +114,29 @@ class TransformListener:
 
     def callback(self, data: Any) -> None:
         """Add the transforms of a message on /tf."""
-        self._add(data, self.buffer.set_transform)
+        self._add(data, static=False)
 
     def static_callback(self, data: Any) -> None:
         """Add the transforms of a message on /tf_static."""
-        self._add(data, self.buffer.set_transform_static)
+        self._add(data, static=True)
 
-    def _add(self, data: Any, set_transform: Any) -> None:
+    def _add(self, data: Any, *, static: bool) -> None:
         self.check_for_reset()
         authority = data._connection_header.get("callerid", "default_authority")
+        buffer = self.buffer
+        samples = getattr(data, "samples", None)
+        if samples is not None and _takes_samples(type(buffer)):
+            buffer.set_all(samples, authority, static=static)
+            return
+        set_transform = buffer.set_transform_static if static else buffer.set_transform
         for transform in data.transforms:
             set_transform(transform, authority)
+
+
+@cache
+def _takes_samples(kind: type) -> bool:
+    """Return whether a class is a `Buffer` that treats transforms as that does."""
+    return issubclass(kind, Buffer) and all(
+        getattr(kind, name) is getattr(Buffer, name)
+        for name in ("set_transform", "set_transform_static")
+    )
