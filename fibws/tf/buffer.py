@@ -5,9 +5,10 @@ Pure: no clock, no sockets.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import isfinite
-from typing import NamedTuple
+from operator import attrgetter
+from typing import Any, NamedTuple, TypeVar
 
 from fibws.tf.errors import (
     FrameLoop,
@@ -17,7 +18,18 @@ from fibws.tf.errors import (
     UnknownFrame,
 )
 from fibws.tf.history import CACHE_TIME, LATEST, History, Sample, Static
-from fibws.tf.transform import Transform, along, normalized, with_sign_of_matrix
+from fibws.tf.transform import (
+    Link,
+    Transform,
+    along,
+    link_of,
+    normalized,
+    transform_of,
+    with_sign_of_matrix,
+)
+
+L = TypeVar("L", bound=tuple[Any, ...])
+_LATEST_LINK: Callable[[History | Static], tuple[str, int]] = attrgetter("latest_link")
 
 MAX_FRAMES = 1000
 """Maximum number of frames with a parent; more remove the one that was silent the longest."""
@@ -90,27 +102,39 @@ class Buffer:
         Raises:
             InvalidTransform: the frame or the sample is invalid; the text says why.
         """
-        if frame not in self._known or sample.parent not in self._known:
-            frame, sample = _with_valid_names(frame, sample)
-        if not _is_unit(sample.transform) or frame == sample.parent:
-            frame, sample = checked(frame, sample)
+        self.insert_link(
+            frame,
+            sample.stamp,
+            link_of(sample.parent, sample.transform),
+            static=static,
+            authority=authority,
+        )
+
+    def insert_link(
+        self, frame: str, stamp: int, link: Link, *, static: bool = False, authority: str = ""
+    ) -> None:
+        """Add a sample as a flat tuple; see `insert`."""
+        names = self._known
+        if frame not in names or link[0] not in names or frame == link[0] or not _is_unit(link):
+            frame, sample = checked(frame, Sample(stamp, link[0], transform_of(link)))
+            link = link_of(sample.parent, sample.transform)
         known = self._frames.get(frame)
         before = 0 if known is None else len(known)
         if self._strict and known is not None:
             static = isinstance(known, Static)
         place: History | Static
         if static:
-            place = Static(sample)
+            place = Static(link)
         else:
             if not isinstance(known, History):
                 known = History(self._cache_time, strict=self._strict)
-            known.insert(sample)
+            known.insert(stamp, link)
             place = known
         self._frames.pop(frame, None)
         self._samples -= before
         self._authorities[frame] = authority
         self._keep(frame, place)
-        self._remember(frame, sample.parent)
+        self._remember(frame, link[0])
 
     def clear(self) -> None:
         """Remove all samples of moving frames; the static ones stay, as in tf2."""
@@ -138,9 +162,9 @@ class Buffer:
         """
         target, source = frame_id(target), frame_id(source)
         stamp, rising, falling = self._timed_path(target, source, stamp)
-        transform = along([link.transform for link in rising])
+        transform = along(rising)
         if falling:
-            transform = along([link.transform for link in falling]).inverse() @ transform
+            transform = along(falling).inverse() @ transform
         return Sample(stamp, target, transform)
 
     def lookup_full(
@@ -183,7 +207,7 @@ class Buffer:
         target, source = frame_id(target), frame_id(source)
         if target == source:
             place = self._frames.get(source)
-            return place.latest.stamp if place is not None else LATEST
+            return place.latest_link[1] if place is not None else LATEST
         self._require(target, "target_frame")
         self._require(source, "source_frame")
         return self._common_time(target, source)
@@ -214,10 +238,10 @@ class Buffer:
         return [
             FrameInfo(
                 frame,
-                place.latest.parent,
+                place.latest_link[0],
                 self._authorities.get(frame, ""),
                 len(place),
-                place.latest.stamp,
+                place.latest_link[1],
                 place.oldest_stamp,
             )
             for frame, place in found
@@ -246,7 +270,7 @@ class Buffer:
         if parent not in known:
             known[parent] = None
             if len(known) > 4 * MAX_FRAMES:
-                parents = {place.latest.parent for place in self._frames.values()}
+                parents = {place.latest_link[0] for place in self._frames.values()}
                 self._known = {each: None for each in known if each in {*self._frames, *parents}}
 
     def _remove_one(self) -> None:
@@ -256,7 +280,7 @@ class Buffer:
             next(iter(self._frames)),
         )
         self._remove(oldest)
-        if all(place.latest.parent != oldest for place in self._frames.values()):
+        if all(place.latest_link[0] != oldest for place in self._frames.values()):
             del self._known[oldest]
 
     def _remove(self, frame: str) -> None:
@@ -269,7 +293,7 @@ class Buffer:
 
     def _timed_path(
         self, target: str, source: str, stamp: int
-    ) -> tuple[int, list[Sample], list[Sample]]:
+    ) -> tuple[int, list[Link], list[Link]]:
         """Return the time of a path, and its links up to the nearest common ancestor."""
         if target == source:
             return stamp or self.latest_common_time(target, source), [], []
@@ -278,46 +302,53 @@ class Buffer:
         if stamp == LATEST:
             stamp = self._common_time(target, source)
         try:
-            return stamp, *self._path(target, source, stamp)
+            return stamp, *self._path(target, source, lambda place: place.at(stamp))
         except TransformOutOfTime as error:
             raise TransformOutOfTime(
                 f"{error}, when looking up transform from frame [{source}] to frame [{target}]"
             ) from None
 
     def _common_time(self, target: str, source: str) -> int:
-        rising, falling = self._path(target, source, LATEST)
-        return min((link.stamp for link in rising + falling if link.stamp), default=LATEST)
+        rising, falling = self._path(target, source, _LATEST_LINK)
+        return min((stamp for _, stamp in rising + falling if stamp), default=LATEST)
 
-    def _path(self, target: str, source: str, stamp: int) -> tuple[list[Sample], list[Sample]]:
-        """Return the links from source and target up to their nearest common ancestor."""
-        rising: list[Sample] = []
-        falling: list[Sample] = []
+    def _path(
+        self, target: str, source: str, link_of_place: Callable[[History | Static], L]
+    ) -> tuple[list[L], list[L]]:
+        """Return the links from source and target up to their nearest common ancestor.
+
+        Args:
+            link_of_place: returns a tuple that begins with a frame's parent.
+        """
+        rising: list[L] = []
+        falling: list[L] = []
         height = {source: 0}
         gap: TransformOutOfTime | None = None
         try:
-            for link in self._links(source, stamp):
+            for link in self._links(source, link_of_place):
                 rising.append(link)
-                height[link.parent] = len(rising)
-                if link.parent == target:
+                parent = link[0]
+                height[parent] = len(rising)
+                if parent == target:
                     return rising, []
         except TransformOutOfTime as error:
             gap = error  # The common ancestor may be below the gap.
-        for link in self._links(target, stamp):
+        for link in self._links(target, link_of_place):
             falling.append(link)
-            if link.parent in height:
-                return rising[: height[link.parent]], falling
+            if link[0] in height:
+                return rising[: height[link[0]]], falling
         if gap is not None:
             raise gap
         raise UnconnectedFrames(target, source)
 
-    def _links(self, frame: str, stamp: int) -> Iterator[Sample]:
+    def _links(self, frame: str, link_of_place: Callable[[History | Static], L]) -> Iterator[L]:
         """Yield the links from a frame to its parent, and so on up to the root."""
         start, frames = frame, self._frames
         for _ in range(len(frames)):
             if (place := frames.get(frame)) is None:
                 return
-            yield (link := place.at(stamp))
-            frame = link.parent
+            yield (link := link_of_place(place))
+            frame = link[0]
         if frame in frames:
             raise FrameLoop(start, self.listing())
 
@@ -326,8 +357,8 @@ class Buffer:
         _, rising, falling = self._timed_path(target, source, stamp)
         if not rising and not falling:
             return []
-        up = [source, *(link.parent for link in rising)]
-        down = [target, *(link.parent for link in falling)]
+        up = [source, *(link[0] for link in rising)]
+        down = [target, *(link[0] for link in falling)]
         return up + down[-2::-1]
 
 
@@ -347,16 +378,10 @@ def frame_id(name: str) -> str:
     return name
 
 
-def _with_valid_names(frame: str, sample: Sample) -> tuple[str, Sample]:
-    frame, parent = frame_id(frame), frame_id(sample.parent)
-    return frame, sample if parent == sample.parent else sample._replace(parent=parent)
-
-
-def _is_unit(transform: Transform) -> bool:
+def _is_unit(link: Link) -> bool:
     """Return whether all numbers are finite, and the rotation needs not be normalized."""
-    (x, y, z), (qx, qy, qz, qw) = transform
-    length = qx * qx + qy * qy + qz * qz + qw * qw
-    return abs(length - 1) < 1e-12 and isfinite(x + y + z)
+    _, x, y, z, qx, qy, qz, qw = link
+    return abs(qx * qx + qy * qy + qz * qz + qw * qw - 1) < 1e-12 and isfinite(x + y + z)
 
 
 def checked(frame: str, sample: Sample) -> tuple[str, Sample]:
@@ -365,8 +390,7 @@ def checked(frame: str, sample: Sample) -> tuple[str, Sample]:
     Raises:
         InvalidTransform: the frame or the sample is invalid; the text says why.
     """
-    frame, sample = _with_valid_names(frame, sample)
-    parent = sample.parent
+    frame, parent = frame_id(frame), frame_id(sample.parent)
     if frame == parent:
         raise InvalidTransform(f"the frame {frame!r} cannot be its own parent")
     translation, rotation = sample.transform

@@ -9,7 +9,7 @@ from bisect import bisect_left
 from typing import NamedTuple
 
 from fibws.tf.errors import OldData, RepeatedData, TransformOutOfTime
-from fibws.tf.transform import Transform
+from fibws.tf.transform import Link, Transform, slerp, transform_of
 
 CACHE_TIME = 10_000_000_000
 """Nanoseconds that a history reaches back from its latest sample by default, as in tf2."""
@@ -36,23 +36,28 @@ class History:
     def __init__(self, cache_time: int = CACHE_TIME, *, strict: bool = False) -> None:
         self._cache_time = cache_time
         self._strict = strict
-        self._samples: list[Sample] = []  # Oldest first.
-        self._stamps: list[int] = []
+        self._stamps: list[int] = []  # Oldest first.
+        self._links: list[Link] = []
 
     def __len__(self) -> int:
-        return len(self._samples)
+        return len(self._stamps)
 
     @property
     def latest(self) -> Sample:
         """The newest sample; there is always one after the first `insert`."""
-        return self._samples[-1]
+        return _sample(self._stamps[-1], self._links[-1])
+
+    @property
+    def latest_link(self) -> tuple[str, int]:
+        """The parent and the stamp of the newest sample."""
+        return self._links[-1][0], self._stamps[-1]
 
     @property
     def oldest_stamp(self) -> int:
         """The stamp of the oldest sample."""
         return self._stamps[0]
 
-    def insert(self, sample: Sample) -> None:
+    def insert(self, stamp: int, link: Link) -> None:
         """Add a sample; it replaces one of the same time.
 
         tf2 ignores it since Noetic (TF_REPEATED_DATA), which would freeze every broadcaster that
@@ -63,57 +68,66 @@ class History:
             RepeatedData: the history is strict, and has a sample of this time.
             OldData: the history is strict, and the sample is too old for it.
         """
-        stamps, samples, stamp = self._stamps, self._samples, sample.stamp
+        stamps, links = self._stamps, self._links
         if not stamps or stamp > stamps[-1]:
             stamps.append(stamp)
-            samples.append(sample)
+            links.append(link)
         elif stamp < stamps[-1] - self._cache_time:
             if self._strict:
                 raise OldData(
                     "TF_OLD_DATA ignoring data from the past (Possible reasons are listed at "
                     "http://wiki.ros.org/tf/Errors%20explained)"
                 )
-            stamps[:], samples[:] = [stamp], [sample]
+            stamps[:], links[:] = [stamp], [link]
         else:
             place = bisect_left(stamps, stamp)
             if stamps[place] == stamp:
                 if self._strict:
                     raise RepeatedData("TF_REPEATED_DATA ignoring data with redundant timestamp")
-                samples[place] = sample
+                links[place] = link
             else:
                 stamps.insert(place, stamp)
-                samples.insert(place, sample)
+                links.insert(place, link)
         if stamps[0] < (oldest := stamps[-1] - self._cache_time):
             count = bisect_left(stamps, oldest)
-            del stamps[:count], samples[:count]
+            del stamps[:count], links[:count]
 
     def shorten(self) -> None:
         """Remove the oldest sample."""
-        del self._samples[0], self._stamps[0]
+        del self._links[0], self._stamps[0]
 
-    def at(self, stamp: int) -> Sample:
-        """Return the sample at a time, interpolated between two samples.
+    def at(self, stamp: int) -> Link:
+        """Return the parent and the transform at a time, interpolated between two samples.
 
-        Between samples with different parents, it is the older one.
+        Between samples with different parents, they are those of the older one.
 
         Raises:
             TransformOutOfTime: the time is outside the history.
         """
         stamps = self._stamps
         if stamp == LATEST or stamp == stamps[-1]:
-            return self._samples[-1]
+            return self._links[-1]
         place = bisect_left(stamps, stamp)
         if place == len(stamps) or (place == 0 and stamps[0] != stamp):
             raise self._out_of_time(stamp)
-        after = self._samples[place]
-        if after.stamp == stamp:
-            return after
-        before = self._samples[place - 1]
-        if before.parent != after.parent:
-            return before
-        ratio = (stamp - before.stamp) / (after.stamp - before.stamp)
-        between = before.transform.interpolated(after.transform, ratio)
-        return Sample(stamp, before.parent, between)
+        after, link = stamps[place], self._links[place]
+        if after == stamp:
+            return link
+        before, older = stamps[place - 1], self._links[place - 1]
+        parent, x, y, z, qx, qy, qz, qw = older
+        if parent != link[0]:
+            return older
+        ratio = (stamp - before) / (after - before)
+        rest = 1 - ratio
+        _, to_x, to_y, to_z, *to_rotation = link
+        rotation = slerp((qx, qy, qz, qw), tuple(to_rotation), ratio)  # type: ignore[arg-type]
+        return (
+            parent,
+            x * rest + to_x * ratio,
+            y * rest + to_y * ratio,
+            z * rest + to_z * ratio,
+            *rotation,
+        )
 
     def _out_of_time(self, stamp: int) -> TransformOutOfTime:
         oldest, latest = self._stamps[0], self._stamps[-1]
@@ -137,8 +151,8 @@ class History:
 class Static:
     """The sample of a static frame, which is valid at all times."""
 
-    def __init__(self, sample: Sample) -> None:
-        self._sample = sample._replace(stamp=LATEST)
+    def __init__(self, link: Link) -> None:
+        self._link = link
 
     def __len__(self) -> int:
         return 1
@@ -146,16 +160,25 @@ class Static:
     @property
     def latest(self) -> Sample:
         """The sample; its stamp is 0, so that it does not limit the latest common time."""
-        return self._sample
+        return _sample(LATEST, self._link)
+
+    @property
+    def latest_link(self) -> tuple[str, int]:
+        """The parent, and 0 as its stamp."""
+        return self._link[0], LATEST
 
     @property
     def oldest_stamp(self) -> int:
         """The stamp of the sample, which is 0."""
         return LATEST
 
-    def at(self, stamp: int) -> Sample:
-        """Return the sample."""
-        return self._sample
+    def at(self, stamp: int) -> Link:
+        """Return the parent and the transform."""
+        return self._link
+
+
+def _sample(stamp: int, link: Link) -> Sample:
+    return Sample(stamp, link[0], transform_of(link))
 
 
 def seconds(nanoseconds: int) -> str:

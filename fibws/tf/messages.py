@@ -12,7 +12,7 @@ from fibws.msg.geometry_msgs import Transform as TransformMessage
 from fibws.msg.std_msgs import Header
 from fibws.tf.buffer import MAX_FRAME_ID
 from fibws.tf.history import Sample
-from fibws.tf.transform import Transform
+from fibws.tf.transform import Link, Transform
 
 _COUNT, _HEADER, _NUMBERS = Struct("<I"), Struct("<IIII"), Struct("<7d")
 """The length of an array or a text; seq, stamp and the length of frame_id; the transform."""
@@ -33,8 +33,8 @@ def read(message: TransformStamped) -> tuple[str, Sample]:
     return message.child_frame_id, Sample(stamp, message.header.frame_id, transform)
 
 
-def read_serialized(data: bytes | bytearray | memoryview) -> list[tuple[str, Sample]]:
-    """Return the frames and samples of a TFMessage in ROS 1's bytes; nothing is checked but these.
+def read_serialized(data: bytes | bytearray | memoryview) -> list[tuple[str, int, Link]]:
+    """Return the frames, stamps and transforms of a TFMessage in ROS 1's bytes.
 
     It takes a fifth of the time that decoding messages takes.
 
@@ -44,7 +44,7 @@ def read_serialized(data: bytes | bytearray | memoryview) -> list[tuple[str, Sam
     data = bytes(data)
     found = []
     unpack_header, unpack_count = _HEADER.unpack_from, _COUNT.unpack_from
-    unpack_numbers, make = _NUMBERS.unpack_from, tuple.__new__  # Faster than the classes' own.
+    unpack_numbers = _NUMBERS.unpack_from
     try:
         (count,) = unpack_count(data)
         place = 4
@@ -54,10 +54,9 @@ def read_serialized(data: bytes | bytearray | memoryview) -> list[tuple[str, Sam
             (size,) = unpack_count(data, middle)
             end = middle + 4 + size
             x, y, z, qx, qy, qz, qw = unpack_numbers(data, end)
-            transform = make(Transform, ((x, y, z), (qx, qy, qz, qw)))
-            parent = _name(data[place + 16 : middle])
-            sample = make(Sample, (secs * 1_000_000_000 + nsecs, parent, transform))
-            found.append((_name(data[middle + 4 : end]), sample))
+            link = (_name(data[place + 16 : middle]), x, y, z, qx, qy, qz, qw)
+            stamp = secs * 1_000_000_000 + nsecs
+            found.append((_name(data[middle + 4 : end]), stamp, link))
             place = end + 56
     except StructError as error:
         raise InvalidMessage(f"invalid bytes for tf2_msgs/TFMessage: {error}") from None

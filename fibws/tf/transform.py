@@ -12,6 +12,10 @@ from typing import NamedTuple, TypeAlias
 
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
+Link: TypeAlias = tuple[str, float, float, float, float, float, float, float]
+"""A frame's parent, and its transform there: x, y and z, and those of the quaternion with w.
+
+Python's garbage collector does not visit such a tuple, of which histories have many thousands."""
 
 NO_TRANSLATION: Vector = (0.0, 0.0, 0.0)
 NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
@@ -134,6 +138,17 @@ def slerp(first: Quaternion, second: Quaternion, ratio: float) -> Quaternion:
     )
 
 
+def link_of(parent: str, transform: Transform) -> Link:
+    """Return a transform in a parent as a flat tuple."""
+    return (parent, *transform.translation, *transform.rotation)
+
+
+def transform_of(link: Link) -> Transform:
+    """Return the transform of a flat tuple."""
+    _, x, y, z, qx, qy, qz, qw = link
+    return Transform((x, y, z), (qx, qy, qz, qw))
+
+
 def with_sign_of_matrix(rotation: Quaternion) -> Quaternion:
     """Return the one of a quaternion and its negative that conversions of its matrix give.
 
@@ -144,14 +159,14 @@ def with_sign_of_matrix(rotation: Quaternion) -> Quaternion:
     return (-x, -y, -z, -w) if leading < 0 else rotation
 
 
-def along(links: Iterable[Transform]) -> Transform:
+def along(links: Iterable[Link]) -> Transform:
     """Return the product of transforms: from the first one's frame to the last one's parent.
 
     It is the same as ``last @ ... @ second @ first``, in half the time.
     """
     x = y = z = qx = qy = qz = 0.0
     qw = 1.0
-    for (dx, dy, dz), (bx, by, bz, bw) in links:
+    for _, dx, dy, dz, bx, by, bz, bw in links:
         cx, cy, cz = 2 * (by * z - bz * y), 2 * (bz * x - bx * z), 2 * (bx * y - by * x)
         x, y, z = (
             x + bw * cx + by * cz - bz * cy + dx,

@@ -16,6 +16,7 @@ from fibws.tf.transform import (
     Vector,
     along,
     angle,
+    link_of,
     normalized,
     of_yaw_pitch_roll,
     product,
@@ -158,7 +159,7 @@ def test_product_along_a_path(links: list[Transform]) -> None:
     expected = np.eye(4)
     for link in links:
         expected = homogeneous(link) @ expected
-    assert_same(along(links), expected, scale=1000)
+    assert_same(along(link_of("", link) for link in links), expected, scale=1000)
 
 
 @given(angles, st.floats(-1.5, 1.5), angles)

@@ -34,7 +34,7 @@ from fibws.tf.errors import (
     UnknownFrame,
 )
 from fibws.tf.history import CACHE_TIME, Sample
-from fibws.tf.transform import Transform
+from fibws.tf.transform import Link, Transform, transform_of
 
 __all__ = [
     "BufferCore",
@@ -307,19 +307,20 @@ class BufferCore:
         return (1, "")
 
     def _insert_all(
-        self, samples: Iterable[tuple[str, Sample]], authority: str, *, static: bool
+        self, samples: Iterable[tuple[str, int, Link]], authority: str, *, static: bool
     ) -> None:
         """Add transforms that are not messages; see `set_transform`."""
         refused = []
-        insert = self._buffer.insert
+        insert = self._buffer.insert_link
         with self._lock:
-            for frame, sample in samples:
+            for frame, stamp, link in samples:
                 try:
-                    insert(frame, sample, static=static, authority=authority)
+                    insert(frame, stamp, link, static=static, authority=authority)
                 except InvalidTransform as error:
+                    sample = Sample(stamp, link[0], transform_of(link))
                     refused.append((frame, sample, error))
-        for frame, sample, error in refused:
-            self._report(frame, sample, authority, error)
+        for frame, sample, fault in refused:
+            self._report(frame, sample, authority, fault)
 
     def _insert(self, message: Any, authority: str, *, static: bool) -> None:
         header = message.header

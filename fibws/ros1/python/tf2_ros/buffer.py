@@ -10,7 +10,7 @@ import rospy
 from rospy import core
 from tf2_py import BufferCore
 
-from fibws.tf.history import Sample
+from fibws.tf.transform import Link
 from tf2_ros.buffer_interface import BufferInterface
 
 DEFAULT_CAN_TRANSFORM_POLLING_SCALE = 0.01
@@ -49,7 +49,7 @@ class Buffer(BufferCore, BufferInterface):
         self._wake()
 
     def set_all(
-        self, samples: Iterable[tuple[str, Sample]], authority: str, *, static: bool
+        self, samples: Iterable[tuple[str, int, Link]], authority: str, *, static: bool
     ) -> None:
         """Add transforms as `fibws.tf` has them, in a fifth of the time."""
         self._insert_all(samples, authority, static=static)

@@ -14,8 +14,8 @@ from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
 from fibws.interfaces import Interfaces
 from fibws.interfaces.message import ObjectStyle
 from fibws.interfaces.serialization import ClassCodec
-from fibws.tf.history import Sample
 from fibws.tf.messages import read_serialized
+from fibws.tf.transform import Link
 from tf2_ros.buffer import Buffer
 
 TFMessage = message_class("tf2_msgs/TFMessage")
@@ -25,10 +25,10 @@ class _Received(Message):
     """A TFMessage whose transforms are decoded to messages only if they are used.
 
     Attributes:
-        samples: its frames and samples; None if it did not arrive as ROS 1's bytes.
+        samples: its frames, stamps and transforms; None if it did not arrive as ROS 1's bytes.
     """
 
-    samples: list[tuple[str, Sample]] | None = None
+    samples: list[tuple[str, int, Link]] | None = None
     _data: Any = None
     _decoded: list[Any] | None = None
 
@@ -50,7 +50,8 @@ class _Received(Message):
 
 class _SamplesCodec(ClassCodec[Any]):
     def deserialize(self, data: Any) -> Any:
-        message = self.message_class.__new__(self.message_class)
+        kind: Any = self.message_class
+        message = kind.__new__(kind)
         message.samples = read_serialized(data)
         message._data = data
         return message
@@ -125,7 +126,8 @@ class TransformListener:
         authority = data._connection_header.get("callerid", "default_authority")
         buffer = self.buffer
         samples = getattr(data, "samples", None)
-        if samples is not None and _takes_samples(type(buffer)):
+        kind: Any = type(buffer)
+        if samples is not None and _takes_samples(kind):
             buffer.set_all(samples, authority, static=static)
             return
         set_transform = buffer.set_transform_static if static else buffer.set_transform
@@ -134,7 +136,7 @@ class TransformListener:
 
 
 @cache
-def _takes_samples(kind: type) -> bool:
+def _takes_samples(kind: Any) -> bool:
     """Return whether a class is a `Buffer` that treats transforms as that does."""
     return issubclass(kind, Buffer) and all(
         getattr(kind, name) is getattr(Buffer, name)
