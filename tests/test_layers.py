@@ -171,7 +171,8 @@ PURE = modules(
     *(
         f"tf/{name}.py"
         for name in (
-            *("buffer", "errors", "history", "listing", "messages", "selection", "transform"),
+            *("buffer", "errors", "history", "listing", "messages", "selection"),
+            *("serialized", "transform"),
         )
     ),
 )

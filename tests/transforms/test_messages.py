@@ -10,9 +10,10 @@ from fibws.errors import InvalidMessage
 from fibws.interfaces.serialization import class_codec
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.tf2_msgs import TFMessage
-from fibws.tf import messages
+from fibws.tf import serialized
 from fibws.tf.history import Sample
-from fibws.tf.messages import read, read_serialized, write
+from fibws.tf.messages import read, write
+from fibws.tf.serialized import read_serialized
 from fibws.tf.transform import Transform, link_of
 
 from .oracle import transforms
@@ -71,8 +72,8 @@ def test_names_that_are_not_utf8_are_replaced() -> None:
 
 
 def test_number_of_kept_names_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(messages, "_MOST_NAMES", 3)
+    monkeypatch.setattr(serialized, "_MOST_NAMES", 3)
     for number in range(9):
         message = TFMessage([write(f"f{number}", Sample(5, "base", Transform()))])
         assert read_serialized(SERIALIZER.serialize(message))[0][0] == f"f{number}"
-        assert len(messages._names) <= 3
+        assert len(serialized._names) <= 3

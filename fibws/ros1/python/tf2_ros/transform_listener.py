@@ -14,7 +14,7 @@ from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
 from fibws.interfaces import Interfaces
 from fibws.interfaces.message import ObjectStyle
 from fibws.interfaces.serialization import ClassCodec
-from fibws.tf.messages import read_serialized
+from fibws.tf.serialized import read_serialized
 from fibws.tf.transform import Link
 from tf2_ros.buffer import Buffer
 
