@@ -15,7 +15,7 @@ NOT_NEEDED = set(
 
     class_loader collada_parser collada_urdf eigen_conversions filters image_transport kdl_parser
     laser_filters nodelet nodelet_core orocos_kdl pcl_conversions pcl_ros pluginlib realtime_tools
-    tf2_bullet tf2_eigen tf2_kdl urdf urdf_parser_plugin
+    tf2_bullet tf2_eigen tf2_kdl tf2_tools urdf urdf_parser_plugin
     """.split()
 )
 """Packages whose part fibws plays itself, or that only builds and C++ code use."""
@@ -24,8 +24,6 @@ _REPOSITORIES = {
     "ros/angles": "angles",
     "ros/diagnostics": "diagnostic_updater diagnostic_aggregator diagnostic_common_diagnostics",
     "ros/executive_smach": "smach smach_ros",
-    "ros/geometry": "tf_conversions",
-    "ros/geometry2": "tf2_geometry_msgs tf2_sensor_msgs tf2_tools",
     "ros/joint_state_publisher": "joint_state_publisher joint_state_publisher_gui",
     "ros/robot_state_publisher": "robot_state_publisher",
     "ros/ros_comm": "rosbag rosbag_storage roswtf",
