@@ -7,7 +7,8 @@ import asyncio
 import fibws
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf.buffer import MAX_FRAME_ID, MAX_FRAMES, Buffer
-from fibws.tf.errors import InvalidTransform
+from fibws.tf.errors import InvalidTransform, TransformError
+from fibws.tf.history import LATEST, Sample
 from fibws.tf.messages import read
 
 QUEUE_SIZE = 100
@@ -33,6 +34,40 @@ class TransformListener:
         self._buffer = buffer
         self._log = node.log
         self._invalid_frames: set[str] = set()
+        self._news = asyncio.Event()
+
+    async def wait(
+        self, target: str, source: str, stamp: int = LATEST, timeout: float | None = None
+    ) -> Sample:
+        """Wait for a transform, and return it as `Buffer.lookup` does.
+
+        Another task must `run` the listener.
+
+        Args:
+            target: the target frame.
+            source: the source frame.
+            stamp: the time in nanoseconds; 0 for the latest at which the transform is known.
+            timeout: the most seconds to wait; None for ever.
+
+        Raises:
+            InvalidTransform: a frame's id is invalid.
+            TransformError: the transform is still not known then; the text says why.
+        """
+        fault: TransformError | None = None
+        try:
+            async with asyncio.timeout(timeout):
+                while True:
+                    try:
+                        return self._buffer.lookup(target, source, stamp)
+                    except InvalidTransform:
+                        raise
+                    except TransformError as error:
+                        fault = error
+                    self._news.clear()
+                    await self._news.wait()
+        except TimeoutError:
+            assert fault is not None
+            raise fault from None
 
     async def run(self) -> None:
         """Fill the buffer until the node ends.
@@ -56,6 +91,8 @@ class TransformListener:
                     self._buffer.insert(frame, sample, static=static, authority=authority)
                 except InvalidTransform as error:
                     self._warn_once(frame, f"Ignored a transform on {messages.topic}: {error}")
+
+            self._news.set()
 
     def _warn_once(self, frame: str, text: str) -> None:
         name = frame[:MAX_FRAME_ID]

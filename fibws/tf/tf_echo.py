@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 from math import degrees, inf
 from typing import NamedTuple
 
@@ -19,7 +20,6 @@ from fibws.tf.transform import roll_pitch_yaw
 
 PATIENCE = 1.0
 """Seconds to wait for the first transform before a failure is printed, as in tf."""
-PAUSE = 0.01
 
 
 def text_of(sample: Sample, precision: int = 3) -> str:
@@ -80,9 +80,11 @@ async def echo(
         count: end after so many texts.
         precision: decimals of the numbers.
     """
-    listening = asyncio.create_task(TransformListener(node, buffer).run())
+    listener = TransformListener(node, buffer)
+    listening = asyncio.create_task(listener.run())
     try:
-        await _wait(buffer, target, source)
+        with suppress(TransformError):
+            await listener.wait(target, source, timeout=PATIENCE)
         while count > 0:
             try:
                 report(text_of(buffer.lookup(target, source, moment.stamp(node)), precision))
@@ -99,19 +101,6 @@ async def echo(
                 return listening.result()
     finally:
         listening.cancel()
-
-
-async def _wait(buffer: Buffer, target: str, source: str) -> None:
-    """Wait for the first transform."""
-    try:
-        async with asyncio.timeout(PATIENCE):
-            while True:
-                try:
-                    return buffer.check(target, source, LATEST)
-                except TransformError:
-                    await asyncio.sleep(PAUSE)
-    except TimeoutError:
-        pass
 
 
 @click.command(context_settings=node_program.SETTINGS)

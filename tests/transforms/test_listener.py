@@ -14,7 +14,7 @@ from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header, String
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf import Buffer, TransformListener
-from fibws.tf.errors import TransformError
+from fibws.tf.errors import InvalidTransform, UnknownFrame
 from fibws.tf.history import Sample
 
 from .conftest import PATIENCE, Publish
@@ -23,24 +23,20 @@ from .conftest import PATIENCE, Publish
 class Known:
     """A buffer that is being filled."""
 
-    def __init__(self) -> None:
+    def __init__(self, node: fibws.Node) -> None:
         self.buffer = Buffer()
+        self.listener = TransformListener(node, self.buffer)
 
     async def lookup(self, target: str, source: str) -> Sample:
         """The transform, once it is known."""
-        async with asyncio.timeout(PATIENCE):
-            while True:
-                try:
-                    return self.buffer.lookup(target, source)
-                except TransformError:
-                    await asyncio.sleep(0.01)
+        return await self.listener.wait(target, source, timeout=PATIENCE)
 
 
 @pytest.fixture
 async def known(hub: Hub) -> AsyncIterator[Known]:
-    known = Known()
     async with fibws.Node("robot", hub=hub.url) as node:
-        running = asyncio.create_task(TransformListener(node, known.buffer).run())
+        known = Known(node)
+        running = asyncio.create_task(known.listener.run())
         yield known
         running.cancel()
 
@@ -50,6 +46,23 @@ async def test_moving_and_static_frames_are_received(known: Known, publish: Publ
     await publish(("camera", "base", 100), static=True)
     assert (await known.lookup("map", "camera")).transform.translation == (101.0, 0.0, 0.0)
     assert (await known.lookup("camera", "wheel")).transform.translation == (-90.0, 0.0, 0.0)
+
+
+async def test_all_that_wait_get_their_transforms(known: Known, publish: Publish) -> None:
+    waiting = [asyncio.create_task(known.lookup("map", frame)) for frame in ("base", "arm", "hand")]
+    await publish(("base", "map", 1), ("hand", "arm", 3))
+    await publish(("arm", "base", 2), static=True)
+    found = [(await each).transform.translation[0] for each in waiting]
+    assert found == [1, 3, 6]
+
+
+async def test_waiting_ends_in_time(known: Known, publish: Publish) -> None:
+    await publish(("camera", "base", 1), static=True)
+    await known.lookup("base", "camera")
+    with pytest.raises(UnknownFrame, match="moon"):
+        await known.listener.wait("base", "moon", timeout=0.05)
+    with pytest.raises(InvalidTransform):
+        await known.listener.wait("base", "")
 
 
 async def test_invalid_transform_is_logged_once_per_frame(
