@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
+import time
 from collections.abc import Callable
 from functools import partial
 from importlib.util import find_spec
@@ -28,6 +29,8 @@ logger = logging.getLogger("fibws.hub")
 
 LARGE = 64 * 1024
 """Bytes of a message from which on its publisher has the thread for large messages."""
+UNREACHED, CHECK_AGAIN = 2.0, 0.02
+"""Seconds for which a call waits for the way to its server, and between two looks."""
 HEARTBEAT = 0.5
 """Seconds after a latched message in which subscribers notice that they have missed it."""
 
@@ -64,6 +67,28 @@ class Declared:
         found, self._found = self._found, None
         if found is not None:
             found.undeclare()
+
+
+class _Publisher:
+    """A publisher of zenoh's with its matching listener.
+
+    Args:
+        matched: called, in a thread, once there is a subscriber.
+    """
+
+    def __init__(self, publisher: Any, matched: Callable[[], object]) -> None:
+        self._publisher = publisher
+        self.put = publisher.put
+        self._listener = publisher.declare_matching_listener(
+            direct(lambda status: matched() if status.matching else None)
+        )
+        if publisher.matching_status.matching:
+            matched()
+
+    def undeclare(self) -> None:
+        """Undeclare both."""
+        self._listener.undeclare()
+        self._publisher.undeclare()
 
 
 class Network:
@@ -155,12 +180,16 @@ class Network:
         """Declare a token."""
         return Declared(self._sender, lambda: self._session.liveliness().declare_token(token))
 
-    def declare_publisher(self, key: str, history: int) -> Declared:
+    def declare_publisher(self, key: str, history: int, matched: Callable[[], object]) -> Declared:
         """Declare a publisher.
 
         Args:
             history: messages that late subscribers get; 0 for none.
+            matched: called, in the event loop, once messages reach a subscriber.
         """
+
+        def report() -> None:
+            self.inbox.put(matched)
 
         def declare() -> Any:
             import zenoh
@@ -170,9 +199,10 @@ class Network:
                 "allowed_destination": zenoh.Locality.REMOTE,
             }
             if not history:
-                return self._session.declare_publisher(key, **options)
+                return _Publisher(self._session.declare_publisher(key, **options), report)
             from zenoh import ext
 
+            report()  # Each subscriber gets the last message, however late it comes.
             return ext.declare_advanced_publisher(
                 self._session,
                 key,
@@ -329,19 +359,38 @@ class Network:
             query.reply(key, data, attachment=head)
         query.drop()
 
+    def declare_client(self, key: str, timeout: float) -> Declared:
+        """Declare a client of a service.
+
+        Args:
+            timeout: seconds until the network gives up a call.
+        """
+
+        def declare() -> Any:
+            import zenoh
+
+            return self._session.declare_querier(
+                key,
+                timeout=timeout,
+                target=zenoh.QueryTarget.ALL_COMPLETE,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                allowed_destination=zenoh.Locality.REMOTE,
+            )
+
+        return Declared(self._sender, declare)
+
     def call(
         self,
-        key: str,
+        client: Declared,
         make: Callable[[], tuple[bytes, bytes]],
-        timeout: float,
         read: Callable[[bytes], Any],
         responded: Callable[[Any, str], object],
     ) -> Callable[[], None]:
-        """Call a service.
+        """Call a service, once the network knows the way to it.
 
         Args:
             make: returns the request and its attachment; called in a thread.
-            timeout: seconds until the network gives up.
             read: as in `subscribe`.
             responded: called, in the event loop, with the response and an empty text, or with None
                 and an error's text; more than once if there are several servers, and at the end.
@@ -352,6 +401,7 @@ class Network:
         import zenoh
 
         token = zenoh.CancellationToken()
+        until = time.monotonic() + UNREACHED
 
         def replied(reply: zenoh.Reply) -> None:
             sample = reply.ok
@@ -366,21 +416,24 @@ class Network:
             self.inbox.put(responded, values, fault)
 
         def job() -> None:
+            querier = client.get()
+            if querier is None or token.is_cancelled:
+                self.inbox.put(responded, None, "it has left")
+                return
+            if not querier.matching_status.matching and time.monotonic() < until:
+                # The token of a server may arrive before the network knows the way to it.
+                again = partial(self._loop.call_later, CHECK_AGAIN, self._sender.call, job)
+                self._loop.call_soon_threadsafe(again)
+                return
             try:
                 data, attachment = make()
             except FibwsError as error:
                 self.inbox.put(responded, None, str(error))
                 return
-            self._session.get(
-                key,
+            querier.get(
                 direct(replied, lambda: self.inbox.put(responded, None, "it did not answer")),
                 payload=data,
                 attachment=attachment,
-                timeout=timeout,
-                target=zenoh.QueryTarget.ALL_COMPLETE,
-                consolidation=zenoh.ConsolidationMode.NONE,
-                congestion_control=zenoh.CongestionControl.BLOCK,
-                allowed_destination=zenoh.Locality.REMOTE,
                 cancellation_token=token,
             )
 

@@ -61,6 +61,9 @@ class Ros2Server:
         """The service clients that ROS 2 sees for callers, by node."""
         self._gid = os.urandom(GID_SIZE)
         self._sequence = 0
+        network = services.network
+        key = data_key(network.domain, self.name, "srv", *self.type)
+        self._client = network.declare_client(key, CALL_TIMEOUT)
 
     def handle(self, call: Call) -> None:
         """Pass a call to the node."""
@@ -90,9 +93,8 @@ class Ros2Server:
                 call.fail(f"Service {self.name} returned an invalid response: {found}")
 
         self._open[call] = network.call(
-            data_key(network.domain, self.name, "srv", *self.type),
+            self._client,
             lambda: (convert(request), attachment),
-            CALL_TIMEOUT,
             service.response.from_cdr,
             responded,
         )
@@ -116,6 +118,7 @@ class Ros2Server:
         for client in self._clients.values():
             client.close()
         self._clients.clear()
+        self._client.close()
 
     def forget(self, caller: str) -> None:
         """Show a caller that has left no more."""

@@ -113,16 +113,34 @@ class OwnPublisher:
 
     Args:
         lane: its number among all.
+        matched: called once messages of another type reach a subscriber.
 
     Attributes:
+        matching: the types of which messages reach a subscriber.
         declared: what sends its messages, by the name and the hash of the type in the key, and the
             type.
     """
 
-    __slots__ = ("_network", "declared", "lane", "message", "own", "sequence", "source")
+    __slots__ = (
+        "_matched",
+        "_network",
+        "declared",
+        "lane",
+        "matching",
+        "message",
+        "own",
+        "sequence",
+        "source",
+    )
 
     def __init__(
-        self, source: Source, message: Ros2Message, own: OwnEntity, network: Network, lane: int
+        self,
+        source: Source,
+        message: Ros2Message,
+        own: OwnEntity,
+        network: Network,
+        lane: int,
+        matched: Callable[[], object],
     ) -> None:
         self.source = source
         self.message = message
@@ -130,20 +148,30 @@ class OwnPublisher:
         self.lane = lane
         self.sequence = 0
         self.declared: dict[tuple[str, str], tuple[Declared, Ros2Message]] = {}
+        self.matching: set[tuple[str, str]] = set()
         self._network = network
+        self._matched = matched
 
     def settle(self, wanted: Mapping[tuple[str, str], Ros2Message]) -> None:
         """Publish for subscribers with these types, and for no others."""
         for gone in self.declared.keys() - wanted.keys():
             self.declared.pop(gone)[0].close()
+            self.matching.discard(gone)
         for new in wanted.keys() - self.declared.keys():
             network = self._network
             key = data_key(network.domain, self.own.entity.name, "msg", *new)
-            declared = network.declare_publisher(key, int(self.source.latch))
+            declared = network.declare_publisher(
+                key, int(self.source.latch), partial(self._reached, new)
+            )
             self.declared[new] = declared, wanted[new]
             latched = self.source.recall()
             if latched is not None:
                 self._send(latched, *self.declared[new])
+
+    def _reached(self, type_: tuple[str, str]) -> None:
+        if type_ in self.declared:
+            self.matching.add(type_)
+            self._matched()
 
     def send(self, publication: Publication) -> None:
         """Send a message; raises `OperationError` if it has no bytes."""
@@ -436,6 +464,7 @@ class Ros2Topics:
         graph, topic = self._graph, self._graph.topic(links.topic)
         links.subscribers[new.node] = new
         new.owner.subscribed[links.topic] = None
+        topic.watching_sinks.unlinked(new.node)
         try:
             graph.subscribe(topic, new, new.type[0], receiver=links.outlet, needs_definition=True)
             new.is_attached = True
@@ -444,6 +473,8 @@ class Ros2Topics:
             if new.is_attached:
                 new.is_attached = False
                 graph.unsubscribe(topic, new)
+            else:
+                topic.watching_sinks.left(new.node)
             self._conflict(links.topic, new.node, new.type[0], error, publishes=False)
         new.tried_with = graph.topic(links.topic).type
 
@@ -637,9 +668,15 @@ class Ros2Topics:
                     "MP", node, links.topic, message.name, message.type_hash, qos
                 )
                 lane = next(self._lanes)
-                publisher = OwnPublisher(source, message, own, self.network, lane)
+                matched = partial(self.changed, links.topic)
+                publisher = OwnPublisher(source, message, own, self.network, lane, matched)
                 links.own_publishers[node] = publisher
             publisher.settle(wanted)
+        if topic is not None:
+            reached = {each for own in links.own_publishers.values() for each in own.matching}
+            for subscriber in links.subscribers.values():
+                if subscriber.is_attached and subscriber.type in reached:
+                    topic.watching_sinks.linked(subscriber.node)
         self._settle_own_subscribers(links, topic, message)
 
     def _settle_own_subscribers(

@@ -12,6 +12,8 @@ import xxhash
 import zenoh
 from zenoh import ext
 
+import fibws
+
 STRING = "std_msgs::msg::dds_::String_"
 STRING_HASH = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
 ADD = "example_interfaces::srv::dds_::AddTwoInts_"
@@ -20,6 +22,14 @@ QOS = "::,10:,:,:,,"
 LATCHED_QOS = ":1:,1:,:,:,,"
 PATIENCE = 20.0
 """Seconds, after which a test has failed."""
+
+
+async def reaching(publisher: fibws.Publisher[Any, ...], *nodes: str) -> None:
+    """Wait until messages of a publisher, made with ``peers=True``, reach nodes."""
+    async with asyncio.timeout(PATIENCE):
+        async for names in publisher.peers.changes():
+            if set(nodes) <= set(names):
+                return
 
 
 def cdr_string(text: str) -> bytes:

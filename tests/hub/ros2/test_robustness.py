@@ -19,7 +19,7 @@ from fibws.msg.std_msgs import Float64MultiArray, String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
-from .peer import ADD, ADD_HASH, PATIENCE, STRING, STRING_HASH, Peer, cdr_string, text_of
+from .peer import ADD, ADD_HASH, PATIENCE, STRING, STRING_HASH, Peer, cdr_string, reaching, text_of
 from .test_services import adder, request
 from .test_topics import flowing, ros2_nodes, sources, subscribers, tokens_of, until_tokens
 
@@ -100,8 +100,8 @@ async def test_messages_that_are_too_large_are_left_out(start_hub: StartHub, end
 
 async def test_burst_arrives_in_order(hub: Hub, peer: Peer, node: fibws.Node) -> None:
     _, queue = await peer.subscriber("/listener", "/chatter")
-    publisher = await node.advertise("/chatter", String, queue_size=1000)
-    await until(lambda: subscribers(hub, "/chatter"), hub)
+    publisher = await node.advertise("/chatter", String, queue_size=1000, peers=True)
+    await reaching(publisher, "/listener")
     for number in range(500):
         await publisher.publish(data=str(number))
     async with asyncio.timeout(PATIENCE):
@@ -120,8 +120,8 @@ async def test_large_and_small_messages_of_one_publisher_stay_in_order(
     store: Any = get_typestore(Stores.ROS2_JAZZY)
     type_hash = store.hash_rihs01("std_msgs/msg/Float64MultiArray")
     _, queue = await peer.subscriber("/listener", "/numbers", type_, type_hash)
-    publisher = await node.advertise("/numbers", Float64MultiArray, queue_size=100)
-    await until(lambda: subscribers(hub, "/numbers"), hub)
+    publisher = await node.advertise("/numbers", Float64MultiArray, queue_size=100, peers=True)
+    await reaching(publisher, "/listener")
     sizes = [10, 20_000, 5, 30_000, 1, 0, 9000] * 3
     for size in sizes:
         await publisher.publish(Float64MultiArray(data=[1.5] * size))

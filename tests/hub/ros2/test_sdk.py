@@ -17,7 +17,7 @@ from fibws.msg.std_msgs import String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
-from .peer import PATIENCE
+from .peer import PATIENCE, reaching
 
 sdk: Any = pytest.importorskip("zenoh_ros2_sdk")
 
@@ -160,8 +160,8 @@ float64 w
         node_name="listener",
         type_hash=store.hash_rihs01("geometry_msgs/msg/Pose"),
     )
-    await until(lambda: "/listener" in hub.graph.topic("/pose").subscribers(), hub)
-    publisher = await node.advertise("/pose", Pose)
+    publisher = await node.advertise("/pose", Pose, peers=True)
+    await reaching(publisher, "/listener")
     await publisher.publish(Pose(position=Point(x=1.0, y=2.0, z=3.0)))
     async with asyncio.timeout(PATIENCE):
         found = await received.get()

@@ -18,7 +18,7 @@ from fibws.msg.std_msgs import Header, Int32, String
 
 from ..federation.conftest import until
 from .conftest import StartPeer
-from .peer import PATIENCE, STRING, STRING_HASH, Entity, Peer, cdr_string, text_of
+from .peer import PATIENCE, STRING, STRING_HASH, Entity, Peer, cdr_string, reaching, text_of
 
 
 def sources(hub: Hub, topic: str) -> set[str]:
@@ -92,9 +92,10 @@ async def test_node_without_tokens_leaves_and_other_nodes_of_the_session_stay(
 async def test_messages_pass_in_both_directions(hub: Hub, peer: Peer, node: fibws.Node) -> None:
     talker = await peer.publisher("/talker", "/chatter")
     _, queue = await peer.subscriber("/listener", "/replies")
-    replies = await node.advertise("/replies", String)
+    replies = await node.advertise("/replies", String, peers=True)
     async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
         await flowing(talker)
+        await reaching(replies, "/listener")
         for number in range(3):
             await talker.publish(cdr_string(f"hello {number}"))
             assert (await anext(messages)).data == f"hello {number}"
@@ -161,11 +162,11 @@ async def test_what_comes_from_ros_2_does_not_go_back(
     hub: Hub, peer: Peer, node: fibws.Node
 ) -> None:
     talker = await peer.publisher("/talker", "/chatter")
-    ours = await node.advertise("/chatter", String)
+    ours = await node.advertise("/chatter", String, peers=True)
     async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
         await flowing(talker)
         _, queue = await peer.subscriber("/listener", "/chatter")
-        await until(lambda: "/listener" in subscribers(hub, "/chatter"), hub)
+        await reaching(ours, "/listener")
         await talker.publish(cdr_string("theirs"))
         assert (await anext(messages)).data == "theirs"
         await ours.publish(data="ours")
@@ -193,12 +194,12 @@ async def test_hub_subscribes_at_ros_2_only_while_somebody_needs_the_messages(
 async def test_hub_publishes_at_ros_2_only_while_a_node_there_subscribes(
     hub: Hub, start_peer: StartPeer, node: fibws.Node
 ) -> None:
-    peer, other = await start_peer(), await start_peer()
-    _, everything = await other.subscriber("/spy", "/unrelated", key="0/chatter/**")
-    publisher = await node.advertise("/chatter", String)
+    peer = await start_peer()
+    _, everything = await peer.subscriber("/spy", "/unrelated", key="0/chatter/**")
+    publisher = await node.advertise("/chatter", String, peers=True)
     await publisher.publish(data="nobody gets this")
     listener, queue = await peer.subscriber("/listener", "/chatter")
-    await until(lambda: subscribers(hub, "/chatter"), hub)
+    await reaching(publisher, "/listener")
     await publisher.publish(data="this is sent")
     async with asyncio.timeout(PATIENCE):
         assert text_of((await queue.get()).data) == "this is sent"
@@ -207,7 +208,7 @@ async def test_hub_publishes_at_ros_2_only_while_a_node_there_subscribes(
     await until(lambda: not subscribers(hub, "/chatter"), hub)
     await publisher.publish(data="nobody gets this either")
     await peer.subscriber("/listener", "/chatter")
-    await until(lambda: subscribers(hub, "/chatter"), hub)
+    await reaching(publisher, "/listener")
     await publisher.publish(data="this again")
     async with asyncio.timeout(PATIENCE):
         assert text_of((await everything.get()).data) == "this again"
@@ -310,12 +311,12 @@ async def test_nodes_of_humble_have_no_hashes(hub: Hub, peer: Peer, node: fibws.
     none = "TypeHashNotSupported"
     talker = await peer.publisher("/talker", "/chatter", STRING, none)
     _, queue = await peer.subscriber("/listener", "/replies", STRING, none)
-    replies = await node.advertise("/replies", String)
+    replies = await node.advertise("/replies", String, peers=True)
     async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
         await flowing(talker)
         await talker.publish(cdr_string("hello"))
         assert (await anext(messages)).data == "hello"
-        await until(lambda: "/listener" in subscribers(hub, "/replies"), hub)
+        await reaching(replies, "/listener")
         await replies.publish(data="reply")
         async with asyncio.timeout(PATIENCE):
             assert text_of((await queue.get()).data) == "reply"
@@ -329,7 +330,7 @@ async def test_images_pass_unchanged(hub: Hub, peer: Peer, node: fibws.Node) -> 
     type_hash = store.hash_rihs01("sensor_msgs/msg/Image")
     camera = await peer.publisher("/camera", "/image", type_, type_hash)
     _, queue = await peer.subscriber("/viewer", "/copy", type_, type_hash)
-    copy = await node.advertise("/copy", Image)
+    copy = await node.advertise("/copy", Image, peers=True)
     image = Image(
         header=Header(frame_id="camera"),
         height=480,
@@ -340,7 +341,7 @@ async def test_images_pass_unchanged(hub: Hub, peer: Peer, node: fibws.Node) -> 
     )
     async with node.subscribe("/image", Image) as images:
         await flowing(camera)
-        await until(lambda: "/viewer" in subscribers(hub, "/copy"), hub)
+        await reaching(copy, "/viewer")
         await copy.publish(image)
         async with asyncio.timeout(PATIENCE):
             received = (await queue.get()).data
@@ -410,7 +411,7 @@ async def test_types_with_other_names_and_the_same_fields_pass(
     type_ = "tf2_msgs::msg::dds_::TFMessage_"
     type_hash = get_typestore(Stores.ROS2_JAZZY).hash_rihs01("tf2_msgs/msg/TFMessage")
     tokens, changed = await tokens_of(peer, hub)
-    publisher = await node.advertise("/tf", "tf/tfMessage")
+    publisher = await node.advertise("/tf", "tf/tfMessage", peers=True)
     await until_tokens(changed, lambda: any(f"%tf/{type_}" in token for token in tokens))
     talker = await peer.publisher("/talker", "/tf", type_, type_hash)
     empty = b"\x00\x01\x00\x00" + bytes(4)
@@ -420,7 +421,7 @@ async def test_types_with_other_names_and_the_same_fields_pass(
         await talker.publish(empty)
         assert (await anext(messages)).transforms == []
         _, queue = await peer.subscriber("/listener", "/tf", type_, type_hash)
-        await until(lambda: "/listener" in subscribers(hub, "/tf"), hub)
+        await reaching(publisher, "/listener")
         await publisher.publish(transforms=[])
         assert (await queue.get()).data == empty
         assert (await anext(messages)).transforms == []
