@@ -251,7 +251,8 @@ class Federation:
         if "node" in asked:
             asked["node"] = view.own_node(str(asked["node"]))
         if request.op == "older_node":
-            self._remote.reported_older(str(asked.get("node")), str(asked.get("hub"))[:MAX_LENGTH])
+            closed_at = str(asked.get("closed_at"))[:MAX_LENGTH]
+            self._remote.reported_older(str(asked.get("node")), closed_at)
             reply(Reply({}))
             return lambda: None
         caller = view.inward(str(asked.get("caller", ""))) or ""

@@ -196,7 +196,7 @@ class RemoteNodes:
             self._warn_of_two(name, printable(hub), "this one")
 
     def _report_older(self, peer: Peer, name: str, hub: str) -> None:
-        fields = {"node": peer.backplane.view.outward(name) or name, "hub": hub}
+        fields = {"node": peer.backplane.view.outward(name) or name, "closed_at": hub}
         peer.backplane.request(peer, Request("older_node", fields), lambda reply: None)
 
     def _warn_of_two(self, name: str, hub: str, older: str) -> None:

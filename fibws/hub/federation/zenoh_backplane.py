@@ -75,7 +75,7 @@ BUSY = 256 * 1024
 MOST_USERS = 10_000
 """Hubs that may subscribe to one publisher."""
 MOST_EARLY = 1000
-"""Announcements of a hub that are kept until it has told what it had before."""
+"""Announcements and requests of a hub that are kept until it has told what it had before."""
 
 _ATTACHMENT = struct.Struct("<Qq16s")
 _COUNTER = struct.Struct("<Q")
@@ -164,6 +164,8 @@ class ZenohBackplane(Backplane):
         self._delays: dict[str, float] = {}
         """The seconds until each hub that has not told what it has is asked again."""
         self._early: dict[str, list[tuple[int, bytes]]] = {}
+        self._early_queries: dict[str, list[zenoh.Query]] = {}
+        """Requests of hubs that are not known yet, by their ids."""
         self._state: dict[str, dict[str, Any]] = {}
         """The announced records, by kind and name."""
         self._counter = 0
@@ -419,6 +421,7 @@ class ZenohBackplane(Backplane):
             self._lose(hub, "this hub ends")
         self._network.detach(self)
         self._inbox.close()
+        self._early_queries.clear()
         await asyncio.to_thread(self._close_session)
 
     def _close_session(self) -> None:
@@ -493,6 +496,7 @@ class ZenohBackplane(Backplane):
         self._network.announced(peer, state.announcement)
         for counter, data in self._early.pop(hub, ()):
             self._change(hub, counter, data)
+        self._answer_early(hub)
 
     def _ask_again(self, hub: str) -> None:
         if hub in self._alive and hub not in self._peers:
@@ -616,7 +620,12 @@ class ZenohBackplane(Backplane):
 
     # Requests.
 
-    def _answer(self, query: zenoh.Query) -> None:
+    def _answer_early(self, hub: str) -> None:
+        """Answer the requests of a hub that came before it was known, or is not known in time."""
+        for query in self._early_queries.pop(hub, ()):
+            self._answer(query, is_late=True)
+
+    def _answer(self, query: zenoh.Query, *, is_late: bool = False) -> None:
         """Handle a request of another hub."""
         attachment, payload = query.attachment, query.payload
         try:
@@ -624,7 +633,8 @@ class ZenohBackplane(Backplane):
         except FederationError as error:
             self._report(error, "")
             return
-        peer = self._peers.get(str(fields.pop("hub", "")))
+        hub = str(fields.pop("hub", ""))
+        peer = self._peers.get(hub)
         id_ = str(fields.pop("id", ""))
         op = str(fields.pop("op", ""))
         key = f"{self._base}/{self._hub.id}/request"
@@ -642,7 +652,12 @@ class ZenohBackplane(Backplane):
             self._small.call(send)
 
         if peer is None:
-            reply(failure("this hub does not know yours yet", "unknown_hub"))
+            waiting = self._early_queries.setdefault(hub, [])
+            if is_late or len(waiting) >= MOST_EARLY:
+                reply(failure("this hub does not know yours yet", "unknown_hub"))
+                return
+            waiting.append(query)
+            self._loop.call_later(STATE_TIMEOUT, self._answer_early, hub)
             return
         body = payload.to_bytes() if payload is not None else b""
         handled = peer.hub.id, id_
