@@ -344,7 +344,7 @@ class _GoalClient:
         self._open.reply(Reply({}, body, is_final=False))
 
     def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
-        """Send the result, or why there is none."""
+        """Send the result, or the error of a goal without one."""
         if code is not None:
             text = from_json(values)
             self._open.reply(failure(text if isinstance(text, str) else str(text), code))

@@ -217,7 +217,7 @@ class Join:
         self.fault = "it was not tried yet"
         """The reason for not being connected; empty while connected."""
         self.on_fault: Callable[[str], object] = lambda fault: None
-        """Called each time that there is none."""
+        """Called with the reason each time a connection fails or ends."""
         self._credentials = Credentials.find(address, environment={})
         self._tls = TlsFiles.choose()
         self._federation = federation
@@ -355,7 +355,7 @@ class Join:
         self.fault = self._logged = ""
 
     def _report(self, fault: str) -> None:
-        """Log why there is no connection, once."""
+        """Log the reason for not being connected, once."""
         self.fault = fault
         self.on_fault(fault)
         if fault != self._logged:

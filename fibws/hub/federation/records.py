@@ -226,7 +226,7 @@ def decode_announcement(data: bytes | bytearray | memoryview) -> Announcement:
 
 
 def encode_fields(fields: Mapping[str, Any]) -> bytes:
-    """Return the fields of a request or reply as JSON; raise `FederationError` if they are none."""
+    """Return the fields of a request or reply as JSON; raise `FederationError` if invalid."""
     try:
         return _FIELDS.dump_json(dict(fields))
     except PydanticSerializationError as error:

@@ -148,7 +148,7 @@ class SharedParameters:
         return ["/".join(parts[:end]) for end in range(2, len(parts))]
 
     def _text(self, name: str) -> str | None:
-        """Return a value as JSON; None if there is none, or a namespace."""
+        """Return a value as JSON; None for a namespace or a parameter that is not set."""
         parameters = self._graph.parameters
         try:
             if parameters.below(name) not in ([name], (name,)):

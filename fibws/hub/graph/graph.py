@@ -64,7 +64,7 @@ ROSBRIDGE = "/rosbridge_websocket"
 
 
 Watched: TypeAlias = Literal["node", "service", "action"]
-"""What `Graph.watch` can watch."""
+"""The kinds of changes that `Graph.watch` reports."""
 
 
 class Node(Protocol):
