@@ -140,6 +140,9 @@ void call(ros::NodeHandle node, const std::string& peer) {
   if (!client.call(service)) saw("refusal", peer, "null");
 }
 
+// The patience with a goal, which ROS's own actionlib may lose.
+const double GOAL_SECONDS = 10;
+
 void act(const std::string& peer) {
   actionlib::SimpleActionClient<TestAction> client("/" + peer + "/act", false);
   client.waitForServer();
@@ -149,7 +152,7 @@ void act(const std::string& peer) {
   client.sendGoal(goal, {}, {}, [&](const actionlib::TestFeedbackConstPtr& each) {
     feedback << (feedback.tellp() > 0 ? ", " : "") << each->feedback;
   });
-  client.waitForResult();
+  if (!client.waitForResult(ros::Duration(GOAL_SECONDS))) return;  // See LOSING.
   saw("action", peer,
       "[[" + feedback.str() + "], " + std::to_string(client.getResult()->result) + "]");
 }

@@ -26,6 +26,8 @@ ADDED = re.compile(
 )
 """What Python's own errors say since 3.13; Debian's Python may be an older one, or ours."""
 
+PART = re.compile(r"^MSG: (\S+)$", re.MULTILINE)
+
 Agree: TypeAlias = Callable[..., str]
 """Has both evaluate an expression and asserts that they say the same, which is returned.
 
@@ -60,14 +62,14 @@ def agree() -> Iterator[Agree]:
         )
         assert process.stdin is not None and process.stdout is not None
         stdin, stdout = process.stdin, process.stdout
-        defined = set()
+        defined: set[str] = set()
 
         def agree(expression: str, *types: str) -> str:
             for type_ in types:
                 if type_ not in defined:
                     text = default_interfaces().full_text(type_)
                     stdin.write(f"{json.dumps(['define', type_, text])}\n")
-                    defined.add(type_)
+                    defined.update([type_, *PART.findall(text)])
             stdin.write(f"{json.dumps(['say', expression])}\n")
             stdin.flush()
             line = stdout.readline()
