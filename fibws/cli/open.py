@@ -25,9 +25,10 @@ PARTS = {
     "actions": ("{open actions} /fibonacci", "send goals"),
     "console": ("{open console}", "what nodes log"),
     "parameters": ("{open parameters}", "get and set"),
+    "reconfigure": ("{open reconfigure} /camera", "change parameters of running nodes"),
 }
 """The parts of the page, each with an example for the help."""
-WITH_NAMES = {"topics", "plot", "services", "actions"}
+WITH_NAMES = {"topics", "plot", "services", "actions", "reconfigure"}
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 """Without any of these variables, Linux would open a browser inside the terminal."""
 

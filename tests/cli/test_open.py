@@ -33,6 +33,7 @@ def no_display(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         (["--force-discover", "-s", "rqt_console"], "console"),
         (["graph", "__name:=rqt_graph", "a:=b"], "graph"),
         (["topics"], "topics"),
+        (["reconfigure", "/camera"], "reconfigure/%2Fcamera"),
         (["topics", "/fibonacci"], "topics/%2Ffibonacci"),
         (["/fibonacci"], "topics/%2Ffibonacci"),
         (["plot"], "topics"),

@@ -183,6 +183,7 @@ def test_workspace_option_replaces_sourcing(run: Run, workspace: Path) -> None:
     ("words", "line"),
     [
         (["rqt_graph", "rqt_graph"], ["-m", "fibws", "open", "graph"]),
+        (["rqt_reconfigure", "rqt_reconfigure"], ["-m", "fibws", "open", "reconfigure"]),
         (["rqt_plot", "rqt_plot", "/a/b"], ["-m", "fibws", "open", "plot", "/a/b"]),
         (
             ["tf2_ros", "static_transform_publisher", "1", "0", "0", "0", "0", "0", "map", "odom"],

@@ -7,13 +7,13 @@ import { route } from "./view";
 /** The page about one element of a tab, with a link to close it. */
 export function browsePage(
   name: string,
-  tab: "topics" | "services" | "actions",
+  tab: "topics" | "services" | "actions" | "reconfigure",
   ...children: Child[]
 ): HTMLElement {
   const close = {
     class: "button close",
     href: route(tab),
-    "aria-label": `Close, back to all ${tab}`,
+    "aria-label": `Close, back to all ${tab === "reconfigure" ? "servers" : tab}`,
   };
   return h(
     "article",

@@ -17,9 +17,17 @@ export const TABS = [
   { name: "actions", label: "Actions" },
   { name: "console", label: "Console" },
   { name: "parameters", label: "Parameters" },
+  { name: "reconfigure", label: "Reconfigure" },
   { name: "hubs", label: "Hubs" },
 ] as const;
 export type Tab = (typeof TABS)[number]["name"];
+
+/** The tabs that are hidden until there is something in them. */
+const RARE: Partial<Record<Tab, (graph: Graph) => boolean>> = {
+  reconfigure: ({ services }) =>
+    services.some(({ type }) => type === "dynamic_reconfigure/Reconfigure"),
+  hubs: ({ nodes }) => nodes.some(({ hub }) => hub),
+};
 
 const STATES: Record<State, string> = {
   connecting: "connecting …",
@@ -46,7 +54,7 @@ export class Shell {
 
   /** Mark a tab as chosen. */
   select(tab: Tab): void {
-    if (tab === "hubs") this.#showHubs();
+    this.#reveal(tab);
     for (const [name, link] of this.#links) {
       if (name === tab) {
         link.setAttribute("aria-current", "page");
@@ -96,13 +104,13 @@ export class Shell {
   #tab(name: Tab, label: string): HTMLElement {
     const link = h("a", { href: route(name), id: `tab-${name}` }, label);
     this.#links.set(name, link);
-    link.hidden = name === "hubs";
+    link.hidden = name in RARE;
     return link;
   }
 
-  /** Show the tab of other hubs, which most hubs have no use for. */
-  #showHubs(): void {
-    const link = this.#links.get("hubs");
+  /** Show a tab that most hubs have no use for; it stays. */
+  #reveal(name: Tab): void {
+    const link = this.#links.get(name);
     if (link !== undefined) link.hidden = false;
   }
 
@@ -125,7 +133,7 @@ export class Shell {
 
   #showCounts(graph: Graph | null): void {
     if (graph === null) return;
-    if (graph.nodes.some(({ hub }) => hub)) this.#showHubs();
+    for (const { name } of TABS) if (RARE[name]?.(graph)) this.#reveal(name);
     showCount(this.#nodes, graph.nodes, "node");
     showCount(this.#topics, graph.topics, "topic");
   }

@@ -21,6 +21,7 @@ _MODULES = {
     ("rqt_topic", "rqt_topic"): ("fibws", "open", "topics"),
     ("rqt_plot", "rqt_plot"): ("fibws", "open", "plot"),
     ("rqt_console", "rqt_console"): ("fibws", "open", "console"),
+    ("rqt_reconfigure", "rqt_reconfigure"): ("fibws", "open", "reconfigure"),
     **{(name, name): ("fibws.cli", name) for name in COMMANDS},
     ("tf", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
     ("tf2_ros", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
@@ -86,7 +87,6 @@ def _unsupported() -> dict[str, str]:
     return {
         "turtlesim": f"{page}. To see its messages: {command_name('msg show turtlesim/Pose')}",
         "rviz": page,
-        "rqt_reconfigure": page,
         "rqt_image_view": page,
         "rqt_tf_tree": page,
         "gazebo_ros": "is not supported: fibws does not simulate robots",

@@ -10,8 +10,8 @@ NOT_NEEDED = set(
     message_generation message_runtime mk ros_base ros_comm ros_core rosbash rosboost_cfg rosbuild
     rosconsole roscpp roscpp_serialization roscpp_traits roscpp_tutorials roslang roslaunch roslisp
     roslint rosmake rosmaster rosout rostime common_msgs topic_tools rosbridge_library
-    rosbridge_suite rqt rqt_common_plugins rqt_console rqt_graph rqt_gui rqt_plot rqt_topic tf2
-    tf2_py tf2_ros xmlrpcpp
+    rosbridge_suite rqt rqt_common_plugins rqt_console rqt_graph rqt_gui rqt_plot
+    rqt_reconfigure rqt_topic tf2 tf2_py tf2_ros xmlrpcpp
 
     class_loader collada_parser collada_urdf eigen_conversions filters image_transport kdl_parser
     laser_filters nodelet nodelet_core orocos_kdl pcl_conversions pcl_ros pluginlib realtime_tools
