@@ -24,7 +24,7 @@ from typing import (
 from typing_extensions import TypeVar
 
 from fibws.interfaces import base64text
-from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.catalogue import Definitions, Interfaces
 from fibws.interfaces.definition import MessageDefinition
 from fibws.interfaces.times import Duration, Time
 
@@ -61,7 +61,7 @@ class Message:
     _service: ClassVar[str] = ""
     """The service, if this is its request or response."""
     _style: ClassVar[ObjectStyle]
-    _find_interfaces: ClassVar[Callable[[], Interfaces]]
+    _find_interfaces: ClassVar[Callable[[], Definitions]]
     """Returns the types among which the class's definition is looked up; set by `fibws.msg`."""
     _codecs: ClassVar[dict[Any, Any]]
     """The cache of `class_codec`."""
@@ -95,7 +95,7 @@ class Message:
     # Used by `class_codec`. No field can have such a name: fields' names begin with letters.
 
     @classmethod
-    def _definition_in(cls, interfaces: Interfaces) -> MessageDefinition:
+    def _definition_in(cls, interfaces: Definitions) -> MessageDefinition:
         """The class's definition."""
         if not cls._service:
             return interfaces.message(cls._type)
@@ -109,7 +109,7 @@ class Message:
         return found
 
     @classmethod
-    def _make_codec(cls, interfaces: Interfaces, style: ObjectStyle) -> ClassCodec[Self]:
+    def _make_codec(cls, interfaces: Definitions, style: ObjectStyle) -> ClassCodec[Self]:
         """A new codec of the class."""
         from fibws.interfaces.serialization import ClassCodec
 

@@ -18,7 +18,7 @@ from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import builtin
-from fibws.interfaces.catalogue import Definitions, Interfaces
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.definition import Field, MessageDefinition
 from fibws.interfaces.message import Message, ObjectStyle
 from fibws.interfaces.serialization_code import (
@@ -208,7 +208,7 @@ class ClassCodec(Generic[M]):
         style: how objects of the class look.
     """
 
-    def __init__(self, message_class: type[M], interfaces: Interfaces, style: ObjectStyle) -> None:
+    def __init__(self, message_class: type[M], interfaces: Definitions, style: ObjectStyle) -> None:
         self.message_class = message_class
         self._interfaces = interfaces
         self._style = style
@@ -305,7 +305,7 @@ class ClassCodec(Generic[M]):
 
 
 def class_codec(
-    message_class: type[M], interfaces: Interfaces | None = None, style: ObjectStyle | None = None
+    message_class: type[M], interfaces: Definitions | None = None, style: ObjectStyle | None = None
 ) -> ClassCodec[M]:
     """The codec of a message class; it is made once, and compiled when it is first used.
 
@@ -326,7 +326,7 @@ def class_codec(
 
 
 @lru_cache(maxsize=8)
-def _serializers_of(interfaces: Interfaces) -> Serializers:
+def _serializers_of(interfaces: Definitions) -> Serializers:
     return Serializers(interfaces)
 
 

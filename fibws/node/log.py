@@ -43,7 +43,8 @@ LOGGER_NAME = "rosout"
 
 _FORMATTER = logging.Formatter()
 _NAMES = {each.python: each.name.upper() for each in LEVELS}
-_RESET = "\033[0m"
+RESET = "\033[0m"
+"""Ends a colour on a terminal."""
 
 
 def severity_name(record: logging.LogRecord) -> str:
@@ -67,8 +68,8 @@ class ConsoleHandler(logging.Handler, ABC):
         try:
             stream = sys.stderr if record.levelno >= logging.WARNING else sys.stdout
             line = self.line(record)
-            if colour := _colour(record.levelno, stream):
-                line = f"{colour}{line}{_RESET}"
+            if start := colour(record.levelno, stream):
+                line = f"{start}{line}{RESET}"
             encoding = stream.encoding or "utf-8"
             stream.write(line.encode(encoding, "backslashreplace").decode(encoding) + "\n")
             stream.flush()
@@ -240,7 +241,8 @@ def _ancestors(log: logging.Logger) -> Iterator[logging.Logger]:
         yield log
 
 
-def _colour(level: int, stream: TextIO) -> str | None:
+def colour(level: int, stream: TextIO) -> str | None:
+    """Return what starts the colour of a level's lines; None for lines without one."""
     if level == logging.INFO or os.environ.get("NO_COLOR") or not stream.isatty():
         return None
     if level >= logging.ERROR:

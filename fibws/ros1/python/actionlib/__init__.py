@@ -10,6 +10,15 @@ It uses only public names of rospy.
 
 from __future__ import annotations
 
+# Scripts that import * use these without importing them, since ROS's actionlib has them.
+import threading
+import time
+import traceback
+import weakref
+
+import rospy
+from std_msgs.msg import Header
+
 from actionlib.action_client import (
     ActionClient,
     ClientGoalHandle,
@@ -39,10 +48,16 @@ __all__ = [
     "GoalIDGenerator",
     "GoalStatus",
     "GoalStatusArray",
+    "Header",
     "ServerGoalHandle",
     "SimpleActionClient",
     "SimpleActionServer",
     "SimpleGoalState",
     "TerminalState",
     "get_name_of_constant",
+    "rospy",
+    "threading",
+    "time",
+    "traceback",
+    "weakref",
 ]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from threading import RLock
 from typing import Any
 
 from fibws.errors import InterfaceError
-from fibws.interfaces import Interfaces, MessageDefinition, Service
+from fibws.interfaces import MessageDefinition, Service
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.full_text import write_message
 from fibws.interfaces.md5sum import message_md5
 from fibws.msg import default_interfaces
@@ -31,7 +32,7 @@ def message_class(name: str) -> type[Message]:
         if name not in _messages:
             definition = default_interfaces().message(name)
             if definition.type not in _messages:
-                _messages[definition.type] = _make(definition, "msg", definition.name)
+                _messages[definition.type] = make_class(definition, "msg", definition.name)
             _messages[name] = _messages[definition.type]
         return _messages[name]
 
@@ -47,8 +48,8 @@ def service_class(name: str) -> type[Service[Any, Any]]:
                 request_definition = replace(
                     request_definition, text=f"{request_definition.text}\n"
                 )
-            request = _make(request_definition, "srv", definition.name)
-            response = _make(definition.response, "srv", definition.name)
+            request = make_class(request_definition, "srv", definition.name)
+            response = make_class(definition.response, "srv", definition.name)
             _services[name] = type(
                 definition.name,
                 (Service,),
@@ -73,17 +74,28 @@ def forget(packages: Collection[str]) -> None:
                 del known[name]
 
 
-def _make(definition: MessageDefinition, kind: str, module: str) -> type[Message]:
+def make_class(
+    definition: MessageDefinition,
+    kind: str,
+    module: str,
+    interfaces: Definitions | None = None,
+    find: Callable[[str], type[Message]] = message_class,
+) -> type[Message]:
     """Create a class.
 
     Args:
         definition: the message's definition.
         kind: ``msg`` or ``srv``, the name of its module in the package.
         module: the type whose module contains it.
+        interfaces: the definitions of the types nested in it; by default those that are installed.
+        find: returns the class of a nested type.
+
+    Raises:
+        InterfaceError: a field's or constant's name is that of a method.
     """
-    interfaces = default_interfaces()
+    interfaces = interfaces or default_interfaces()
     members = tuple(
-        make_member(field, message_class(field.type) if field.is_nested else None)
+        make_member(field, find(field.type) if field.is_nested else None)
         for field in definition.fields
     )
     constants = {attribute(each.name): each.value for each in definition.constants}
@@ -114,5 +126,5 @@ def _fields(definition: MessageDefinition) -> str:
     return ", ".join(f"{field.full_type} {field.name}" for field in definition.fields)
 
 
-def _md5(definition: MessageDefinition, interfaces: Interfaces) -> str:
+def _md5(definition: MessageDefinition, interfaces: Definitions) -> str:
     return message_md5(definition, interfaces.message, {})

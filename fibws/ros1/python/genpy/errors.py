@@ -3,6 +3,7 @@
 MessageException
 ├── SerializationError      a value does not fit its field
 └── DeserializationError    bytes are invalid for the type
+MsgGenerationException      a definition is invalid
 """
 
 from __future__ import annotations
@@ -18,3 +19,7 @@ class SerializationError(MessageException):
 
 class DeserializationError(MessageException):
     """The bytes are invalid for the type."""
+
+
+class MsgGenerationException(Exception):
+    """A definition is invalid, so that no class can be made from it."""

@@ -8,8 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Self
 
 from fibws.errors import InvalidMessage
-from fibws.interfaces import Interfaces, MessageDefinition
 from fibws.interfaces import Message as GraphMessage
+from fibws.interfaces import MessageDefinition
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.message import ObjectStyle
 from fibws.interfaces.serialization import class_codec
 from genpy.checking import check_type
@@ -163,7 +164,7 @@ class Message(GraphMessage):
         return self
 
     @classmethod
-    def _definition_in(cls, interfaces: Interfaces) -> MessageDefinition:
+    def _definition_in(cls, interfaces: Definitions) -> MessageDefinition:
         return cls._definition
 
     @classmethod

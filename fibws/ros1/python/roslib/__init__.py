@@ -9,7 +9,7 @@ from roslib.launcher import load_manifest
 
 __all__ = ["is_interactive", "load_manifest", "set_interactive"]
 
-_MODULES = {"launcher", "message", "packages", "rostime", "scriptutil"}
+_MODULES = {"launcher", "message", "msgs", "names", "packages", "rostime", "scriptutil", "srvs"}
 
 _interactive = False
 

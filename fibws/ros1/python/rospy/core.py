@@ -10,7 +10,7 @@ from collections.abc import Callable, Coroutine
 from functools import partial
 from importlib import import_module
 from types import FrameType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from rospy.background import Background
 from rospy.exceptions import ROSInterruptException
@@ -21,18 +21,19 @@ if TYPE_CHECKING:
     from fibws.node.peers import Peers
 
 __all__ = [
+    "Connection",
     "add_client_shutdown_hook",
     "add_preshutdown_hook",
     "add_shutdown_hook",
     "ask",
     "background",
-    "count_peers",
     "get_caller_id",
     "get_node_uri",
     "is_initialized",
     "is_shutdown",
     "is_shutdown_requested",
     "on_start",
+    "peer_names",
     "register",
     "register_signals",
     "signal_shutdown",
@@ -151,8 +152,20 @@ def ask(question: Coroutine[Any, Any, T], default: T) -> T:
         return default
 
 
-def count_peers(peers: Peers, question: Coroutine[Any, Any, list[str]]) -> int:
-    """Return how many nodes are at the other side of a topic.
+class Connection(NamedTuple):
+    """A node at the other side of a topic, under the names of ROS's transports.
+
+    Attributes:
+        endpoint_id: the node's global name.
+        callerid_pub: the publishing node's.
+    """
+
+    endpoint_id: str
+    callerid_pub: str
+
+
+def peer_names(peers: Peers, question: Coroutine[Any, Any, list[str]]) -> list[str]:
+    """Return the nodes at the other side of a topic.
 
     Args:
         peers: the nodes as the hub reports them.
@@ -160,8 +173,8 @@ def count_peers(peers: Peers, question: Coroutine[Any, Any, list[str]]) -> int:
     """
     if peers.known:
         question.close()
-        return len(peers.names)
-    return len(ask(question, []))
+        return peers.names
+    return ask(question, [])
 
 
 def add_client_shutdown_hook(hook: Callable[[], object]) -> None:

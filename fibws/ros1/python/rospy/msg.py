@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Self, TypeVar
 from genpy.classes import message_class
 from genpy.message import Message
 
-from fibws.interfaces import Interfaces
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.message import ObjectStyle
 from fibws.interfaces.serialization import Buffer, ClassCodec
 from rospy.exceptions import ROSException
@@ -53,7 +53,7 @@ class AnyMsg(Message):
         buff.write(self._buff)
 
     @classmethod
-    def _make_codec(cls, interfaces: Interfaces, style: ObjectStyle) -> ClassCodec[Self]:
+    def _make_codec(cls, interfaces: Definitions, style: ObjectStyle) -> ClassCodec[Self]:
         return _RawCodec(cls, interfaces, style)
 
     def deserialize(self, str: bytes) -> Self:

@@ -93,10 +93,17 @@ class Publication:
 
     def get_num_connections(self) -> int:
         """Return how many nodes subscribe."""
+        return len(self._subscribers())
+
+    def has_connection(self, endpoint_id: str) -> bool:
+        """Return whether a node subscribes; ROS's actionlib asks for this."""
+        return endpoint_id in self._subscribers()
+
+    def _subscribers(self) -> list[str]:
         if self._publisher is None:
-            return 0
+            return []
         question = core.background.node.graph.subscribers(self.resolved_name)
-        return core.count_peers(self._publisher.peers, question)
+        return core.peer_names(self._publisher.peers, question)
 
     def publish(self, message: Message, peer: str | None = None) -> None:
         """Publish a message, in any thread but the loop's.

@@ -91,10 +91,16 @@ class Subscription:
 
     def get_num_connections(self) -> int:
         """Return how many nodes publish."""
+        return len(self.connections)
+
+    @property
+    def connections(self) -> list[core.Connection]:
+        """The nodes that publish; ROS's actionlib looks for its server among them."""
         if self._source is None:
-            return 0
+            return []
         question = core.background.node.graph.publishers(self.resolved_name)
-        return core.count_peers(self._source.peers, question)
+        names = core.peer_names(self._source.peers, question)
+        return [core.Connection(endpoint_id=name, callerid_pub=name) for name in names]
 
     def add_callback(self, callback: Callable[..., object], callback_args: Any) -> None:
         """Call a function with each message, and with ``callback_args`` if that is not None.

@@ -11,7 +11,7 @@ from genpy.classes import message_class
 from genpy.message import Message
 from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
 
-from fibws.interfaces import Interfaces
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.message import ObjectStyle
 from fibws.interfaces.serialization import ClassCodec
 from fibws.tf.serialized import read_serialized
@@ -44,7 +44,7 @@ class _Received(Message):
         self.samples, self._decoded = None, value
 
     @classmethod
-    def _make_codec(cls, interfaces: Interfaces, style: ObjectStyle) -> ClassCodec[Any]:
+    def _make_codec(cls, interfaces: Definitions, style: ObjectStyle) -> ClassCodec[Any]:
         return _SamplesCodec(cls, interfaces, style)
 
 
