@@ -1,10 +1,13 @@
-"""The first tutorial in one process: ``fibws demo``, or ``python -m fibws.demo``."""
+"""A hub and nodes in one process: ``fibws demo [turtlesim]``, or ``python -m fibws.demo``."""
 
 from __future__ import annotations
 
 import asyncio
 import errno
+import sys
+from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack
+from functools import partial
 
 import click
 
@@ -18,13 +21,26 @@ from fibws.hub.__main__ import environment_settings
 from fibws.hub.server import local_url
 from fibws.hub_address import page_url
 from fibws.listener import listen
+from fibws.turtlesim.teleop_key import drive
+from fibws.turtlesim.turtlesim_node import simulate
 
 TYPE = "std_msgs/Int32"
+FIBONACCI = "Below, a broadcaster publishes numbers to a listener. Press Ctrl-C to stop."
+TURTLESIM = "Below is the log of turtlesim. Press Ctrl-C to stop."
 LINE = "[${severity}] [${time}]: ${message}"
 
 
-async def demo(settings: Settings, rate: float) -> None:
-    """Run the tutorial's two nodes, and a hub with these settings unless one is running."""
+async def demo(
+    settings: Settings, page: str, introduction: str, run: Callable[[str], Awaitable[None]]
+) -> None:
+    """Run nodes, and a hub with these settings unless one is running.
+
+    Args:
+        settings: those of the hub.
+        page: what to open in a browser, with {} for the address of the page.
+        introduction: what the terminal shows below.
+        run: runs the nodes; takes the hub's address.
+    """
     async with AsyncExitStack() as stack:
         try:
             hub = await stack.enter_async_context(Hub(settings))
@@ -39,12 +55,12 @@ async def demo(settings: Settings, rate: float) -> None:
                     f"port {settings.port} is in use by another program; choose another with --port"
                 ) from None
             click.echo(f"Using the hub that is running at {url}.")
-        click.echo(f"To see the graph, open {page_url(url)} in a browser.")
-        click.echo("Below, a broadcaster publishes numbers to a listener. Press Ctrl-C to stop.")
-        await _run_nodes(url, rate)
+        click.echo(f"To see {page.format(page_url(url))} in a browser.")
+        click.echo(introduction)
+        await run(url)
 
 
-async def _run_nodes(url: str, rate: float) -> None:
+async def _run_fibonacci(rate: float, url: str) -> None:
     listener = _node("fibonacci_listener", url, f"listener    {LINE}")
     broadcaster = _node("fibonacci_broadcaster", url, f"broadcaster {LINE}")
     try:
@@ -54,6 +70,21 @@ async def _run_nodes(url: str, rate: float) -> None:
                 await broadcast(broadcaster, TYPE, rate, "restart")
     except ExceptionGroup as group:
         raise group.exceptions[0] from None
+
+
+async def _run_turtlesim(url: str) -> None:
+    async with fibws.Node("turtlesim", hub=url, log_format=LINE) as simulator:
+        simulation = asyncio.create_task(simulate(simulator), name="turtlesim")
+        if not sys.stdin.isatty():
+            await simulation
+            return
+        async with fibws.Node("teleop_turtle", hub=url) as keyboard:
+            driving = asyncio.create_task(drive(keyboard), name="turtle_teleop_key")
+            ended, _ = await asyncio.wait(
+                (simulation, driving), return_when=asyncio.FIRST_COMPLETED
+            )
+        for task in ended:
+            task.result()
 
 
 def _node(name: str, url: str, log_format: str) -> fibws.Node:
@@ -72,6 +103,9 @@ def _is_hub(url: str) -> bool:
 
 
 @click.command(context_settings=node_program.SETTINGS)
+@click.argument(
+    "name", default="fibonacci", type=click.Choice(["fibonacci", "turtlesim"]), required=False
+)
 @click.option(
     "--port",
     metavar="PORT",
@@ -79,8 +113,11 @@ def _is_hub(url: str) -> bool:
     help="Port of the hub on this machine.  [default: $FIBWS_PORT, or 9090]",
 )
 @node_program.rate
-def command(port: int | None, rate: float) -> None:
-    """Run the first tutorial: a hub, a broadcaster of Fibonacci numbers, and a listener.
+def command(name: str, port: int | None, rate: float) -> None:
+    """Run a hub and nodes that use it.
+
+    fibonacci is the first tutorial: a broadcaster of Fibonacci numbers, and a listener.
+    turtlesim is ROS's simulator, whose turtle the arrow keys drive; the page shows it.
 
     The hub has the same environment variables as the command hub: $FIBWS_HOST, $FIBWS_CONFIG ...
     """
@@ -88,7 +125,12 @@ def command(port: int | None, rate: float) -> None:
         settings = environment_settings([] if port is None else ["--port", str(port)])
     except HubError as error:
         raise click.UsageError(str(error)) from None
-    node_program.run(demo(settings, rate))
+    if name == "turtlesim":
+        page, text = "the turtle, open {}#/turtlesim", TURTLESIM
+        node_program.run(demo(settings, page, text, _run_turtlesim))
+    else:
+        page, text = "the graph, open {}", FIBONACCI
+        node_program.run(demo(settings, page, text, partial(_run_fibonacci, rate)))
 
 
 if __name__ == "__main__":

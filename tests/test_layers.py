@@ -1,6 +1,6 @@
 """Dependencies point down only, and the pure layers use no sockets, tasks or clocks.
 
-programs    demo  broadcaster  listener  examples/  tf/ (its programs)
+programs    demo  broadcaster  listener  examples/  turtlesim/  tf/ (its programs)
 tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
@@ -56,8 +56,10 @@ BELOW = {
     "broadcaster": {*NODE, *CLASSES, "cli"},
     "listener": {*NODE, *CLASSES, "cli"},
     "testing": {*NODE, "hub"},
-    "demo": {*NODE, "errors", "hub_address", "cli", "client", "hub", "broadcaster", "listener"},
+    "demo": {*NODE, "errors", "hub_address", "cli", "client", "hub", "broadcaster", "listener"}
+    | {"turtlesim"},
     "examples": {*NODE, *CLASSES, "cli"},
+    "turtlesim": {*NODE, *CLASSES, "cli", "errors"},
     "cli": {*NODE, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
 }
@@ -175,6 +177,7 @@ PURE = modules(
             *("serialized", "transform"),
         )
     ),
+    *("turtlesim/canvas.py", "turtlesim/field.py"),
 )
 
 

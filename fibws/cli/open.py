@@ -26,6 +26,7 @@ PARTS = {
     "console": ("{open console}", "what nodes log"),
     "parameters": ("{open parameters}", "get and set"),
     "reconfigure": ("{open reconfigure} /camera", "change parameters of running nodes"),
+    "turtlesim": ("{open turtlesim}", "turtles, driven by the arrow keys"),
 }
 """The parts of the page, each with an example for the help."""
 WITH_NAMES = {"topics", "plot", "services", "actions", "reconfigure"}

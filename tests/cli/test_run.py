@@ -196,9 +196,9 @@ def test_programs_of_ros_have_substitutes(words: list[str], line: list[str]) -> 
 
 
 def test_program_of_ros_without_a_substitute_is_an_error(run: Run) -> None:
-    done = run("turtlesim", "turtlesim_node")
+    done = run("rviz", "rviz")
     assert (done.exit_code, done.stdout) == (1, "")
-    assert "turtlesim" in done.stderr and "fibws open" in done.stderr
+    assert "rviz" in done.stderr and "fibws open" in done.stderr
 
 
 def complete(words: str, **environ: str) -> list[str]:

@@ -113,3 +113,14 @@ def test_error_of_the_hub_is_reported(
     result = CliRunner().invoke(demo.command, ["--port", "80"])
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "Error: Cannot listen on 127.0.0.1:80: Permission denied\n"
+
+
+async def test_demo_of_turtlesim_shows_where_the_turtle_is(start: Start) -> None:
+    program = await start("fibws", "demo", "turtlesim", "--port", "0")
+    await program.line()
+    assert "/#/turtlesim in a browser" in await program.line()
+    while "Spawning turtle [turtle1]" not in (line := await program.line()):
+        assert line, "the demo has ended"
+    program.send(signal.SIGINT)
+    code, _, err = await program.end()
+    assert (code, err) == (0, "")

@@ -18,6 +18,7 @@ export const TABS = [
   { name: "console", label: "Console" },
   { name: "parameters", label: "Parameters" },
   { name: "reconfigure", label: "Reconfigure" },
+  { name: "turtlesim", label: "Turtlesim" },
   { name: "hubs", label: "Hubs" },
 ] as const;
 export type Tab = (typeof TABS)[number]["name"];
@@ -26,6 +27,7 @@ export type Tab = (typeof TABS)[number]["name"];
 const RARE: Partial<Record<Tab, (graph: Graph) => boolean>> = {
   reconfigure: ({ services }) =>
     services.some(({ type }) => type === "dynamic_reconfigure/Reconfigure"),
+  turtlesim: ({ services }) => services.some(({ type }) => type === "turtlesim/Spawn"),
   hubs: ({ nodes }) => nodes.some(({ hub }) => hub),
 };
 

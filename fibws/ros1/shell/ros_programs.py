@@ -30,6 +30,10 @@ _MODULES = {
     ("tf", "view_frames"): ("fibws.tf.view_frames",),
     ("tf2_tools", "echo"): ("fibws.tf.tf_echo",),
     ("tf2_tools", "view_frames"): ("fibws.tf.view_frames",),
+    ("turtlesim", "turtlesim_node"): ("fibws.turtlesim.turtlesim_node",),
+    ("turtlesim", "turtle_teleop_key"): ("fibws.turtlesim.teleop_key",),
+    ("turtlesim", "draw_square"): ("fibws.turtlesim.draw_square",),
+    ("turtlesim", "mimic"): ("fibws.turtlesim.mimic",),
     ("tf2_web_republisher", "tf2_web_republisher"): ("fibws.tf.tf2_web_republisher",),
     ("rospy_tutorials", "add_two_ints_server"): ("fibws.examples.add_two_ints_server",),
     ("rospy_tutorials", "add_two_ints_client"): ("fibws.examples.add_two_ints_client",),
@@ -85,7 +89,6 @@ def _unsupported() -> dict[str, str]:
     built_in = "is part of the hub and needs no start"
     talker = command_name("run rospy_tutorials talker")
     return {
-        "turtlesim": f"{page}. To see its messages: {command_name('msg show turtlesim/Pose')}",
         "rviz": page,
         "rqt_image_view": page,
         "rqt_tf_tree": page,

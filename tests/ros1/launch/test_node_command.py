@@ -129,7 +129,7 @@ def test_programs_that_are_part_of_the_hub(packages: Packages, tmp_path: Path) -
         ({"type": "rn.sh"}, "<node n>: no executable 'rn.sh' in package 'robot'"),
         ({"args": "'x"}, "<node n>: args: No closing quotation: 'x"),
         ({"prefix": "'x"}, "<node n>: No closing quotation"),
-        ({"package": "turtlesim", "type": "turtlesim_node"}, "<node n>: turtlesim "),
+        ({"package": "rviz", "type": "rviz"}, "<node n>: rviz "),
         ({"package": "fibws", "type": "nope"}, "<node n>: package 'fibws' not found"),
     ],
 )
