@@ -1,4 +1,4 @@
-"""Errors for imports of messages or services that are not found."""
+"""Errors for imports that are not found: messages, services, and modules that scripts need."""
 
 from __future__ import annotations
 
@@ -12,20 +12,63 @@ from fibws.suggestions import nearest, suggestion
 MAKE = "workspace make"
 _KINDS = {"msg": "message", "srv": "service"}
 
+_ON_PYPI = {
+    **{name: name for name in ("matplotlib", "numpy", "pandas", "pygame", "requests", "scipy")},
+    "PIL": "pillow",
+    "cv2": "opencv-python-headless",
+    "serial": "pyserial",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "urdf_parser_py": "urdf-parser-py",
+    "usb": "pyusb",
+    "xacro": "xacro",
+}
+"""Modules that scripts of ROS import, each with its name on PyPI."""
+_IN_WORKSPACES = {
+    "bondpy": "ros/bond_core",
+    "camera_calibration_parsers": "ros-perception/image_common",
+    "image_geometry": "ros-perception/vision_opencv",
+    "laser_geometry": "ros-perception/laser_geometry",
+    "rosserial_python": "ros-drivers/rosserial",
+    "rospy_message_converter": "DFKI-NI/rospy_message_converter",
+    "smach": "ros/executive_smach",
+    "smach_ros": "ros/executive_smach",
+    "sound_play": "ros-drivers/audio_common",
+}
+"""Modules in Python that a workspace can build, each with its repository."""
+_CPP = {
+    "moveit_commander": "moveit_commander needs MoveIt",
+    "moveit_ros_planning_interface": "it is part of MoveIt",
+    "pcl": "it needs the Point Cloud Library",
+    "tf2_kdl": "tf2_kdl needs KDL; see tf2_geometry_msgs",
+}
+_ELSEWHERE = {
+    "PyKDL": "install it with Debian's python3-pykdl, or use tf.transformations",
+    "python_qt_binding": "windows of Qt are not part of fibws; see the hub's page",
+    "rosbag": "fibws has no bags yet; PyPI's rosbags reads and writes them: pip install rosbags",
+    "rosmaster": "the hub is the master; see fibws core",
+    "roslaunch": "launch files are started by the command roslaunch; see fibws launch",
+    "rviz": "windows of Qt are not part of fibws; see the hub's page",
+}
+"""Modules that are not there, each with the nearest way out."""
+
 
 def advise(fullname: str) -> None:
-    """Explain how to make ``package.msg`` or ``package.srv`` importable.
+    """Explain how to get a module that was not found, if that is known.
 
     Args:
-        fullname: the name of any module that was not found.
+        fullname: the name of any module: ``package.msg`` or ``package.srv``, ``package`` on the way
+            to one of these, or a module that scripts of ROS use.
 
     Raises:
-        ModuleNotFoundError: it is one of these, or ``package`` on the way to one, and imported.
+        ModuleNotFoundError: it is known, and being imported.
     """
     package, _, rest = fullname.partition(".")
     for kind in _KINDS:
         if rest in ("", kind) and _is_being_imported(f"{package}.{kind}"):
             raise ModuleNotFoundError(_advice(fullname, package, kind), name=fullname)
+    if not rest and (way_out := _way_out(package)) and _is_being_imported(package):
+        raise ModuleNotFoundError(f"No module named {package!r}: {way_out}", name=package)
 
 
 def no_such_name(package: str, kind: str, name: str, names: list[str]) -> str:
@@ -46,6 +89,18 @@ def _is_being_imported(name: str) -> bool:
             if frame.f_locals.get("name") == name:
                 return True
     return False
+
+
+def _way_out(module: str) -> str | None:
+    """Return how to get a module that scripts of ROS use, or what to use instead."""
+    if module in _ON_PYPI:
+        return f"run pip install {_ON_PYPI[module]}"
+    if module in _IN_WORKSPACES:
+        address = f"https://github.com/{_IN_WORKSPACES[module]}"
+        return f"clone {address} into the folder src of a workspace and run {command_name(MAKE)}"
+    if module in _CPP:
+        return f"{_CPP[module]}, which is C++ and not part of fibws"
+    return _ELSEWHERE.get(module)
 
 
 def _advice(fullname: str, package: str, kind: str) -> str:

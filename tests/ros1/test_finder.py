@@ -357,3 +357,26 @@ def test_module_of_a_class_contains_it(define: Define) -> None:
     module: ModuleType = importlib.import_module(message_class.__module__)
     assert module.__name__ == "fibonacci.msg._Num"
     assert module.Num is message_class
+
+
+@pytest.mark.parametrize(
+    ("module", "way_out"),
+    [
+        ("cv2", "pip install opencv-python-headless"),
+        ("moveit_commander", "C++ and not part of fibws"),
+        ("smach", "https://github.com/ros/executive_smach"),
+        ("rosbag", "rosbags"),
+        ("python_qt_binding", "page"),
+    ],
+)
+def test_module_that_is_not_there_is_an_error_with_the_way_out(
+    module: str, way_out: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    finders = [each for each in sys.meta_path if each is not finder.AdviceFinder]
+    monkeypatch.setattr(sys, "meta_path", [*finders, finder.AdviceFinder])
+    if importlib.util.find_spec(module) is not None:
+        pytest.skip(f"{module} is installed")
+    with pytest.raises(ModuleNotFoundError, match=f"No module named '{module}'") as caught:
+        importlib.import_module(module)
+    assert way_out in str(caught.value)
+    assert caught.value.name == module
