@@ -24,6 +24,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "filters": (Part("filters/fed.py", interrupted=False),),
     "messages of two topics": (Part("filters/synchronized.py", interrupted=False),),
     "the modules of tools": (Part("tools/tools.py", interrupted=False),),
+    "images": (Part("tools/images.py", interrupted=False),),
     "internal modules": (Part("tools/internals.py", interrupted=False),),
     "parameters that others change": (
         Part("reconfigure/server.py", until="ready", errors=False),

@@ -11,7 +11,7 @@ NOT_NEEDED = set(
     rosconsole roscpp roscpp_serialization roscpp_traits roscpp_tutorials roslang roslaunch roslisp
     roslint rosmake rosmaster rosout rostime common_msgs topic_tools rosbridge_library
     rosbridge_suite rqt rqt_common_plugins rqt_console rqt_graph rqt_gui rqt_plot
-    rqt_reconfigure rqt_topic tf2 tf2_py tf2_ros xmlrpcpp
+    cv_bridge rqt_reconfigure rqt_topic tf2 tf2_py tf2_ros xmlrpcpp
 
     class_loader collada_parser collada_urdf eigen_conversions filters image_transport kdl_parser
     laser_filters nodelet nodelet_core orocos_kdl pcl_conversions pcl_ros pluginlib realtime_tools
@@ -39,7 +39,7 @@ _REPOSITORIES = {
     "ros-perception/laser_geometry": "laser_geometry",
     "ros-perception/slam_gmapping": "gmapping slam_gmapping",
     "ros-perception/vision_msgs": "vision_msgs",
-    "ros-perception/vision_opencv": "cv_bridge image_geometry vision_opencv",
+    "ros-perception/vision_opencv": "image_geometry vision_opencv",
     "ros-planning/moveit": "moveit_commander moveit_core moveit_ros",
     "ros-planning/navigation": "amcl map_server move_base navigation costmap_2d",
     "ros-simulation/gazebo_ros_pkgs": "gazebo_plugins gazebo_ros gazebo_ros_pkgs",

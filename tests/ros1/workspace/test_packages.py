@@ -122,8 +122,8 @@ def test_rosrun_prefers_a_package_of_a_workspace(layout: Layout) -> None:
 
 
 def test_rosrun_reports_programs_that_do_not_exist() -> None:
-    with pytest.raises(WorkspaceError, match="turtlesim"):
-        rosrun_command(Packages([]), "turtlesim", "turtlesim_node", [])
+    with pytest.raises(WorkspaceError, match="rviz"):
+        rosrun_command(Packages([]), "rviz", "rviz", [])
     with pytest.raises(PackageNotFound, match="'qwertz' not found"):
         rosrun_command(Packages([]), "qwertz", "x", [])
 
