@@ -52,6 +52,9 @@ _TEST_PROGRAMS = [
     *("advertisetest", "hztest", "paramtest", "publishtest", "servicetest", "subscribetest"),
 ]
 """The programs of rostest, which are in one file."""
+_TOPIC_TOOLS = _PYTHON / "topic_tools" / "programs.py"
+_TOPIC_PROGRAMS = ["delay", "drop", "mux", "relay", "throttle"]
+"""The programs of topic_tools, which are in one file, too."""
 
 
 def command_line(package: str, program: str, arguments: Sequence[str]) -> list[str] | None:
@@ -72,6 +75,8 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
         return processes.command_line(_SCRIPTS[name], arguments)
     if package == "rostest" and program in _TEST_PROGRAMS:
         return processes.command_line(_NODE_TESTS, [program, *arguments])
+    if package == "topic_tools" and program in _TOPIC_PROGRAMS:
+        return processes.command_line(_TOPIC_TOOLS, [program, *arguments])
     if fault := _unsupported().get(package):
         raise WorkspaceError(f"{package} {fault}")
     return None
@@ -80,7 +85,8 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
 def names(package: str) -> list[str]:
     """Return the programs of a package of ROS's own that have a substitute."""
     found = [program for owner, program in [*_MODULES, *_SCRIPTS] if owner == package]
-    return [*found, *(_TEST_PROGRAMS if package == "rostest" else ())]
+    in_files = {"rostest": _TEST_PROGRAMS, "topic_tools": _TOPIC_PROGRAMS}
+    return [*found, *in_files.get(package, ())]
 
 
 def _unsupported() -> dict[str, str]:

@@ -1,0 +1,135 @@
+"""topic_tools' programs, which pass on messages of any type."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+import pytest
+import rospy
+from running_programs import Start
+from topic_tools import programs
+
+import fibws
+from fibws.hub import Hub
+from fibws.msg.std_msgs import Int32, String
+from fibws.srv.topic_tools import MuxAdd, MuxDelete, MuxList, MuxSelect
+
+RUN = ("fibws", "run", "topic_tools")
+
+
+@pytest.fixture
+async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+    async with fibws.Node("test", hub=hub.url) as node:
+        yield node
+
+
+async def has_subscriber(publisher: fibws.Publisher[Int32, ...]) -> None:
+    """Wait until a topic has a subscriber."""
+    async for names in publisher.peers.changes():
+        if names:
+            return
+
+
+async def test_relay_passes_on_latched_messages_of_any_type(
+    hub: Hub, start: Start, node: fibws.Node
+) -> None:
+    words = await node.advertise("/robot/words", String, latch=True)
+    await words.publish(String("hello"))
+    await start(*RUN, "relay", "/robot/words", FIBWS_HUB=hub.url)
+    subscription = node.subscribe("/robot/words_relay", String, headers=True)
+    assert (await anext(subscription)).data == "hello"
+    assert subscription.connection_header["latching"] == "1"
+
+
+async def test_drop_leaves_out_the_first_of_each_number(
+    hub: Hub, start: Start, node: fibws.Node
+) -> None:
+    numbers = await node.advertise("/numbers", Int32, queue_size=100, peers=True)
+    found = node.subscribe("/some", Int32, queue_size=None)
+    await start(*RUN, "drop", "/numbers", "2", "3", "/some", FIBWS_HUB=hub.url)
+    await has_subscriber(numbers)
+    for number in range(9):
+        await numbers.publish(Int32(number))
+    assert [(await anext(found)).data for _ in range(3)] == [2, 5, 8]
+
+
+async def test_throttle_passes_on_the_first_message(
+    hub: Hub, start: Start, node: fibws.Node
+) -> None:
+    numbers = await node.advertise("/numbers", Int32, latch=True)
+    await numbers.publish(Int32(7))
+    found = node.subscribe("/numbers_throttle", Int32)
+    await start(*RUN, "throttle", "bytes", "/numbers", "100", "1", FIBWS_HUB=hub.url)
+    assert (await anext(found)).data == 7
+
+
+def test_throttles_count_messages_and_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
+    monkeypatch.setattr(rospy, "get_time", lambda: now)
+    message = rospy.AnyMsg().deserialize(b"1234")
+    by_messages, by_bytes = programs.Throttle(2.0), programs.ByteThrottle(5.0, 1.0)
+    passed: dict[str, list[float]] = {"messages": [], "bytes": []}
+    for step in [*range(12), 1]:  # At last, simulated time begins anew.
+        now = step * 0.25
+        if by_messages.passes(message):
+            passed["messages"].append(now)
+        if by_bytes.passes(message):
+            passed["bytes"].append(now)
+    assert passed["messages"] == [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 0.25]
+    assert passed["bytes"] == [0.0, 0.25, 1.0, 1.25, 2.0, 2.25, 0.25]
+
+
+async def test_delay_publishes_in_order_later(hub: Hub, start: Start, node: fibws.Node) -> None:
+    numbers = await node.advertise("/numbers", Int32, queue_size=100, peers=True)
+    found = node.subscribe("/numbers_delay", Int32, queue_size=None)
+    await start(*RUN, "delay", "/numbers", "0.2", FIBWS_HUB=hub.url)
+    await has_subscriber(numbers)
+    before = node.now().to_sec()
+    for number in range(3):
+        await numbers.publish(Int32(number))
+    assert [(await anext(found)).data for _ in range(3)] == [0, 1, 2]
+    assert node.now().to_sec() - before >= 0.2
+
+
+async def test_mux_passes_on_the_selected_topic(hub: Hub, start: Start, node: fibws.Node) -> None:
+    first = await node.advertise("/first", Int32, latch=True)
+    second = await node.advertise("/second", Int32, latch=True)
+    await first.publish(Int32(1))
+    await second.publish(Int32(2))
+    selected = node.subscribe("/mux/selected", String)
+    found = node.subscribe("/chosen", Int32)
+    await start(*RUN, "mux", "/chosen", "/first", "/second", FIBWS_HUB=hub.url)
+    assert (await anext(selected)).data == "/first"
+    assert (await anext(found)).data == 1
+    await node.wait_for_service("/mux/list", timeout=60)
+    assert (await node.call("/mux/select", MuxSelect, {"topic": "/second"})).prev_topic == "/first"
+    assert (await anext(selected)).data == "/second"
+    assert (await anext(found)).data == 2
+    await node.call("/mux/add", MuxAdd, {"topic": "third"})
+    await node.call("/mux/delete", MuxDelete, {"topic": "/first"})
+    assert (await node.call("/mux/list", MuxList)).topics == ["/second", "/third"]
+    for name, topic in (("Select", "/nothing"), ("Delete", "/second"), ("Add", "/third")):
+        with pytest.raises(fibws.ServiceError, match=topic):
+            await node.call(f"/mux/{name.lower()}", f"topic_tools/Mux{name}", {"topic": topic})
+    await node.call("/mux/select", MuxSelect, {"topic": "__none"})
+    assert (await anext(selected)).data == "__none"
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["relay"], "usage: relay IN_TOPIC [OUT_TOPIC]"),
+        (["throttle", "messages", "/a", "fast"], "expected a number, got 'fast'"),
+        (["throttle", "lines", "/a", "1"], "expected messages or bytes"),
+        (["drop", "/a", "3", "2"], "got 3 and 2"),
+        (["drop", "/a", "0", "0"], "Y from 1 on"),
+        (["mux", "/a"], "at least one input"),
+    ],
+)
+async def test_wrong_arguments_are_errors(
+    hub: Hub, start: Start, words: list[str], text: str
+) -> None:
+    program = await start(*RUN, *words, FIBWS_HUB=hub.url)
+    code, _, err = await program.end()
+    assert code == 1
+    assert text in err
