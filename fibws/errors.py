@@ -32,6 +32,7 @@ FibwsError
 │   └── PackageFileError       an invalid package.xml or CMakeLists.txt
 ├── AccessError            an invalid token file, right, key or certificate
 ├── LaunchError            an invalid launch file
+├── UrdfError              an invalid robot model
 ├── HubError               the hub cannot start or continue
 ├── FederationError        another hub, or the connection to it, has failed
 ├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
@@ -376,6 +377,10 @@ class LaunchError(FibwsError, ValueError):
         self.files = files
         above = "".join(f", included from {file}:{line}" for file, line in files)
         super().__init__(f"{file}:{line}: {fault}{above}")
+
+
+class UrdfError(FibwsError, ValueError):
+    """An invalid robot model; the text says where and why."""
 
 
 class HubError(FibwsError):

@@ -40,10 +40,15 @@ _MODULES = {
     ("actionlib_tutorials", "fibonacci_server"): ("fibws.examples.action_server",),
     ("actionlib_tutorials", "fibonacci_client"): ("fibws.examples.action_client",),
 }
+_JOINT_STATES = _PYTHON / "joint_state_publisher" / "publisher.py"
+_ROBOT_STATE = _PYTHON / "robot_state_publisher" / "publisher.py"
 _SCRIPTS = {
     ("rospy_tutorials", "talker"): _EXAMPLES / "rospy_talker.py",
     ("rospy_tutorials", "listener"): _EXAMPLES / "rospy_listener.py",
     ("dynamic_reconfigure", "dynparam"): _PYTHON / "dynamic_reconfigure" / "dynparam.py",
+    ("joint_state_publisher", "joint_state_publisher"): _JOINT_STATES,
+    ("robot_state_publisher", "robot_state_publisher"): _ROBOT_STATE,
+    ("robot_state_publisher", "state_publisher"): _ROBOT_STATE,
     ("tf2_ros", "buffer_server"): _PYTHON / "tf2_ros" / "buffer_server.py",
 }
 
@@ -95,6 +100,8 @@ def _unsupported() -> dict[str, str]:
     built_in = "is part of the hub and needs no start"
     talker = command_name("run rospy_tutorials talker")
     return {
+        "joint_state_publisher_gui": "opens a window, which fibws cannot; publish joint_states, or "
+        "start joint_state_publisher with ~source_list",
         "rviz": page,
         "rqt_image_view": page,
         "rqt_tf_tree": page,

@@ -11,7 +11,8 @@ NOT_NEEDED = set(
     rosconsole roscpp roscpp_serialization roscpp_traits roscpp_tutorials roslang roslaunch roslisp
     roslint rosmake rosmaster rosout rostime common_msgs topic_tools rosbridge_library
     rosbridge_suite rqt rqt_common_plugins rqt_console rqt_graph rqt_gui rqt_plot
-    cv_bridge rqt_reconfigure rqt_topic tf2 tf2_py tf2_ros xmlrpcpp
+    cv_bridge joint_state_publisher robot_state_publisher rqt_reconfigure rqt_topic tf2 tf2_py
+    tf2_ros xmlrpcpp
 
     class_loader collada_parser collada_urdf eigen_conversions filters image_transport kdl_parser
     laser_filters nodelet nodelet_core orocos_kdl pcl_conversions pcl_ros pluginlib realtime_tools
@@ -24,8 +25,7 @@ _REPOSITORIES = {
     "ros/angles": "angles",
     "ros/diagnostics": "diagnostic_updater diagnostic_aggregator diagnostic_common_diagnostics",
     "ros/executive_smach": "smach smach_ros",
-    "ros/joint_state_publisher": "joint_state_publisher joint_state_publisher_gui",
-    "ros/robot_state_publisher": "robot_state_publisher",
+    "ros/joint_state_publisher": "joint_state_publisher_gui",
     "ros/ros_comm": "rosbag rosbag_storage roswtf",
     "ros-controls/ros_control": "controller_manager controller_manager_msgs ros_control",
     "ros-controls/ros_controllers": "joint_state_controller ros_controllers",

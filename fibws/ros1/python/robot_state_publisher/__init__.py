@@ -1,0 +1,1 @@
+"""A program that publishes the frames of a robot: http://wiki.ros.org/robot_state_publisher."""
