@@ -1,6 +1,6 @@
 """Dependencies point down only, and the pure layers use no sockets, tasks or clocks.
 
-programs    demo  broadcaster  listener  examples/  turtlesim/  tf/ (its programs)
+programs    demo  broadcaster  listener  examples/  turtlesim/  web_video_server  tf/ (its programs)
 tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
@@ -60,6 +60,7 @@ BELOW = {
     | {"turtlesim"},
     "examples": {*NODE, *CLASSES, "cli"},
     "turtlesim": {*NODE, *CLASSES, "cli", "errors"},
+    "web_video_server": {*NODE, "cli", "suggestions"},
     "cli": {*NODE, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
 }

@@ -30,6 +30,7 @@ _MODULES = {
     ("tf", "view_frames"): ("fibws.tf.view_frames",),
     ("tf2_tools", "echo"): ("fibws.tf.tf_echo",),
     ("tf2_tools", "view_frames"): ("fibws.tf.view_frames",),
+    ("web_video_server", "web_video_server"): ("fibws.web_video_server",),
     ("turtlesim", "turtlesim_node"): ("fibws.turtlesim.turtlesim_node",),
     ("turtlesim", "turtle_teleop_key"): ("fibws.turtlesim.teleop_key",),
     ("turtlesim", "draw_square"): ("fibws.turtlesim.draw_square",),

@@ -12,7 +12,7 @@ NOT_NEEDED = set(
     roslint rosmake rosmaster rosout rostime common_msgs topic_tools rosbridge_library
     rosbridge_suite rqt rqt_common_plugins rqt_console rqt_graph rqt_gui rqt_plot
     cv_bridge joint_state_publisher robot_state_publisher rqt_reconfigure rqt_topic tf2 tf2_py
-    tf2_ros xmlrpcpp
+    tf2_ros web_video_server xmlrpcpp
 
     class_loader collada_parser collada_urdf eigen_conversions filters image_transport kdl_parser
     laser_filters nodelet nodelet_core orocos_kdl pcl_conversions pcl_ros pluginlib realtime_tools
@@ -51,7 +51,6 @@ _REPOSITORIES = {
     "ros-visualization/rviz": "rviz",
     "ROBOTIS-GIT/turtlebot3": "turtlebot3_teleop turtlebot3_bringup turtlebot3_description",
     "ROBOTIS-GIT/turtlebot3_msgs": "turtlebot3_msgs",
-    "RobotWebTools/web_video_server": "web_video_server",
 }
 REPOSITORIES = {
     name: f"https://github.com/{repository}"
