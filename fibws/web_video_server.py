@@ -263,6 +263,8 @@ class Viewer:
             await self._refuse(HTTPStatus.BAD_GATEWAY, str(error))
         except (OSError, TimeoutError, EOFError):
             pass  # The viewer has gone.
+        except asyncio.CancelledError:
+            pass  # The server ends; asyncio would log this as an error.
         finally:
             self._writer.close()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+import signal
 from collections.abc import AsyncIterator
 from io import BytesIO
 
@@ -101,6 +102,21 @@ async def test_stream_has_the_images_of_the_topic(port: int, node: fibws.Node) -
     async for names in images.peers.changes():
         if "/web_video_server" not in names:
             break
+
+
+async def test_server_ends_quietly_while_somebody_views(
+    hub: Hub, start: Start, node: fibws.Node
+) -> None:
+    hub.graph.parameters.set("/web_video_server/port", 0)
+    program = await start("fibws.web_video_server", FIBWS_HUB=hub.url)
+    port = int((await program.line()).rpartition(":")[2].strip("/\n"))
+    images = await node.advertise(TOPIC, CompressedImage, latch=True)
+    await images.publish(CompressedImage(data=b"image"))
+    browser = await Browser.get(port, f"/stream?topic={TOPIC}")
+    await browser.status()
+    await browser.frame()
+    program.send(signal.SIGTERM)
+    assert (await program.end())[::2] == (0, "")
 
 
 async def test_slow_viewer_gets_the_newest_image(port: int, node: fibws.Node) -> None:

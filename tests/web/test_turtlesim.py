@@ -66,6 +66,7 @@ async def test_what_was_drawn_before_is_shown(
     hub: Hub, simulator: Program, open_page: OpenPage
 ) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
+        await node.wait_for_service("/kill")
         await node.call("/spawn", Spawn, {"x": 1, "y": 1, "name": "painter"})
         await node.call("/painter/set_pen", SetPen, {"r": 255, "width": 1})
         await node.call("/painter/teleport_absolute", TeleportAbsolute, {"x": 1, "y": 9})

@@ -54,7 +54,8 @@ def wait():
     now = Time.now()
     found = buffer.lookup_transform('map', 'robot', now, Duration(20))
     t = found.transform.translation
-    print('now', found.header.stamp == now, found.header.frame_id, found.child_frame_id,
+    difference = abs((found.header.stamp - now).to_sec())  # ROS rounds stamps to about 200 ns.
+    print('now', difference < 1e-6, found.header.frame_id, found.child_frame_id,
           numbers(math.hypot(t.x, t.y)))
     attempt('future', buffer.lookup_transform, 'map', 'robot', Time.now() + Duration(100))
     attempt('past', buffer.lookup_transform, 'map', 'robot', Time.now() - Duration(100))
