@@ -35,6 +35,8 @@ IMAGE, COMPRESSED = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
 QUALITY = 80
 """The quality of JPEG for images that are not compressed."""
 MOST_VIEWERS = 100
+MOST_CONNECTIONS = 2 * MOST_VIEWERS
+"""More are closed at once, without an answer."""
 MOST_REQUEST = 16_384
 """Bytes of a request."""
 PATIENCE = 10.0
@@ -153,7 +155,7 @@ class Feed:
             picture = Image.frombuffer(mode, size, bytes(image.data), "raw", raw, image.step, 1)
             written = io.BytesIO()
             picture.save(written, "JPEG", quality=self._quality)
-        except (ValueError, OSError, SystemError) as error:
+        except (ValueError, OSError, OverflowError, MemoryError, SystemError) as error:
             text = f"the image of {size[0]} x {size[1]} pixels is invalid: {error}"
             raise Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, text) from None
         return written.getvalue()
@@ -284,7 +286,10 @@ class Viewer:
             text = f"expected GET, got {request.method.decode()}"
             raise Refused(HTTPStatus.METHOD_NOT_ALLOWED, text)
         _check_host(dict(request.headers).get(b"host", b"").decode(errors="replace"))
-        target = urlsplit(request.target.decode())
+        try:
+            target = urlsplit(request.target.decode())
+        except ValueError as error:
+            raise Refused(HTTPStatus.BAD_REQUEST, str(error)) from None
         fields = {key: values[-1] for key, values in parse_qs(target.query).items()}
         match target.path:
             case "/stream":
@@ -312,7 +317,7 @@ class Viewer:
 
     async def _stream(self, fields: dict[str, str]) -> None:
         async with self._feeds.view(fields) as feed:
-            gone = asyncio.create_task(self._reader.read(), name="the viewer goes")
+            gone = asyncio.create_task(_ended(self._reader), name="the viewer goes")
             try:
                 frame = await _before(gone, feed.newer(0))
                 media_type = f"multipart/x-mixed-replace; boundary={BOUNDARY}"
@@ -348,7 +353,14 @@ class Viewer:
             await self._writer.drain()
 
 
-async def _before(gone: asyncio.Task[bytes], newer: Coroutine[Any, Any, Frame]) -> Frame | None:
+async def _ended(reader: asyncio.StreamReader) -> None:
+    """Wait for the end of a connection; what is sent before is ignored."""
+    with suppress(OSError):
+        while await reader.read(4096):
+            pass
+
+
+async def _before(gone: asyncio.Task[None], newer: Coroutine[Any, Any, Frame]) -> Frame | None:
     """Wait for a frame; return None if the viewer goes before it."""
     frame = asyncio.ensure_future(newer)
     try:
@@ -378,10 +390,10 @@ def _check_host(host: str) -> None:
     Raises:
         Refused: it is neither an address nor a name of this machine.
     """
-    name = urlsplit(f"//{host}").hostname or ""
-    if name in ("localhost", socket.gethostname().lower()) or name.endswith(".local"):
-        return
     try:
+        name = urlsplit(f"//{host}").hostname or ""
+        if name in ("localhost", socket.gethostname().lower()) or name.endswith(".local"):
+            return
         ipaddress.ip_address(name)
     except ValueError:
         text = f"unknown host {host[:100]!r}: use this machine's name or address"
@@ -412,9 +424,17 @@ async def serve(node: fibws.Node) -> None:
     address = str(await node.params.get("~address", ADDRESS))
     port = int(await node.params.get("~port", PORT))
     feeds = Feeds(node)
+    connections: set[asyncio.StreamWriter] = set()
 
     async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        await Viewer(feeds, reader, writer).serve()
+        if len(connections) == MOST_CONNECTIONS:
+            writer.close()
+            return
+        connections.add(writer)
+        try:
+            await Viewer(feeds, reader, writer).serve()
+        finally:
+            connections.remove(writer)
 
     try:
         server = await asyncio.start_server(accept, address, port, limit=MOST_REQUEST)

@@ -137,6 +137,19 @@ async def test_slow_viewer_gets_the_newest_image(port: int, node: fibws.Node) ->
     assert len(seen) < 6
 
 
+async def test_viewer_that_sends_without_end_is_served(port: int, node: fibws.Node) -> None:
+    images = await node.advertise(TOPIC, CompressedImage, latch=True)
+    await images.publish(CompressedImage(data=b"first"))
+    browser = await Browser.get(port, f"/stream?topic={TOPIC}")
+    await browser.status()
+    assert await browser.frame() == b"first"
+    for _ in range(100):
+        browser.writer.write(bytes(100_000))
+        await browser.writer.drain()
+    await images.publish(CompressedImage(data=b"second"))
+    assert await browser.frame() == b"second"
+
+
 async def test_snapshot_and_pages(port: int, node: fibws.Node) -> None:
     images = await node.advertise(TOPIC, CompressedImage, latch=True)
     await images.publish(CompressedImage(data=b"one image"))
@@ -182,11 +195,13 @@ async def test_requests_that_cannot_be_served_say_why(port: int, node: fibws.Nod
         ("/stream?topic=/camera/imag/compressed", 404, TOPIC),
         ("/stream?topic=/number", 415, "std_msgs/Int32"),
         ("/nothing", 404, "/stream"),
+        ("//[", 400, ""),
     ):
         found = await answer(port, path)
         assert found[0] == status, found
         assert text in found[1] or status == 400
-    assert (await answer(port, "/", host="evil.example"))[0] == 421
+    for host in ("evil.example", "[", ""):
+        assert (await answer(port, "/", host=host))[0] == 421
     post = await Browser.get(port, "/", method="POST")
     assert await post.status() == 405
     long = await Browser.get(port, f"/{'a' * 100_000}")
