@@ -101,7 +101,7 @@ class Canvas:
         return len(self._colors) - 1
 
     def _forget_unused(self) -> None:
-        """Number the colours that are in the picture anew."""
+        """Keep only the colours that are in the picture."""
         used = sorted(set(self._pixels))
         table = bytearray(MOST_COLORS)
         for new, old in enumerate(used):

@@ -35,7 +35,7 @@ def cvtColor2(im: Any, encoding_in: str, encoding_out: str) -> Any:
     """Return an image in another encoding.
 
     Raises:
-        RuntimeError: there is no such conversion.
+        RuntimeError: the conversion is not supported.
     """
     try:
         return convert(im, encoding_in, encoding_out)

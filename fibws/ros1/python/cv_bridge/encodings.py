@@ -38,7 +38,7 @@ class EncodingError(ValueError):
 
 
 class Encoding(NamedTuple):
-    """What an encoding means."""
+    """The parts of an encoding."""
 
     name: str
     depth: str
@@ -91,7 +91,7 @@ def convert(image: Any, source: str, target: str) -> Any:
         target: the other encoding.
 
     Raises:
-        EncodingError: one is unknown, or there is no conversion.
+        EncodingError: one is unknown, or the conversion is not supported.
     """
     if source == target:
         return image

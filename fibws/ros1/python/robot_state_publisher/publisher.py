@@ -86,7 +86,7 @@ class StatePublisher:
             return
         stamp = state.header.stamp
         now = rospy.get_time()
-        if now < self._last:  # Simulated time begins anew.
+        if now < self._last:  # Simulated time has started again.
             self._published.clear()
         self._last = now
         joints = [name for name in state.name if name in self._model.joints]

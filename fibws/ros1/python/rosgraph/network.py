@@ -83,7 +83,7 @@ def _addresses(family: socket.AddressFamily) -> list[str]:
             probe.connect((remote, 9))  # This sends nothing, and chooses the address.
             found.append(probe.getsockname()[0])
         except OSError:
-            pass  # There is no route.
+            pass  # No route leads there.
     return found
 
 

@@ -91,7 +91,7 @@ def is_header_type(type_: str) -> bool:
 
 
 def is_builtin(msg_type_name: str) -> bool:
-    """Return whether a type is no message."""
+    """Return whether a type is built in, such as ``int32``, ``string`` or ``time``."""
     return msg_type_name in BUILTIN_TYPES
 
 

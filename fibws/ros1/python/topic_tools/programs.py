@@ -79,7 +79,7 @@ class Throttle:
     def passes(self, message: Any) -> bool:
         """Return whether a message that arrives now passes."""
         now = rospy.get_time()
-        # Simulated time may begin anew.
+        # Simulated time may start again.
         if self._last is not None and 0 <= now - self._last < self._period:
             return False
         self._last = now
@@ -237,7 +237,6 @@ def _run(program: str, arguments: list[str]) -> None:
         Mux(arguments[0], arguments[1:])
         rospy.spin()
         return
-    passes: Callable[[Any], bool] = lambda message: True  # noqa: E731
     kind = arguments.pop(0) if program == "throttle" and arguments else ""
     if program == "throttle" and kind not in ("messages", "bytes"):
         _fail(program, f"expected messages or bytes, got {kind!r}")
@@ -257,12 +256,14 @@ def _run(program: str, arguments: list[str]) -> None:
         return
     if program == "throttle":
         limit = ByteThrottle(*numbers) if kind == "bytes" else Throttle(*numbers)
-        passes = limit.passes
+        passes: Callable[[Any], bool] = limit.passes
     elif program == "drop":
         dropped, total = map(int, numbers)
         if not total or dropped > total:
             _fail(program, f"expected X from 0 to Y, and Y from 1 on, got {dropped} and {total}")
         passes = Drop(dropped, total).passes
+    else:
+        passes = _always
 
     def forward(message: Any) -> None:
         if passes(message):
@@ -270,6 +271,10 @@ def _run(program: str, arguments: list[str]) -> None:
 
     rospy.Subscriber(name, rospy.AnyMsg, forward)
     rospy.spin()
+
+
+def _always(message: Any) -> bool:
+    return True
 
 
 def _number(program: str, text: str) -> float:
