@@ -51,7 +51,7 @@ class Pose(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What a turtle publishes after a step."""
+    """The values that a turtle publishes after a step."""
 
     pose: Pose
     linear: float
@@ -210,7 +210,7 @@ class Field:
         """Remove a turtle; what it has drawn stays.
 
         Raises:
-            FieldError: there is no such turtle.
+            FieldError: the turtle does not exist.
         """
         if name not in self.turtles:
             raise FieldError(f"Tried to kill turtle [{name}], which does not exist")

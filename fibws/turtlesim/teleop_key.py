@@ -20,7 +20,7 @@ Use arrow keys to move the turtle. 'q' to quit."""
 LINEAR, ANGULAR = 2.0, 2.0
 """Meters and radians per second, unless the parameters say otherwise."""
 DIRECTIONS = {"up": (1.0, 0.0), "down": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
-"""What each key means: forwards, and to the left."""
+"""The direction of each key: forwards, and to the left."""
 _ARROWS = ("up", "down", "right", "left")
 _SEQUENCES = {
     f"{start}{letter}": key

@@ -233,5 +233,5 @@ async def test_without_a_terminal_teleop_is_an_error(hub: Hub, start: Start) -> 
 
 @pytest.mark.parametrize("module", [draw_square, mimic, teleop_key, turtlesim_node])
 def test_help_says_what_a_program_does(module: object) -> None:
-    command = module.command  # type: ignore[attr-defined]
+    command = module.command  # type: ignore[attr-defined]  # A module with a command.
     assert "turtle" in CliRunner().invoke(command, ["--help"]).output

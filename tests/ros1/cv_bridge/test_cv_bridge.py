@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-np = pytest.importorskip("numpy")
+np = pytest.importorskip("numpy")  # Before cv_bridge, which needs it; hence E402 below.
 
 from cv_bridge import CvBridge, CvBridgeError  # noqa: E402
 from sensor_msgs.msg import CompressedImage, Image  # noqa: E402

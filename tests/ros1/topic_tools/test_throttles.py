@@ -13,7 +13,7 @@ def test_throttles_count_messages_and_bytes(monkeypatch: pytest.MonkeyPatch) -> 
     message = rospy.AnyMsg().deserialize(b"1234")
     by_messages, by_bytes = programs.Throttle(2.0), programs.ByteThrottle(5.0, 1.0)
     passed: dict[str, list[float]] = {"messages": [], "bytes": []}
-    for step in [*range(12), 1]:  # At last, simulated time begins anew.
+    for step in [*range(12), 1]:  # At the end, simulated time starts again.
         now = step * 0.25
         if by_messages.passes(message):
             passed["messages"].append(now)

@@ -177,7 +177,7 @@ function choicesOf(editMethod: string): Choice[] {
   });
 }
 
-/** A limit; undefined if it is none: infinite, or the least or greatest integer. */
+/** A limit; undefined for the values that stand for no limit: infinity, INT_MIN and INT_MAX. */
 function limitOf(value: Value | undefined, extreme: number): number | undefined {
   return typeof value !== "number" || value === extreme || Math.abs(value) > 1e300
     ? undefined

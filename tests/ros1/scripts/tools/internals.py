@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What scripts ask modules that are not meant for them."""
+"""Calls of ROS's internal modules, which some scripts import."""
 import io
 import os
 import socket
