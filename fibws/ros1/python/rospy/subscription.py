@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from genpy.message import get_message_class
 
-from rospy import core
+from rospy import core, statistics
 from rospy.callback_queue import CallbackQueue, call
 from rospy.exceptions import ROSException
 from rospy.msg import Message, serialized
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     import fibws
     from fibws.node.subscription import Received
+    from rospy.statistics import TopicMeasurement
 
 MOST = 10_000
 MOST_BYTES = 64 << 20
@@ -59,6 +60,7 @@ class Subscription:
         self._queue: CallbackQueue[Received] = CallbackQueue(resolved_name, self._handle)
         self._source: fibws.Subscription[Any] | None = None
         self._task: asyncio.Task[None] | None = None
+        self._measurement: TopicMeasurement | None = None
         self._headers: dict[tuple[str, bytes], dict[str, str]] = {}
         """Connection headers by the type and the JSON that they were made from."""
         self._has_warned = False
@@ -87,6 +89,8 @@ class Subscription:
             self._closed = True
             self._callbacks = []
         self._queue.close()
+        if self._measurement is not None:
+            self._measurement.close()
         core.background.soon(self._unregister)
 
     def get_num_connections(self) -> int:
@@ -160,6 +164,7 @@ class Subscription:
                 peers=True,
             )
             source.hand_undecoded_to(self._take)
+            self._measurement = await statistics.measurement(self.resolved_name)
             async for _ in source:
                 pass
         except (NodeClosed, NodeKilled, NodeReplaced):
@@ -214,6 +219,11 @@ class Subscription:
         if self._received_class is not self.data_class:
             message = self.data_class().deserialize(serialized(message))
         message._connection_header = self._header(self._source, received[1])
+        if self._measurement is not None:
+            content = received[0]
+            is_binary = isinstance(content, memoryview)
+            size = content.nbytes if is_binary else len(serialized(message))
+            self._measurement.add(message, size)
         self._call_back(message)
 
     def _call_back(self, message: Message) -> None:
