@@ -36,7 +36,7 @@ from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.rosapi.clients import Client
-from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
+from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection, Shared
@@ -191,7 +191,7 @@ class Hub:
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         self._federate()
         self._requests = requests = HttpRequests(
-            self.settings, read_files(), OWN_NODES, partial(_refuse_origin, self.audit)
+            self.settings, read_files(), RESERVED_NODES, partial(_refuse_origin, self.audit)
         )
         self._lag = LoopLag(loop, time.monotonic)
         watchers = Watchers(self.settings, self._authentication, self.audit, requests.host_refusal)

@@ -13,7 +13,6 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from fibws.hub import Hub
-from fibws.hub.rosapi.nodes import OWN_NODES, PUBLISHED
 
 TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
 PATIENCE = 60
@@ -266,9 +265,9 @@ async def longest_turn() -> AsyncIterator[Callable[[], float]]:
 
 def nodes(hub: Hub) -> list[str]:
     """Return the names of the clients' nodes."""
-    return [name for name in hub.graph.nodes if name not in OWN_NODES]
+    return [name for name in hub.graph.nodes if name not in hub.graph.internal]
 
 
 def topics(hub: Hub) -> list[str]:
     """Return the names of the topics that clients use."""
-    return [name for name in hub.graph.topics if name not in PUBLISHED]
+    return [name for name in hub.graph.topics if name not in {"/rosout", *hub.graph.reserved}]

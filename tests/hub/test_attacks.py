@@ -23,7 +23,6 @@ from websockets.exceptions import InvalidStatus
 from fibws.access.token_file import Tokens
 from fibws.hub import Hub
 from fibws.hub.graph.graph import ExternalNode, Graph
-from fibws.hub.rosapi.nodes import OWN_NODES
 from fibws.interfaces import Interfaces, Validators
 from fibws.interfaces.serialization import Serializers
 from fibws.protocol.serialized import publish_head
@@ -120,13 +119,19 @@ async def test_living_node_keeps_its_name(hub: Hub, world: World, attacker: Clie
         assert await victim.is_alive()
 
 
-@pytest.mark.parametrize("name", ["/rosapi", "rosapi", "/rosout", "/rosbridge_websocket"])
+@pytest.mark.parametrize("name", ["/rosapi", "rosapi", "/rosbridge_websocket"])
 @pytest.mark.parametrize("token", [*ATTACKERS.values(), "boss"])
 async def test_names_of_the_hubs_nodes_are_its_own(hub: Hub, name: str, token: str | None) -> None:
     with pytest.raises(InvalidStatus) as raised:
         async with entering(hub, token, name):
             pass
     assert raised.value.response.status_code == 400
+
+
+@pytest.mark.parametrize("token", [*ATTACKERS.values(), "boss"])
+async def test_rosout_is_the_hubs_if_there_are_tokens(hub: Hub, token: str | None) -> None:
+    async with entering(hub, token, "/rosout") as connection:
+        assert (await closing(connection))[0] == 4403
 
 
 async def test_name_that_is_kept_for_a_principal_is_not_taken(hub: Hub) -> None:
@@ -371,7 +376,7 @@ async def test_will_on_rosout_has_the_name_of_its_node(
     boss = await world.client("boss")
     await boss.does("subscribe", topic="/rosout", type=LOG)
     async with entering(hub, token) as connection:
-        (node,) = hub.graph.nodes.keys() - {boss.name, *OWN_NODES}
+        (node,) = hub.graph.nodes.keys() - {boss.name, *hub.graph.internal}
         attacker = Client(connection, node, token)
         forged = {"name": "/ann", "msg": "forged"}
         await attacker.answers("set_will", topic="/rosout", type=LOG, msg=forged)

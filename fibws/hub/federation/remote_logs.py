@@ -131,7 +131,7 @@ class LogReader:
             old = self._subscriptions.pop(name)
             self._graph.unsubscribe(old.topic, old)
         if wanted and self.name not in self._graph.nodes:
-            self._graph.enter(self, self.name)
+            self._graph.enter(self, self.name, internal=True)
         for name in wanted.keys() - self._subscriptions.keys():
             topic = self._graph.topic(name)
             new = self._subscriptions[name] = _Subscription(self.name, topic, wanted[name])

@@ -173,6 +173,8 @@ class Graph:
         self.policy: Policy = policy or AllowAll()
         self.internal: set[str] = set()
         """The hub's own nodes, for which the policy is not asked."""
+        self.permanent: set[str] = set()
+        """Those of them whose names no client may take; none may where there is a policy."""
         self.reserved: set[str] = set()
         """The topics that only the hub's own nodes may publish."""
         self.guards: dict[str, Guard] = {}
@@ -273,20 +275,31 @@ class Graph:
 
     # Nodes.
 
-    def enter(self, node: Node, name: str | None, principal: Principal | None = None) -> str:
+    def enter(
+        self,
+        node: Node,
+        name: str | None,
+        principal: Principal | None = None,
+        *,
+        internal: bool = False,
+    ) -> str:
         """Add a node under the requested name, or a generated one; return the name.
 
         An older node of that name is informed that it is replaced, as by ROS's master.
 
         Args:
             principal: who the node is, for the policy.
+            internal: whether it is the hub's own, for which the policy is not asked.
 
         Raises:
-            NotAllowed: the policy forbids the name.
+            NotAllowed: the policy forbids the name, or it is the hub's own.
         """
         is_chosen = name is not None
         name = self._new_name() if name is None else name
-        if name not in self.internal:
+        if not internal:
+            is_replaceable = self.policy.allows_all and name not in self.permanent
+            if name in self.internal and not is_replaceable:
+                raise NotAllowed(name, "node", name, f"{name} is the hub's own node")
             is_taken = name in self.nodes
             self.policy.enter(name, principal, is_chosen=is_chosen, is_taken=is_taken)
         if is_chosen:

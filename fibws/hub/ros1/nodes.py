@@ -302,9 +302,6 @@ class Ros1Nodes:
         if node is not None and node.api == api:
             node.hub_host = hub_host
             return node
-        if name in self._graph.internal:
-            logger.warning("%s at %s: this name is the hub's own.", name, api)
-            return None
         node = Ros1Node(name, api, hub_host, self._graph.now(), self)
         try:
             self._graph.enter(node, name, self.principal)

@@ -38,16 +38,16 @@ ROSOUT = "/rosout"
 ROSAPI = "/rosapi"
 CLOCK = "/clock"
 USE_SIM_TIME = "/use_sim_time"
-OWN_NODES = (ROSAPI, ROSBRIDGE, ROSOUT)
+RESERVED_NODES = (ROSAPI, ROSBRIDGE)
+"""The hub's own nodes whose names no client may take."""
 LOG = "rosgraph_msgs/Log"
 
 PUBLISHED = {
     ROSOUT: ((ROSAPI, ROSBRIDGE), LOG),
-    "/rosout_agg": ((ROSOUT,), LOG),
     "/client_count": ((ROSBRIDGE,), "std_msgs/Int32"),
     "/connected_clients": ((ROSBRIDGE,), "rosbridge_msgs/ConnectedClients"),
 }
-"""The hub's own topics, each with the nodes that publish it and its type."""
+"""The topics of the hub's own nodes but `RosoutNode`, each with its publishers and its type."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,17 +79,16 @@ class OwnNode:
 class RosoutAggregator:
     """Publishes every message of /rosout on /rosout_agg, as ROS's rosout node does; a `Sink`."""
 
-    node = ROSOUT
-
     def __init__(self, aggregated: Source) -> None:
-        self._aggregated = aggregated
+        self.node = aggregated.node
+        self.source = aggregated
         self._messages = 0
 
     def receive(self, publication: Publication) -> None:
         """Publish a message again if there are subscribers."""
         self._messages += 1
-        if self._aggregated.topic.sinks():
-            self._aggregated.forward(publication)
+        if self.source.topic.sinks():
+            self.source.forward(publication)
 
     def replay(self, publication: Publication) -> None:
         """Ignore a latched message: nodes do not latch their log."""
@@ -97,6 +96,84 @@ class RosoutAggregator:
     def report(self) -> SinkReport:
         """Return the totals."""
         return SinkReport(messages=self._messages)
+
+
+class RosoutNode:
+    """The node /rosout: it aggregates the log, and has the services of loggers; a graph's `Node`.
+
+    A client may take its name, as in ROS, on a hub without authentication. /rosapi aggregates the
+    log until that client has left.
+    """
+
+    name = ROSOUT
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._services: tuple[str, ...] = ()
+        self._closed = False
+        self._aggregator = self._aggregate(ROSAPI)
+        self._enter()
+        graph.watch("node", self._node_changed)
+
+    def publishing(self) -> Sequence[str]:
+        """Return the topics that it publishes."""
+        return ("/rosout_agg",)
+
+    def subscribing(self) -> Sequence[str]:
+        """Return the topics that it subscribes to."""
+        return (ROSOUT,)
+
+    def providing(self) -> Sequence[str]:
+        """Return the services that it provides."""
+        return self._services
+
+    def replaced(self) -> None:
+        """Make room for a client of this name."""
+        self._remove_services()
+        self._graph.internal.discard(ROSOUT)
+        self._move(ROSAPI)
+
+    def close(self) -> None:
+        """Take everything back; the second time nothing happens."""
+        if self._closed:
+            return
+        self._closed = True
+        self._remove_aggregator()
+        self._remove_services()
+        self._graph.leave(self, ROSOUT)
+
+    def _enter(self) -> None:
+        self._graph.internal.add(ROSOUT)
+        self._move(ROSOUT)
+        services = loggers.services(ROSOUT)
+        for service, (type_, function) in services.items():
+            self._graph.serve_internally(service, type_, ROSOUT, function)
+        self._services = tuple(services)
+        self._graph.enter(self, ROSOUT, internal=True)
+
+    def _node_changed(self, name: str) -> None:
+        if name == ROSOUT and ROSOUT not in self._graph.nodes and not self._closed:
+            self._enter()
+
+    def _move(self, node: str) -> None:
+        """Let another node be the one that aggregates."""
+        self._remove_aggregator()
+        self._aggregator = self._aggregate(node)
+
+    def _aggregate(self, node: str) -> RosoutAggregator:
+        graph = self._graph
+        aggregator = RosoutAggregator(graph.advertise(graph.topic("/rosout_agg"), node, LOG))
+        graph.subscribe(graph.topic(ROSOUT), aggregator, LOG)
+        return aggregator
+
+    def _remove_aggregator(self) -> None:
+        self._graph.unsubscribe(self._graph.topics[ROSOUT], self._aggregator)
+        self._graph.remove_source(self._aggregator.source)
+
+    def _remove_services(self) -> None:
+        for service in self._services:
+            self._graph.remove_service(self._graph.services[service])
+        self._services = ()
 
 
 class SimulatedTime:
@@ -180,8 +257,9 @@ class OwnNodes:
         self._graph = graph
         self._hubs = hubs
         self._audit = audit
-        graph.internal.update(OWN_NODES)
-        graph.reserved.update(PUBLISHED.keys() - {ROSOUT})
+        graph.internal.update(RESERVED_NODES)
+        graph.permanent.update(RESERVED_NODES)
+        graph.reserved.update({"/rosout_agg", *PUBLISHED} - {ROSOUT})
         graph.guards[ROSOUT] = self._check_author
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port, address=address)
         self._sources = {
@@ -201,9 +279,8 @@ class OwnNodes:
         services = self._services()
         for service, (type_, function) in services.items():
             graph.serve_internally(service, type_, _namespace(service), function)
-        self._aggregator = RosoutAggregator(self._sources[ROSOUT, "/rosout_agg"])
-        graph.subscribe(graph.topics[ROSOUT], self._aggregator, LOG)
-        subscribed: dict[str, list[str]] = {ROSOUT: [ROSOUT], ROSAPI: [], ROSBRIDGE: []}
+        self._rosout = RosoutNode(graph)
+        subscribed: dict[str, list[str]] = {name: [] for name in RESERVED_NODES}
         self._simulated_time = SimulatedTime(graph, subscribed[ROSAPI])
         self._nodes = [
             OwnNode(
@@ -212,10 +289,10 @@ class OwnNodes:
                 subscribed[name],
                 [service for service in services if _namespace(service) == name],
             )
-            for name in OWN_NODES
+            for name in RESERVED_NODES
         ]
         for node in self._nodes:
-            graph.enter(node, node.name)
+            graph.enter(node, node.name, internal=True)
 
     def connected(self, client: Client) -> None:
         """Add a client that has connected."""
@@ -237,7 +314,7 @@ class OwnNodes:
         self.clients.close()
         self._rosnode.close()
         self._simulated_time.close()
-        self._graph.unsubscribe(self._graph.topics[ROSOUT], self._aggregator)
+        self._rosout.close()
         for source in self._sources.values():
             self._graph.remove_source(source)
         for node in self._nodes:
@@ -252,12 +329,12 @@ class OwnNodes:
         services = {
             **Introspection(graph).services(),
             **ParameterServices(graph, self._audit).services(),
-            **Snapshot(graph, OWN_NODES, self.clients, self._hubs).services(),
+            **Snapshot(graph, self.clients, self._hubs).services(),
             **Statistics(graph, self.clients).services(),
             **TypeDefs(graph.definitions).services(),
             **self._rosnode.services(),
         }
-        for name in OWN_NODES:
+        for name in RESERVED_NODES:
             services.update(loggers.services(name))
         return services
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
@@ -26,7 +26,6 @@ class Snapshot:
     """The nodes, topics, services and actions, each sorted by name.
 
     Args:
-        own: the names of the hub's own nodes.
         clients: the other nodes' connections.
         hubs: returns the other hubs for a caller, as a fibws_msgs/GetHubs response.
     """
@@ -34,12 +33,10 @@ class Snapshot:
     def __init__(
         self,
         graph: Graph,
-        own: Collection[str],
         clients: ConnectedClients,
         hubs: Callable[[str], dict[str, Any]],
     ) -> None:
         self._graph = graph
-        self._own = own
         self._clients = clients
         self._hubs = hubs
         self._began = graph.now()
@@ -101,7 +98,7 @@ class Snapshot:
                     "name": name,
                     "address": address if is_visible else "",
                     "since": {"secs": secs, "nsecs": nsecs},
-                    "own": name in self._own or isinstance(node, NodeOfLink),
+                    "own": name in self._graph.internal or isinstance(node, NodeOfLink),
                     "api": api if is_visible else "",
                     "fault": fault if is_visible else "",
                     "hub": hub,

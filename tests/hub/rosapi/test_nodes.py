@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from fibws.errors import NotAllowed
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.types import CheckedType
 from fibws.hub.rosapi.nodes import OwnNode
 from fibws.protocol.serialized import publish_head, read_delivery
 
 from ..fakes import INT32
+from ..graph.test_policy import Forbid
 from .rosapi_client import RosapiClient
 
 LOG = {"name": "/talker", "msg": "hello", "level": 2}
@@ -173,3 +175,41 @@ def test_clock_of_another_type_does_not_simulate_time(rosapi: RosapiClient) -> N
     rosapi.client.send("advertise", "/clock", type=INT32)
     rosapi.call("/rosapi/set_param", name="/use_sim_time", value="true")
     assert rosapi.graph.clock.simulated is None
+
+
+# A client that is called /rosout.
+
+
+def test_client_may_be_called_rosout_while_the_log_is_aggregated(rosapi: RosapiClient) -> None:
+    listener, talker = rosapi.add_client("/listener"), rosapi.add_client("/talker")
+    listener.send("subscribe", "/rosout_agg")
+    talker.send("advertise", "/rosout", type="rosgraph_msgs/Log")
+
+    client = rosapi.add_client("/rosout")
+    client.send("advertise_service", service="/rosout/get_loggers", type="roscpp/GetLoggers")
+    assert rosapi.graph.services["/rosout/get_loggers"].node == "/rosout"
+    client.send("advertise", "/rosout_agg", type="rosgraph_msgs/Log")
+    assert "/rosout_agg is published by the hub alone" in client.receive_statuses()[0]
+    listener.receive()  # The log line of this.
+    talker.send("publish", "/rosout", msg=LOG)
+    assert [each["msg"]["msg"] for each in listener.receive()] == ["hello"]
+    assert list(rosapi.graph.topics["/rosout_agg"].sources) == ["/rosapi"]
+
+    client.disconnect()
+    talker.send("publish", "/rosout", msg=LOG)
+    assert [each["msg"]["msg"] for each in listener.receive()] == ["hello"]
+    rosout = rosapi.call("/rosapi/node_details", node="/rosout")
+    assert rosout["publishing"] == ["/rosout_agg"]
+    assert rosout["services"] == loggers("/rosout")
+
+
+@pytest.mark.parametrize("name", ["/rosapi", "/rosbridge_websocket"])
+def test_other_names_of_the_hub_cannot_be_taken(rosapi: RosapiClient, name: str) -> None:
+    with pytest.raises(NotAllowed, match=name):
+        rosapi.add_client(name)
+
+
+def test_rosout_cannot_be_taken_on_a_hub_with_a_policy() -> None:
+    rosapi = RosapiClient(policy=Forbid())
+    with pytest.raises(NotAllowed, match="/rosout"):
+        rosapi.add_client("/rosout")
