@@ -13,10 +13,13 @@ from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
 from fibws import names
+from fibws.ros1.shell import ros_programs
 from fibws.ros1.workspace.packages import Packages
 
 MOST_BYTES = 2**26
 """Largest file that is read; a device may have no end."""
+XACRO = Path(__file__).parent / "xacro"
+"""The folder of a program that runs PyPI's xacro; launch files name it as ``$(find xacro)``."""
 _BROADCAST = IPv4Address("255.255.255.255")
 
 ReadYaml: TypeAlias = Callable[[str], Any]
@@ -74,6 +77,8 @@ class LocalEnvironment:
 
     def find(self, package: str) -> Path:
         """Return the folder of a package, or raise `PackageNotFound`."""
+        if package == XACRO.name and not self._packages.has(package):
+            return XACRO
         return self._packages.find(package).folder
 
     def read(self, file: str) -> bytes:
@@ -86,7 +91,7 @@ class LocalEnvironment:
 
     def output(self, command: str) -> str:
         """Return what a command prints; raise `ValueError` if it is not found or fails."""
-        words = split(command)
+        words = self._substituted(split(command))
         if not words:
             raise ValueError("the command is empty")
         try:
@@ -96,6 +101,14 @@ class LocalEnvironment:
         if done.returncode:
             raise ValueError(f"{command}: failed with exit code {done.returncode}")
         return done.stdout.decode()
+
+    def _substituted(self, words: list[str]) -> list[str]:
+        """Return the command that runs PyPI's xacro if it is meant, and not one in a workspace."""
+        program = Path(words[0]) if words else Path()
+        is_bare = words[:1] in (["xacro"], ["xacro.py"]) and not self._packages.has_own(XACRO.name)
+        if not is_bare and program.parent != XACRO:
+            return words
+        return ros_programs.command_line(XACRO.name, program.name, words[1:]) or words
 
     def yaml(self, text: str) -> Any:
         """Return the value of a YAML text, or raise `ValueError`."""

@@ -41,6 +41,7 @@ _MODULES = {
     ("actionlib_tutorials", "fibonacci_server"): ("fibws.examples.action_server",),
     ("actionlib_tutorials", "fibonacci_client"): ("fibws.examples.action_client",),
 }
+_LAUNCH = Path(__file__).parents[1] / "launch"
 _JOINT_STATES = _PYTHON / "joint_state_publisher" / "publisher.py"
 _ROBOT_STATE = _PYTHON / "robot_state_publisher" / "publisher.py"
 _SCRIPTS = {
@@ -50,6 +51,7 @@ _SCRIPTS = {
     ("joint_state_publisher", "joint_state_publisher"): _JOINT_STATES,
     ("robot_state_publisher", "robot_state_publisher"): _ROBOT_STATE,
     ("robot_state_publisher", "state_publisher"): _ROBOT_STATE,
+    ("xacro", "xacro"): _LAUNCH / "xacro" / "expand.py",
     ("tf2_ros", "buffer_server"): _PYTHON / "tf2_ros" / "buffer_server.py",
 }
 

@@ -113,3 +113,27 @@ def test_commands_are_split_as_by_a_shell(monkeypatch: pytest.MonkeyPatch) -> No
     assert split("a 'b c' d\\ e") == ["a", "b c", "d e"]
     monkeypatch.setattr("os.name", "nt")
     assert split("C:\\a\\b 'b c' \"d e\"") == ["C:\\a\\b", "b c", "d e"]
+
+
+@pytest.mark.parametrize(
+    "program", ["$(find xacro)/xacro --inorder", "$(find xacro)/xacro.py", "xacro"]
+)
+def test_xacro_expands_a_robot_with_files_of_packages(
+    environment: LocalEnvironment,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    program: str,
+) -> None:
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    space = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    (tmp_path / "robot" / "wheel.xacro").write_text(
+        f'<robot {space}><xacro:macro name="wheel" params="side">'
+        '<link name="${side}_wheel"/></xacro:macro></robot>'
+    )
+    (tmp_path / "robot" / "robot.xacro").write_text(
+        f'<robot name="r" {space}><xacro:include filename="$(find robot)/wheel.xacro"/>'
+        '<xacro:arg name="side" default="left"/><xacro:wheel side="$(arg side)"/></robot>'
+    )
+    program = program.replace("$(find xacro)", str(environment.find("xacro")))
+    file = environment.find("robot") / "robot.xacro"
+    assert '<link name="right_wheel"/>' in environment.output(f"{program} '{file}' side:=right")
