@@ -33,6 +33,7 @@ FibwsError
 ├── AccessError            an invalid token file, right, key or certificate
 ├── LaunchError            an invalid launch file
 ├── UrdfError              an invalid robot model
+├── MapError               an occupancy map's files cannot be read or written
 ├── HubError               the hub cannot start or continue
 ├── FederationError        another hub, or the connection to it, has failed
 ├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
@@ -68,7 +69,7 @@ from __future__ import annotations
 import os
 import re
 from enum import IntEnum
-from typing import Any
+from typing import Any, Literal
 
 from fibws.command_names import command_name, is_set_up
 
@@ -381,6 +382,19 @@ class LaunchError(FibwsError, ValueError):
 
 class UrdfError(FibwsError, ValueError):
     """An invalid robot model; the text says where and why."""
+
+
+class MapError(FibwsError, ValueError):
+    """An occupancy map's files cannot be read or written.
+
+    Attributes:
+        part: what is wrong: the ``file`` is missing or cannot be written, or the ``metadata`` in
+            YAML or the ``image`` is invalid.
+    """
+
+    def __init__(self, part: Literal["file", "metadata", "image"], text: str) -> None:
+        self.part = part
+        super().__init__(text)
 
 
 class HubError(FibwsError):

@@ -45,6 +45,8 @@ _LAUNCH = Path(__file__).parents[1] / "launch"
 _JOINT_STATES = _PYTHON / "joint_state_publisher" / "publisher.py"
 _ROBOT_STATE = _PYTHON / "robot_state_publisher" / "publisher.py"
 _SCRIPTS = {
+    ("map_server", "map_server"): _PYTHON / "map_server" / "server.py",
+    ("map_server", "map_saver"): _PYTHON / "map_server" / "saver.py",
     ("rospy_tutorials", "talker"): _EXAMPLES / "rospy_talker.py",
     ("rospy_tutorials", "listener"): _EXAMPLES / "rospy_listener.py",
     ("dynamic_reconfigure", "dynparam"): _PYTHON / "dynamic_reconfigure" / "dynparam.py",

@@ -41,7 +41,7 @@ _REPOSITORIES = {
     "ros-perception/vision_msgs": "vision_msgs",
     "ros-perception/vision_opencv": "image_geometry vision_opencv",
     "ros-planning/moveit": "moveit_commander moveit_core moveit_ros",
-    "ros-planning/navigation": "amcl map_server move_base navigation costmap_2d",
+    "ros-planning/navigation": "amcl move_base navigation costmap_2d",
     "ros-simulation/gazebo_ros_pkgs": "gazebo_plugins gazebo_ros gazebo_ros_pkgs",
     "ros-teleop/teleop_twist_joy": "teleop_twist_joy",
     "ros-teleop/teleop_twist_keyboard": "teleop_twist_keyboard",

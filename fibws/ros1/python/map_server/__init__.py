@@ -1,0 +1,1 @@
+"""The programs map_server and map_saver."""
