@@ -25,6 +25,8 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "messages of two topics": (Part("filters/synchronized.py", interrupted=False),),
     "the modules of tools": (Part("tools/tools.py", interrupted=False),),
     "images": (Part("tools/images.py", interrupted=False),),
+    "checks of a device": (Part("tools/diagnostics.py", errors=False, interrupted=False),),
+    "markers that people move": (Part("tools/markers.py", errors=False, interrupted=False),),
     "internal modules": (Part("tools/internals.py", interrupted=False),),
     "parameters that others change": (
         Part("reconfigure/server.py", until="ready", errors=False),

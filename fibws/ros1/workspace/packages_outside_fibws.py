@@ -45,7 +45,6 @@ _REPOSITORIES = {
     "ros-simulation/gazebo_ros_pkgs": "gazebo_plugins gazebo_ros gazebo_ros_pkgs",
     "ros-teleop/teleop_twist_joy": "teleop_twist_joy",
     "ros-teleop/teleop_twist_keyboard": "teleop_twist_keyboard",
-    "ros-visualization/interactive_markers": "interactive_markers",
     "ros-visualization/python_qt_binding": "python_qt_binding",
     "ros-visualization/rqt": "rqt_gui_py rqt_py_common",
     "ros-visualization/rviz": "rviz",

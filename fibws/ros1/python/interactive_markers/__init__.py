@@ -1,0 +1,1 @@
+"""Markers that people move and click on, in RViz for example."""
