@@ -42,9 +42,11 @@ _MODULES = {
     ("actionlib_tutorials", "fibonacci_client"): ("fibws.examples.action_client",),
 }
 _LAUNCH = Path(__file__).parents[1] / "launch"
+_AGGREGATOR = _PYTHON / "diagnostic_aggregator" / "aggregator.py"
 _JOINT_STATES = _PYTHON / "joint_state_publisher" / "publisher.py"
 _ROBOT_STATE = _PYTHON / "robot_state_publisher" / "publisher.py"
 _SCRIPTS = {
+    ("diagnostic_aggregator", "aggregator_node"): _AGGREGATOR,
     ("map_server", "map_server"): _PYTHON / "map_server" / "server.py",
     ("map_server", "map_saver"): _PYTHON / "map_server" / "saver.py",
     ("rospy_tutorials", "talker"): _EXAMPLES / "rospy_talker.py",

@@ -23,7 +23,7 @@ NOT_NEEDED = set(
 
 _REPOSITORIES = {
     "ros/angles": "angles",
-    "ros/diagnostics": "diagnostic_updater diagnostic_aggregator diagnostic_common_diagnostics",
+    "ros/diagnostics": "diagnostic_common_diagnostics",
     "ros/executive_smach": "smach smach_ros",
     "ros/joint_state_publisher": "joint_state_publisher_gui",
     "ros/ros_comm": "rosbag rosbag_storage roswtf",
