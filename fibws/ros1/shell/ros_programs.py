@@ -52,6 +52,7 @@ _SCRIPTS = {
     ("rospy_tutorials", "talker"): _EXAMPLES / "rospy_talker.py",
     ("rospy_tutorials", "listener"): _EXAMPLES / "rospy_listener.py",
     ("dynamic_reconfigure", "dynparam"): _PYTHON / "dynamic_reconfigure" / "dynparam.py",
+    ("image_transport", "republish"): _PYTHON / "image_transport" / "republish.py",
     ("joint_state_publisher", "joint_state_publisher"): _JOINT_STATES,
     ("robot_state_publisher", "robot_state_publisher"): _ROBOT_STATE,
     ("robot_state_publisher", "state_publisher"): _ROBOT_STATE,

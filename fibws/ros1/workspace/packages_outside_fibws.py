@@ -14,7 +14,7 @@ NOT_NEEDED = set(
     cv_bridge joint_state_publisher robot_state_publisher rqt_reconfigure rqt_topic tf2 tf2_py
     tf2_ros web_video_server xmlrpcpp
 
-    class_loader collada_parser collada_urdf eigen_conversions filters image_transport kdl_parser
+    class_loader collada_parser collada_urdf eigen_conversions filters kdl_parser
     laser_filters nodelet nodelet_core orocos_kdl pcl_conversions pcl_ros pluginlib realtime_tools
     tf2_bullet tf2_eigen tf2_kdl tf2_tools urdf urdf_parser_plugin
     """.split()

@@ -1,0 +1,1 @@
+"""Images in compressed forms, and the program republish."""
