@@ -82,3 +82,10 @@ def test_without_libraries_the_error_names_both(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(ModuleNotFoundError, match=r"opencv-python-headless.*pillow"):
         bridge.compressed_imgmsg_to_cv2(CompressedImage(data=b""))
+
+
+@pytest.mark.parametrize("data", [b"", bytes(5)])
+def test_image_with_too_few_bytes_is_an_error(data: bytes) -> None:
+    image = Image(height=2, width=3, step=3, encoding="mono8", data=data)
+    with pytest.raises(TypeError):
+        CvBridge().imgmsg_to_cv2(image)

@@ -105,6 +105,8 @@ class CvBridge:
         # Lines may be padded to a size that is not a whole number of pixels.
         strides = (img_msg.step, dtype.itemsize * channels, dtype.itemsize)[: len(shape)]
         data = img_msg.data if isinstance(img_msg.data, bytes) else bytes(img_msg.data)
+        if not data and img_msg.height and pixels:  # numpy takes no bytes for any number.
+            raise TypeError("buffer is too small for requested array")
         try:
             whole = np.ndarray(shape, dtype, data, strides=strides)
         except ValueError as error:
