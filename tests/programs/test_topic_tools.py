@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
+from pathlib import Path
 
 import pytest
 from running_programs import Start
@@ -10,7 +11,15 @@ from running_programs import Start
 import fibws
 from fibws.hub import Hub
 from fibws.msg.std_msgs import Int32, String
-from fibws.srv.topic_tools import MuxAdd, MuxDelete, MuxList, MuxSelect
+from fibws.srv.topic_tools import (
+    DemuxAdd,
+    DemuxList,
+    DemuxSelect,
+    MuxAdd,
+    MuxDelete,
+    MuxList,
+    MuxSelect,
+)
 
 RUN = ("fibws", "run", "topic_tools")
 
@@ -97,6 +106,71 @@ async def test_mux_passes_on_the_selected_topic(hub: Hub, start: Start, node: fi
     assert (await anext(selected)).data == "__none"
 
 
+async def test_demux_passes_messages_on_to_the_selected_topic(
+    hub: Hub, start: Start, node: fibws.Node
+) -> None:
+    numbers = await node.advertise("/numbers", Int32, peers=True)
+    selected = node.subscribe("/demux/selected", String)
+    first, second = node.subscribe("/first", Int32), node.subscribe("/second", Int32)
+    await start(*RUN, "demux", "/numbers", "/first", "/second", FIBWS_HUB=hub.url)
+    assert (await anext(selected)).data == "/first"
+    await has_subscriber(numbers)
+    await numbers.publish(Int32(1))
+    assert (await anext(first)).data == 1
+    await node.wait_for_service("/demux/list", timeout=60)
+    before = await node.call("/demux/select", DemuxSelect, {"topic": "/second"})
+    assert before.prev_topic == "/first"
+    await numbers.publish(Int32(2))
+    assert (await anext(second)).data == 2
+    await node.call("/demux/select", DemuxSelect, {"topic": "__none"})
+    await numbers.publish(Int32(3))
+    await node.call("/demux/add", DemuxAdd, {"topic": "/third"})
+    assert (await node.call("/demux/list", DemuxList)).topics == ["/first", "/second", "/third"]
+    await node.call("/demux/select", DemuxSelect, {"topic": "/first"})
+    await numbers.publish(Int32(4))
+    assert (await anext(first)).data == 4
+
+
+LAZY = """
+import rospy
+from std_msgs.msg import Int32
+from topic_tools import LazyTransport
+
+class Twice(LazyTransport):
+    def __init__(self):
+        super().__init__()
+        self.out = self.advertise("twice", Int32, queue_size=10)
+    def subscribe(self):
+        self.sub = rospy.Subscriber("numbers", Int32, lambda m: self.out.publish(2 * m.data))
+    def unsubscribe(self):
+        self.sub.unregister()
+
+rospy.init_node("twice")
+Twice()
+rospy.spin()
+"""
+
+
+async def test_lazy_transport_subscribes_while_it_is_needed(
+    hub: Hub, start: Start, node: fibws.Node, tmp_path: Path
+) -> None:
+    script = tmp_path / "twice.py"
+    script.write_text(LAZY)
+    numbers = await node.advertise("/numbers", Int32, peers=True)
+    await start("fibws.rospy", str(script), FIBWS_HUB=hub.url)
+    found = node.subscribe("/twice", Int32)
+    changes = numbers.peers.changes()
+    async for names in changes:
+        if names:
+            break
+    await numbers.publish(Int32(4))
+    assert (await anext(found)).data == 8
+    found.close()
+    async for names in changes:
+        if not names:
+            break
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
@@ -106,6 +180,7 @@ async def test_mux_passes_on_the_selected_topic(hub: Hub, start: Start, node: fi
         (["drop", "/a", "3", "2"], "got 3 and 2"),
         (["drop", "/a", "0", "0"], "Y from 1 on"),
         (["mux", "/a"], "at least one input"),
+        (["demux", "/a"], "at least one output"),
     ],
 )
 async def test_wrong_arguments_are_errors(

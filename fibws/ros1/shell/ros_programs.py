@@ -66,7 +66,7 @@ _TEST_PROGRAMS = [
 ]
 """The programs of rostest, which are in one file."""
 _TOPIC_TOOLS = _PYTHON / "topic_tools" / "programs.py"
-_TOPIC_PROGRAMS = ["delay", "drop", "mux", "relay", "throttle"]
+_TOPIC_PROGRAMS = ["delay", "demux", "drop", "mux", "relay", "throttle"]
 """The programs of topic_tools, which are in one file, too."""
 
 

@@ -1,4 +1,4 @@
-"""relay, throttle, drop, delay and mux; the first argument is the program.
+"""relay, throttle, drop, delay, mux and demux; the first argument is the program.
 
 They pass on the bytes of messages, which they do not decode. Source: topic_tools of ROS Noetic;
 delay is that of ROS 2.
@@ -10,21 +10,21 @@ import re
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
 import rospy
 from std_msgs.msg import String
 
 from topic_tools.srv import (
+    DemuxAdd,
+    DemuxDelete,
+    DemuxList,
+    DemuxSelect,
     MuxAdd,
-    MuxAddResponse,
     MuxDelete,
-    MuxDeleteResponse,
     MuxList,
-    MuxListResponse,
     MuxSelect,
-    MuxSelectResponse,
 )
 
 USAGES = {
@@ -34,7 +34,9 @@ USAGES = {
     "drop": "IN_TOPIC X Y [OUT_TOPIC]",
     "delay": "IN_TOPIC SECONDS [OUT_TOPIC]",
     "mux": "OUT_TOPIC IN_TOPIC1 [IN_TOPIC2 ...]",
+    "demux": "IN_TOPIC OUT_TOPIC1 [OUT_TOPIC2 ...]",
 }
+_SWITCHES = {"mux": ("output", "input"), "demux": ("input", "output")}
 NONE = "__none"
 """Selects no topic of a mux."""
 QUEUE_SIZE = 100
@@ -155,70 +157,124 @@ class Delay:
             self._output.publish(message)
 
 
-class Mux:
-    """Passes on the messages of one of several topics, which services select.
+class Switch:
+    """One of several topics is selected; services select another one, add, delete and list them.
 
     Args:
-        output: the name of the topic that gets the messages.
-        inputs: the names of the topics, the first of which is selected unless ``~initial_topic``
+        name: ``mux`` or ``demux``, the prefix of the services besides the node's own.
+        services: the classes of its services, by ``select``, ``add``, ``delete`` and ``list``.
+        topics: the names of the topics, the first of which is selected unless ``~initial_topic``
             names another one.
     """
 
-    def __init__(self, output: str, inputs: Sequence[str]) -> None:
-        self._output = Output(output)
-        self._inputs = [rospy.resolve_name(each) for each in inputs]
+    def __init__(self, name: str, services: Mapping[str, Any], topics: Sequence[str]) -> None:
+        self._services = services
+        self._topics = [rospy.resolve_name(each) for each in topics]
         self._selected = NONE
-        self._subscriber: rospy.Subscriber | None = None
         self._lock = threading.RLock()
         self._state = rospy.Publisher("~selected", String, latch=True, queue_size=1)
-        first = rospy.get_param("~initial_topic", inputs[0])
+        first = rospy.get_param("~initial_topic", topics[0])
         self._select(first if first == NONE else rospy.resolve_name(first))
-        prefixes = {rospy.resolve_name("~"): "~", rospy.resolve_name("mux"): "mux/"}
+        prefixes = {rospy.resolve_name("~"): "~", rospy.resolve_name(name): f"{name}/"}
         for prefix in prefixes.values():
-            rospy.Service(f"{prefix}select", MuxSelect, self._on_select)
-            rospy.Service(f"{prefix}add", MuxAdd, self._on_add)
-            rospy.Service(f"{prefix}delete", MuxDelete, self._on_delete)
-            rospy.Service(f"{prefix}list", MuxList, self._on_list)
+            for service, function in (
+                ("select", self._on_select),
+                ("add", self._on_add),
+                ("delete", self._on_delete),
+                ("list", self._on_list),
+            ):
+                rospy.Service(f"{prefix}{service}", services[service], function)
+
+    def use(self, topic: str) -> None:
+        """Use a topic, or none for `NONE`; subclasses override it."""
+        raise NotImplementedError
 
     def _select(self, topic: str) -> None:
-        if self._subscriber is not None:
-            self._subscriber.unregister()
-            self._subscriber = None
+        self.use(topic)
         self._selected = topic
-        if topic != NONE:
-            self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, self._output.publish)
         self._state.publish(topic)
 
     def _on_select(self, request: Any) -> Any:
         with self._lock:
             topic = request.topic if request.topic == NONE else rospy.resolve_name(request.topic)
-            if topic != NONE and topic not in self._inputs:
-                known = ", ".join(self._inputs)
+            if topic != NONE and topic not in self._topics:
+                known = ", ".join(self._topics)
                 raise rospy.ServiceException(f"unknown topic {topic}: expected {known} or {NONE}")
             before = self._selected
             self._select(topic)
-            return MuxSelectResponse(before)
+            return self._services["select"]._response_class(before)
 
     def _on_add(self, request: Any) -> Any:
         with self._lock:
             topic = rospy.resolve_name(request.topic)
-            if request.topic == NONE or topic in self._inputs:
-                raise rospy.ServiceException(f"{topic} is an input already, or not a topic")
-            self._inputs.append(topic)
-            return MuxAddResponse()
+            if request.topic == NONE or topic in self._topics:
+                raise rospy.ServiceException(f"{topic} is there already, or not a topic")
+            self._topics.append(topic)
+            return self._services["add"]._response_class()
 
     def _on_delete(self, request: Any) -> Any:
         with self._lock:
             topic = rospy.resolve_name(request.topic)
             if topic == self._selected:
                 raise rospy.ServiceException(f"{topic} is selected: select another one first")
-            if topic not in self._inputs:
-                raise rospy.ServiceException(f"{topic} is not an input")
-            self._inputs.remove(topic)
-            return MuxDeleteResponse()
+            if topic not in self._topics:
+                raise rospy.ServiceException(f"unknown topic {topic}")
+            self._topics.remove(topic)
+            return self._services["delete"]._response_class()
 
     def _on_list(self, request: Any) -> Any:
-        return MuxListResponse(list(self._inputs))
+        return self._services["list"]._response_class(list(self._topics))
+
+
+class Mux(Switch):
+    """Passes on the messages of the selected topic.
+
+    Args:
+        output: the name of the topic that gets the messages.
+        inputs: the names of the topics.
+    """
+
+    def __init__(self, output: str, inputs: Sequence[str]) -> None:
+        self._output = Output(output)
+        self._subscriber: rospy.Subscriber | None = None
+        services = {"select": MuxSelect, "add": MuxAdd, "delete": MuxDelete, "list": MuxList}
+        super().__init__("mux", services, inputs)
+
+    def use(self, topic: str) -> None:
+        """Subscribe to a topic instead of the one before."""
+        if self._subscriber is not None:
+            self._subscriber.unregister()
+            self._subscriber = None
+        if topic != NONE:
+            self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, self._output.publish)
+
+
+class Demux(Switch):
+    """Passes the messages of one topic on to the selected one.
+
+    Args:
+        source: the name of the topic that the messages come from.
+        outputs: the names of the topics.
+    """
+
+    def __init__(self, source: str, outputs: Sequence[str]) -> None:
+        self._outputs: dict[str, Output] = {}
+        self._output: Output | None = None
+        services = {"select": DemuxSelect, "add": DemuxAdd, "delete": DemuxDelete}
+        super().__init__("demux", {**services, "list": DemuxList}, outputs)
+        rospy.Subscriber(source, rospy.AnyMsg, self._forward)
+
+    def use(self, topic: str) -> None:
+        """Publish on a topic from now on."""
+        if topic == NONE:
+            self._output = None
+        else:
+            self._output = self._outputs.setdefault(topic, Output(topic))
+
+    def _forward(self, message: Any) -> None:
+        output = self._output
+        if output is not None:
+            output.publish(message)
 
 
 def main(program: str, arguments: Sequence[str]) -> None:
@@ -230,11 +286,13 @@ def main(program: str, arguments: Sequence[str]) -> None:
 
 
 def _run(program: str, arguments: list[str]) -> None:
-    if program == "mux":
+    if program in _SWITCHES:
         if len(arguments) < 2:
-            _fail(program, "expected an output and at least one input")
-        rospy.init_node("mux")
-        Mux(arguments[0], arguments[1:])
+            first, others = _SWITCHES[program]
+            _fail(program, f"expected an {first} and at least one {others}")
+        rospy.init_node(program)
+        switch = Mux if program == "mux" else Demux
+        switch(arguments[0], arguments[1:])
         rospy.spin()
         return
     kind = arguments.pop(0) if program == "throttle" and arguments else ""
