@@ -29,6 +29,19 @@ async def listen(node: fibws.Node, duration: float) -> str:
     return as_dot(buffer, node.now().to_nanoseconds() / 1e9)
 
 
+async def ask(node: fibws.Node, listener: str) -> str:
+    """Return the frames that another node knows, as a graph for graphviz.
+
+    Args:
+        listener: a node with the service ``~tf_frames``, which tf's listeners in C++ have.
+
+    Raises:
+        fibws.FibwsError: there is no such service, or it fails.
+    """
+    response = await node.call(f"{node.resolve(listener)}/tf_frames", "tf/FrameGraph")
+    return str(response.dot_graph)
+
+
 async def draw(graph: str, folder: Path) -> list[Path]:
     """Write ``frames.gv``, and ``frames.pdf`` with graphviz; return what was written.
 
@@ -53,8 +66,15 @@ async def draw(graph: str, folder: Path) -> list[Path]:
     show_default=True,
     help="Seconds to listen to /tf and /tf_static.",
 )
+@click.option(
+    "-n",
+    "--node",
+    "listener",
+    metavar="NAME",
+    help="Draw the frames that this node knows, through its service ~tf_frames.",
+)
 @node_program.node("view_frames")
-def command(node: fibws.Node, duration: float) -> None:
+def command(node: fibws.Node, duration: float, listener: str | None) -> None:
     """Listen to /tf and /tf_static, and draw the tree of frames.
 
     frames.gv and frames.pdf are written to the current folder; the latter needs graphviz's dot.
@@ -62,9 +82,12 @@ def command(node: fibws.Node, duration: float) -> None:
 
     async def program() -> None:
         async with node:
-            click.echo(f"Listening to /tf for {duration:f} seconds")
-            graph = await listen(node, duration)
-            click.echo("Done Listening")
+            if listener is not None:
+                graph = await ask(node, listener)
+            else:
+                click.echo(f"Listening to /tf for {duration:f} seconds")
+                graph = await listen(node, duration)
+                click.echo("Done Listening")
         try:
             written = await draw(graph, Path())
         except OSError as error:

@@ -12,12 +12,13 @@ import pytest
 import yaml
 from running_programs import PATIENCE, ROOT
 
+import fibws
 from fibws.hub import Hub
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample
 from fibws.tf.listing import as_dot, as_yaml
 from fibws.tf.transform import Transform
-from fibws.tf.view_frames import draw
+from fibws.tf.view_frames import ask, draw
 
 from .conftest import Publish
 
@@ -121,3 +122,13 @@ async def test_program_draws_the_frames(
     assert b"apt install graphviz" in err
     graph = (tmp_path / "frames.gv").read_text("utf-8")
     assert '"base" -> "camera"[label="Broadcaster: /client\\n' in graph
+
+
+async def test_node_is_asked_for_its_frames(hub: Hub) -> None:
+    async with fibws.Node("robot", hub=hub.url) as robot, fibws.Node("test", hub=hub.url) as node:
+        await robot.service(
+            "~tf_frames", "tf/FrameGraph", lambda request: {"dot_graph": "digraph G {}"}
+        )
+        assert await ask(node, "robot") == "digraph G {}"
+        with pytest.raises(fibws.FibwsError, match="/nobody/tf_frames"):
+            await ask(node, "nobody")

@@ -57,6 +57,7 @@ _SCRIPTS = {
     ("robot_state_publisher", "robot_state_publisher"): _ROBOT_STATE,
     ("robot_state_publisher", "state_publisher"): _ROBOT_STATE,
     ("xacro", "xacro"): _LAUNCH / "xacro" / "expand.py",
+    ("tf", "tf_remap"): _PYTHON / "tf" / "tf_remap.py",
     ("tf2_ros", "buffer_server"): _PYTHON / "tf2_ros" / "buffer_server.py",
 }
 
