@@ -521,4 +521,132 @@ rosbuild_add_boost_directories()
         },
         imports="import old_style, old_tools",
     ),
+    # executive_smach: a library without ROS, and one that calls actions and services with it.
+    "smach": Shape(
+        """
+catkin_python_setup()
+catkin_package()
+""",
+        files={
+            "setup.py": SETUP.format(name="smach", more=""),
+            "src/smach/__init__.py": """
+import threading
+__all__ = ['UserData', 'State', 'Container', 'StateMachine']
+from .user_data import *
+from .state import *
+from .container import *
+from .state_machine import *
+""",
+            "src/smach/user_data.py": """
+import smach
+__all__ = ['UserData']
+class UserData(object): pass
+""",
+            "src/smach/state.py": """
+import smach
+__all__ = ['State']
+class State(object):
+    def __init__(self, outcomes=[], input_keys=[], output_keys=[], io_keys=[]):
+        self._outcomes = set(outcomes)
+    def execute(self, ud):
+        raise NotImplementedError()
+""",
+            "src/smach/container.py": """
+import smach
+__all__ = ['Container']
+class Container(smach.state.State): pass
+""",
+            "src/smach/state_machine.py": """
+import smach
+__all__ = ['StateMachine']
+class StateMachine(smach.container.Container):
+    _currently_opened_container = None
+    def execute(self, parent_ud=smach.UserData()):
+        return 'succeeded'
+""",
+        },
+        imports="""
+from smach import *
+import smach
+assert smach.StateMachine(outcomes=['succeeded']).execute() == 'succeeded'
+""",
+    ),
+    "smach_ros": Shape(
+        """
+catkin_python_setup()
+catkin_package(CATKIN_DEPENDS smach smach_msgs)
+""",
+        depends=(
+            *("rospy", "rostopic", "std_msgs", "std_srvs", "actionlib", "actionlib_msgs"),
+            *("smach", "smach_msgs"),
+        ),
+        manifest="<test_depend>rostest</test_depend>",
+        files={
+            "setup.py": SETUP.format(name="smach_ros", more=""),
+            "src/smach_ros/__init__.py": """
+from .util import set_preempt_handler
+from .simple_action_state import SimpleActionState
+from .introspection import IntrospectionServer
+from .monitor_state import MonitorState
+""",
+            "src/smach_ros/util.py": """
+import threading
+import rospy
+import smach
+def set_preempt_handler(sc):
+    rospy.core.add_client_shutdown_hook(lambda: sc)
+""",
+            "src/smach_ros/simple_action_state.py": """
+import roslib
+import rospy
+import threading
+import traceback
+import copy
+from actionlib.simple_action_client import SimpleActionClient, GoalStatus
+import smach
+from smach.state import *
+class SimpleActionState(State):
+    SUCCEEDED = GoalStatus.SUCCEEDED
+    def __init__(self, action_name, action_spec, exec_timeout=None,
+                 preempt_timeout=rospy.Duration(60.0), server_wait_timeout=rospy.Duration(60.0)):
+        State.__init__(self, outcomes=['succeeded', 'aborted', 'preempted'])
+        self._done_cond = threading.Condition()
+""",
+            "src/smach_ros/introspection.py": """
+import rospy
+from std_msgs.msg import Header
+import base64
+import pickle
+import threading
+import rostopic
+from smach_msgs.msg import *
+import smach
+STATUS_TOPIC = '/smach/container_status'
+class IntrospectionServer():
+    def __init__(self, server_name, state, path):
+        self._status = SmachContainerStatus(Header(), path, [], [], b'', '')
+        self._init = SmachContainerInitialStatusCmd(path, [], b'')
+        self._structure = SmachContainerStructure()
+""",
+            "src/smach_ros/monitor_state.py": """
+import rospy
+import threading
+import traceback
+import smach
+class MonitorState(smach.State):
+    def __init__(self, topic, msg_type, cond_cb, max_checks=-1, input_keys=[], output_keys=[]):
+        smach.State.__init__(self, outcomes=['valid', 'invalid', 'preempted'])
+    def _cb(self, msg, ud): pass
+    def execute(self, ud):
+        self._sub = rospy.Subscriber('t', None, self._cb, callback_args=ud)
+""",
+        },
+        imports="""
+from smach_ros import *
+import smach_ros
+smach_ros.SimpleActionState('move', None)
+smach_ros.IntrospectionServer('sis', smach.StateMachine(), '/SM_ROOT')
+assert smach_ros.SimpleActionState.SUCCEEDED == 3
+""",
+    ),
 }
