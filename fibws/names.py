@@ -123,12 +123,14 @@ class Remapping:
     """The ``from:=to`` arguments of a command line.
 
     ``__name`` and ``__ns`` name the node and its namespace; ``names`` holds the others as they
-    were spelled.
+    were spelled. ``parameters`` are the private ones, ``_rate:=10``, without the underscore; their
+    values are YAML.
     """
 
     names: Mapping[str, str] = field(default_factory=dict)
     node_name: str | None = None
     namespace: str | None = None
+    parameters: Mapping[str, str] = field(default_factory=dict)
 
     def apply(self, name: str, *, namespace: str, node: str) -> str:
         """Resolve ``name``, then replace it if it was remapped."""
@@ -142,23 +144,25 @@ class Remapping:
 def parse_remappings(arguments: Iterable[str]) -> Remapping:
     """Read ``from:=to`` arguments; keys that begin with ``__`` are ROS's special ones.
 
-    ``__name`` and ``__ns`` are used; other special keys and private parameters (``_x:=1``) are
-    ignored.
+    ``__name`` and ``__ns`` are used; other special keys are ignored.
 
     Raises:
         InvalidName: an argument is not a remapping, or a name in it is not legal.
     """
     names: dict[str, str] = {}
     special: dict[str, str] = {}
+    parameters: dict[str, str] = {}
     for argument in arguments:
         source, mark, target = argument.partition(":=")
         if not mark:
             raise InvalidName(argument, "a remapping is written from:=to")
         if source.startswith("__"):
             special[source] = target
-        elif not source.startswith("_"):
-            if not target:
-                raise InvalidName(argument, "expected a name after :=")
+        elif source.startswith("_"):
+            parameters[check(source[1:])] = target
+        elif not target:
+            raise InvalidName(argument, "expected a name after :=")
+        else:
             names[check(source)] = check(target)
     node_name = special.get("__name")
     namespace = special.get("__ns")
@@ -166,6 +170,7 @@ def parse_remappings(arguments: Iterable[str]) -> Remapping:
         names=names,
         node_name=check_base(node_name) if node_name is not None else None,
         namespace=check_namespace(namespace) if namespace is not None else None,
+        parameters=parameters,
     )
 
 

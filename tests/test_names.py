@@ -211,13 +211,28 @@ def test_no_arguments_remap_nothing() -> None:
     assert names.parse_remappings([]) == Remapping()
 
 
-def test_other_special_keys_and_private_parameters_are_ignored() -> None:
-    assert names.parse_remappings(["__log:=/tmp/x y", "_gain:=1.5"]) == Remapping()
+def test_other_special_keys_are_ignored() -> None:
+    assert names.parse_remappings(["__log:=/tmp/x y"]) == Remapping()
+
+
+def test_private_parameters_are_not_remappings() -> None:
+    found = names.parse_remappings(["_gain:=1.5", "_pid/p:="])
+    assert found == Remapping(parameters={"gain": "1.5", "pid/p": ""})
 
 
 @pytest.mark.parametrize(
     "argument",
-    ["chat", "chat:=", ":=chat", "a b:=c", "a:=b c", "__name:=/a/b", "__name:=", "__ns:=a b"],
+    [
+        "chat",
+        "chat:=",
+        ":=chat",
+        "a b:=c",
+        "a:=b c",
+        "__name:=/a/b",
+        "__name:=",
+        "__ns:=a b",
+        "_a b:=1",
+    ],
 )
 def test_invalid_remapping_is_an_error(argument: str) -> None:
     with pytest.raises(InvalidName):

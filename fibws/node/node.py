@@ -14,7 +14,7 @@ from typing_extensions import TypeVar
 
 from fibws import hub_address, names
 from fibws.credentials import Credentials
-from fibws.errors import FibwsError
+from fibws.errors import FibwsError, ParameterError
 from fibws.interfaces import Action, Message, Service, Time
 from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg.rosgraph_msgs import Log
@@ -590,6 +590,11 @@ class Node:
         except BaseException:
             self._leave_log()
             raise
+        try:
+            await self._set_parameters()
+        except BaseException:
+            await self.__aexit__()
+            raise
         if self._use_sim_time is None:
             self._use_sim_time = self._session.is_simulated
         if self._use_sim_time:
@@ -603,6 +608,23 @@ class Node:
         finally:
             self._leave_log()
             await self._session.tasks.finished()
+
+    async def _set_parameters(self) -> None:
+        """Set the private parameters of the command line.
+
+        Raises:
+            ParameterError: a value is invalid, or the hub refuses it.
+        """
+        given = self._identity.remapping.parameters
+        if not given:
+            return
+        import yaml
+
+        for name, text in given.items():
+            try:
+                await self.params.set(f"~{name}", yaml.safe_load(text))
+            except (yaml.YAMLError, TypeError, ValueError) as error:
+                raise ParameterError(f"_{name}:={text}: {error}") from None
 
     async def _follow_clock(self) -> None:
         """Set the simulated time by /clock."""

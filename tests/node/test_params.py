@@ -103,3 +103,22 @@ async def test_refusal_by_the_hub_raises_its_text(node: fibws.Node) -> None:
         await node.params.set("gain", {"p": None})
     with pytest.raises(fibws.InvalidName):
         await node.params.get("no name")
+
+
+async def test_private_parameters_of_the_command_line_are_set(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    remapping = fibws.parse_remappings(["_gain:=1.5", "_pid/p:=[1, 2]", "_name:=left"])
+    async with fibws.Node("arm", hub=hub.url, remapping=remapping) as node:
+        assert await node.params.get("/arm") == {"gain": 1.5, "pid": {"p": [1, 2]}, "name": "left"}
+
+
+@pytest.mark.parametrize("text", ["_gain:=", "_gain:=[", "_gain:=.nan", "_gain:=2026-01-01"])
+async def test_invalid_parameter_of_the_command_line_is_an_error(
+    start_hub: StartHub, text: str
+) -> None:
+    hub = await start_hub()
+    node = fibws.Node("arm", hub=hub.url, remapping=fibws.parse_remappings([text]))
+    with pytest.raises(fibws.FibwsError, match="_gain:="):
+        async with node:
+            pass
+    assert not hub.graph.parameters.has("/arm")
