@@ -22,6 +22,7 @@ from bench.latency import latency
 from bench.machine import require_linux
 from bench.measure import COMPARISON, QUICK, BenchError, Plan
 from bench.metrics import metrics
+from bench.mjpeg import mjpeg
 from bench.nodes import nodes
 from bench.page import page
 from bench.report import Report
@@ -58,6 +59,7 @@ SCENARIOS = {
     "ros1": ros1,
     "robots": robots.robots,
     "nodes": nodes,
+    "mjpeg": mjpeg,
     "stuck": stuck,
     "isolation": isolation,
     "access": access,
