@@ -134,6 +134,11 @@ export class Hub {
     }
   }
 
+  /** The address and the token for another connection of the page, which is a node of its own. */
+  second(): { url: string; token: string } {
+    return { url: withNode(this.url, `/page_${randomHex()}`), token: this.#token };
+  }
+
   /** Connect with a token, which is sent by the operation `auth`. */
   enter(token: string): void {
     this.#token = token;

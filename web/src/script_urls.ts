@@ -1,5 +1,6 @@
 /** The addresses from which the page loads further scripts, as its Trusted Types policy wants. */
-import workerUrl from "./graph/layout.worker.ts?worker&url";
+import layoutUrl from "./graph/layout.worker.ts?worker&url";
+import dataUrl from "./messages/data.worker.ts?worker&url";
 
 /** In the same folder as the page. */
 const ROSLIB_URL = "roslib.js";
@@ -15,13 +16,21 @@ interface TrustedTypes {
 
 const { trustedTypes } = globalThis as { trustedTypes?: TrustedTypes };
 
+const TRUSTED = [layoutUrl, dataUrl, ROSLIB_URL];
+
 const policy = trustedTypes?.createPolicy("fibws", {
   createScriptURL(url) {
-    if (url !== workerUrl && url !== ROSLIB_URL) throw new TypeError(`untrusted script: ${url}`);
+    if (!TRUSTED.includes(url)) throw new TypeError(`untrusted script: ${url}`);
     return url;
   },
 });
 
-export const layoutWorker: URL | string = policy?.createScriptURL(workerUrl) ?? workerUrl;
+export const layoutWorker = trusted(layoutUrl);
 
-export const roslibScript: URL | string = policy?.createScriptURL(ROSLIB_URL) ?? ROSLIB_URL;
+export const dataWorker = trusted(dataUrl);
+
+export const roslibScript = trusted(ROSLIB_URL);
+
+function trusted(url: string): URL | string {
+  return policy?.createScriptURL(url) ?? url;
+}

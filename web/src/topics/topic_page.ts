@@ -1,10 +1,11 @@
-/** The page of one topic: its newest message, a form to publish, its connections and its type. */
+/** The page of one topic: its picture, its newest message, a form to publish, its connections and its type. */
 import { browsePage } from "../browse";
 import { breakable, h, replace, setName, setText } from "../dom";
 import { expand } from "../element_names";
 import { bandwidth, hertz, plural } from "../format";
 import type { Hub } from "../hub";
 import type { Model, TopicInfo } from "../model";
+import { kindFor, type Panel } from "../panels/panel";
 import { definitions } from "../type_definition";
 import { type TypeDef, Types } from "../types";
 import { route } from "../view";
@@ -27,6 +28,7 @@ export class TopicPage {
   readonly #flow = h("p", { class: "soft small topic-flow" });
   readonly #notice = h("p", { class: "notice", role: "status", hidden: true });
   readonly #picker = h("div");
+  readonly #picture = section("Picture", true);
   readonly #echo = section("Echo", true);
   readonly #publish = section("Publish", false);
   readonly #connections = section("Connections", true);
@@ -36,6 +38,8 @@ export class TopicPage {
   /** Why the definition of that type is missing, if it is. */
   #typeError = "";
   #tools: { echo: Echo; publish: PublishForm | undefined } | undefined;
+  /** The picture of that type, if it has one. */
+  #panel: Panel | undefined;
   #shownConnections = "";
   #stops: (() => void)[] = [];
 
@@ -53,11 +57,14 @@ export class TopicPage {
       this.#flow,
       this.#notice,
       this.#picker,
+      this.#picture.element,
       this.#echo.element,
       this.#publish.element,
       this.#connections.element,
       this.#definition.element,
     );
+    this.#picture.element.hidden = true;
+    this.#picture.element.addEventListener("toggle", () => this.#togglePicture());
     this.#echo.element.addEventListener("toggle", () => this.#toggleEcho());
   }
 
@@ -68,6 +75,7 @@ export class TopicPage {
       this.#model.graph.watch(() => this.#update()),
       this.#model.rates.watch(() => this.#showRates()),
     ];
+    this.#togglePicture();
     this.#toggleEcho();
   }
 
@@ -75,6 +83,7 @@ export class TopicPage {
   hide(): void {
     for (const stop of this.#stops) stop();
     this.#stops = [];
+    this.#panel?.hide();
     this.#tools?.echo.hide();
     this.#tools?.publish?.close();
   }
@@ -106,10 +115,27 @@ export class TopicPage {
       : "";
   }
 
+  async #createPanel(type: string): Promise<void> {
+    const kind = kindFor(type);
+    this.#panel?.hide();
+    this.#panel = undefined;
+    this.#picture.element.hidden = kind === undefined;
+    if (kind === undefined) return;
+    setText(this.#picture.heading, kind.label);
+    // Its numbers as text are many, and nobody reads them.
+    this.#echo.element.open = false;
+    const { makePanel } = await kind.load();
+    if (this.#toolsType !== type) return;
+    this.#panel = makePanel(this.#hub, this.#model, this.#name, type);
+    replace(this.#picture.body, this.#panel.element);
+    this.#togglePicture();
+  }
+
   async #createTools(type: string, isNew: boolean): Promise<void> {
     this.#toolsType = type;
     this.#typeError = "";
     setName(this.#type, type);
+    void this.#createPanel(type);
     let typedefs: TypeDef[];
     try {
       typedefs = await this.#model.typedefs(type);
@@ -141,6 +167,11 @@ export class TopicPage {
     if (isNew) this.#publish.element.open = true;
     this.#toggleEcho();
     this.#update();
+  }
+
+  #togglePicture(): void {
+    if (this.#picture.element.open && this.#stops.length > 0) this.#panel?.show();
+    else this.#panel?.hide();
   }
 
   #toggleEcho(): void {
@@ -265,13 +296,16 @@ function connectionList(label: string, nodes: [node: string, note: string][]): H
 
 interface Section {
   readonly element: HTMLDetailsElement;
+  readonly heading: HTMLElement;
   readonly body: HTMLElement;
 }
 
 function section(label: string, open: boolean): Section {
   const body = h("div", { class: "browse-body" });
+  const heading = h("h3", {}, label);
   return {
-    element: h("details", { class: "section", open }, h("summary", {}, h("h3", {}, label)), body),
+    element: h("details", { class: "section", open }, h("summary", {}, heading), body),
+    heading,
     body,
   };
 }

@@ -1,0 +1,240 @@
+"""Pictures of cameras on the page of their topic."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import struct
+from collections.abc import AsyncIterator
+
+import pytest
+from PIL import Image as pillow
+from playwright.async_api import Browser, Page, expect
+
+import fibws
+from fibws.hub import Hub
+from fibws.msg.sensor_msgs import CompressedImage, Image
+from fibws.msg.std_msgs import Header
+
+from .conftest import OpenPage, fixture, traced, until
+
+COLORS = [(255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)]
+"""Those of the four quarters: top left, top right, bottom left, bottom right."""
+WIDTH, HEIGHT = 40, 20
+SIZE = f"{WIDTH} \N{MULTIPLICATION SIGN} {HEIGHT}"
+CORNERS = """(canvas) => {
+    const { width, height } = canvas;
+    const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const at = (x, y) => [...copy.getImageData(x, y, 1, 1).data.slice(0, 3)];
+    return [at(2, 2), at(width - 3, 2), at(2, height - 3), at(width - 3, height - 3)];
+}"""
+
+
+def picture() -> pillow.Image:
+    found = pillow.new("RGB", (WIDTH, HEIGHT))
+    for number, color in enumerate(COLORS):
+        left, top = (number % 2) * WIDTH // 2, (number // 2) * HEIGHT // 2
+        found.paste(color, (left, top, left + WIDTH // 2, top + HEIGHT // 2))
+    return found
+
+
+def raw(encoding: str, order: str) -> Image:
+    """Return an image with padded rows."""
+    bands = dict(zip("RGB", picture().split(), strict=True))
+    bands["A"] = pillow.new("L", (WIDTH, HEIGHT), 255)
+    planes = [bands[band].tobytes() for band in order]
+    row = len(order) * WIDTH
+    pixels = bytes(value for pixel in zip(*planes, strict=True) for value in pixel)
+    rows = [pixels[at : at + row] + b"\x07" * 5 for at in range(0, len(pixels), row)]
+    return Image(
+        Header(stamp=fibws.Time(1)), HEIGHT, WIDTH, encoding, step=row + 5, data=b"".join(rows)
+    )
+
+
+def compressed(kind: str) -> CompressedImage:
+    written = io.BytesIO()
+    picture().save(written, kind, **({"quality": 95, "subsampling": 0} if kind == "JPEG" else {}))
+    return CompressedImage(format="rgb8; compressed", data=written.getvalue())
+
+
+@fixture
+async def camera(hub: Hub) -> AsyncIterator[fibws.Node]:
+    async with fibws.Node("camera", hub=hub.url) as node:
+        yield node
+
+
+async def shown(page: Page, encoding: str) -> list[list[int]]:
+    """Wait for a picture of this encoding; return the colours of its quarters."""
+    await expect(page.locator(".image-facts")).to_contain_text(encoding)
+    await until(page, "document.querySelector('.image-stage canvas')?.width > 1")
+    found: list[list[int]] = await page.locator(".image-stage canvas").evaluate(CORNERS)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("encoding", "order"), [("rgb8", "RGB"), ("bgr8", "BGR"), ("rgba8", "RGBA"), ("8UC3", "BGR")]
+)
+async def test_raw_image_is_shown(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage, encoding: str, order: str
+) -> None:
+    topic = await camera.advertise("/image", Image, latch=True)
+    await topic.publish(raw(encoding, order))
+    page = await open_page(hub, "#/topics/%2Fimage")
+    assert await shown(page, f"{SIZE} {encoding}") == [list(each) for each in COLORS]
+    await expect(page.locator(".image-facts")).to_contain_text("another clock")
+    await expect(page.get_by_role("img", name="Camera /image")).to_be_visible()
+    # The numbers of an image are not sent to the page as text.
+    assert await page.locator("details.section", has_text="Echo").get_attribute("open") is None
+
+
+@pytest.mark.parametrize("kind", ["JPEG", "PNG", "WEBP"])
+async def test_compressed_image_is_shown(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage, kind: str
+) -> None:
+    topic = await camera.advertise("/image/compressed", CompressedImage, latch=True)
+    await topic.publish(compressed(kind))
+    page = await open_page(hub, "#/topics/%2Fimage%2Fcompressed", color_scheme="dark")
+    found = await shown(page, SIZE)
+    for color, expected in zip(found, COLORS, strict=True):
+        assert all(abs(a - b) < 40 for a, b in zip(color, expected, strict=True))
+
+
+async def test_depths_are_shown_with_the_value_under_the_pointer(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage
+) -> None:
+    depths = await camera.advertise("/depth", Image, latch=True)
+    numbers = [1830 if x < WIDTH // 2 else 4000 for _ in range(HEIGHT) for x in range(WIDTH)]
+    data = struct.pack(f"<{len(numbers)}H", *numbers)
+    await depths.publish(Image(Header(), HEIGHT, WIDTH, "16UC1", step=2 * WIDTH, data=data))
+    page = await open_page(hub, "#/topics/%2Fdepth")
+    quarters = await shown(page, "16UC1")
+    assert quarters[0] == [0, 0, 0] and quarters[1] == [255, 255, 255]
+    await expect(page.locator(".image-facts")).to_contain_text("shown from 1830 to 4000")
+    await page.get_by_role("group", name="Picture; arrow keys").focus()
+    for _ in range(2):
+        await page.keyboard.press("ArrowRight")
+    await expect(page.locator(".image-value")).to_have_text("x 2, y 0: 1.830 m")
+    await page.get_by_label("Colours of depths").select_option("color")
+    await until(
+        page,
+        f"({CORNERS})(document.querySelector('.image-stage canvas')).join() === "
+        "'255,0,0,0,0,255,255,0,0,0,0,255'",
+    )
+
+
+async def test_compressed_depths_are_shown(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage
+) -> None:
+    depths = await camera.advertise("/depth/compressedDepth", CompressedImage, latch=True)
+    written = io.BytesIO()
+    numbers = [1000 if x < WIDTH // 2 else 2500 for _ in range(HEIGHT) for x in range(WIDTH)]
+    data = struct.pack(f"<{len(numbers)}H", *numbers)
+    pillow.frombytes("I;16", (WIDTH, HEIGHT), data).save(written, "PNG")
+    await depths.publish(
+        CompressedImage(format="16UC1; compressedDepth png", data=bytes(12) + written.getvalue())
+    )
+    page = await open_page(hub, "#/topics/%2Fdepth%2FcompressedDepth")
+    quarters = await shown(page, "compressedDepth")
+    assert quarters == [[0] * 3, [255] * 3] * 2
+    await expect(page.locator(".image-facts")).to_contain_text("shown from 1000 to 2500")
+
+
+async def test_what_is_wrong_is_said(hub: Hub, camera: fibws.Node, open_page: OpenPage) -> None:
+    topic = await camera.advertise("/image", Image, latch=True)
+    page = await open_page(hub, "#/topics/%2Fimage")
+    await expect(page.locator(".image-waiting")).to_have_text("Waiting for the first image …")
+    image = raw("rgb8", "RGB")
+    image.encoding = "xyz8"
+    await topic.publish(image)
+    fault = page.locator(".image-panel .error")
+    await expect(fault).to_contain_text("unknown encoding “xyz8”: known are rgb8")
+    image.encoding, image.step = "rgb8", 3
+    await topic.publish(image)
+    await expect(fault).to_contain_text("step is 3 bytes, but 40 pixels of rgb8 are 120")
+    await topic.publish(raw("rgb8", "RGB"))
+    await shown(page, "rgb8")
+    await expect(fault).to_be_hidden()
+
+
+async def test_picture_ends_with_its_page(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage
+) -> None:
+    topic = await camera.advertise("/image", Image, latch=True, peers=True)
+    changes = topic.peers.changes()
+    await topic.publish(raw("rgb8", "RGB"))
+
+    async def subscribed(wanted: bool) -> None:
+        async with asyncio.timeout(60):
+            async for names in changes:
+                if bool(names) == wanted:
+                    return
+
+    page = await open_page(hub, "#/topics/%2Fimage")
+    await shown(page, "rgb8")
+    await subscribed(True)
+    await page.get_by_role("button", name="Pause").click()
+    await subscribed(False)
+    await page.get_by_role("button", name="Resume").click()
+    await subscribed(True)
+    await page.locator("details.section", has_text="Picture").locator("summary").click()
+    await subscribed(False)
+    await page.locator("details.section", has_text="Picture").locator("summary").click()
+    await shown(page, "rgb8")
+    await subscribed(True)
+    await page.locator("#tab-services").click()
+    await subscribed(False)
+
+
+async def test_picture_is_zoomed_and_saved(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage
+) -> None:
+    topic = await camera.advertise("/front/image", Image, latch=True)
+    await topic.publish(raw("rgb8", "RGB"))
+    page = await open_page(hub, "#/topics/%2Ffront%2Fimage")
+    await shown(page, "rgb8")
+    await page.get_by_role("button", name="1:1").click()
+    canvas = page.locator(".image-stage canvas")
+    await until(page, "document.querySelector('.image-stage canvas').clientWidth === 40")
+    await page.get_by_role("button", name="Zoom in").click()
+    await until(page, "document.querySelector('.image-stage canvas').clientWidth === 50")
+    box = await canvas.bounding_box()
+    assert box is not None
+    await page.mouse.move(box["x"] + 45, box["y"] + 20)
+    await expect(page.locator(".image-value")).to_have_text("x 36, y 16: rgb 255 255 0")
+    async with page.expect_download() as download:
+        await page.get_by_role("button", name="Save").click()
+    saved = await download.value
+    assert saved.suggested_filename == "front_image.png"
+    with pillow.open(await saved.path()) as image:
+        assert image.size == (WIDTH, HEIGHT)
+        assert image.convert("RGB").getpixel((WIDTH - 1, HEIGHT - 1)) == COLORS[3]
+
+
+async def test_camera_costs_the_page_little(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage, browser: Browser
+) -> None:
+    """The page's own thread: the worker decodes and draws."""
+    written = io.BytesIO()
+    pillow.effect_noise((640, 480), 60).convert("RGB").save(written, "JPEG", quality=60)
+    image = CompressedImage(format="jpeg", data=written.getvalue())
+    topic = await camera.advertise("/image", CompressedImage)
+    seconds, hz = 2, 30
+
+    async def publish() -> None:
+        async for _ in camera.rate(hz):
+            await topic.publish(image)
+
+    publishing = asyncio.create_task(publish())
+    try:
+        page = await open_page(hub, "#/topics/%2Fimage")
+        await expect(page.locator(".image-facts")).to_contain_text(
+            "640 \N{MULTIPLICATION SIGN} 480"
+        )
+        await page.wait_for_timeout(500)
+        async with traced(browser) as tasks:
+            await page.wait_for_timeout(seconds * 1000)
+    finally:
+        publishing.cancel()
+    # 3 % of a core and twice as much for other machines; the graph's polls are in it.
+    assert sum(tasks) / seconds < 0.06

@@ -1,0 +1,169 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { typedef } from "../typedef.fixture";
+import { Feed, HEAD, PROTOCOL, type Subscriber } from "./feed";
+import type { Fields } from "./reader";
+
+/** A socket without a network, and the newest one. */
+class FakeSocket {
+  static readonly OPEN = 1;
+  static newest: FakeSocket;
+  readonly sent: Record<string, unknown>[] = [];
+  readonly url: string;
+  readyState = 0;
+  protocol = "";
+  binaryType = "";
+  onopen = (): void => undefined;
+  onmessage = (_event: { data: unknown }): void => undefined;
+  onclose = (_event: { code: number; reason: string }): void => undefined;
+
+  constructor(url: string) {
+    this.url = url;
+    FakeSocket.newest = this;
+  }
+
+  send(text: string): void {
+    this.sent.push(JSON.parse(text) as Record<string, unknown>);
+  }
+
+  close(): void {
+    this.lose(1000);
+  }
+
+  open(protocol = PROTOCOL): void {
+    this.readyState = FakeSocket.OPEN;
+    this.protocol = protocol;
+    this.onopen();
+  }
+
+  lose(code = 1006, reason = ""): void {
+    this.readyState = 3;
+    this.onclose({ code, reason });
+  }
+
+  receive(operation: Record<string, unknown>): void {
+    this.onmessage({ data: JSON.stringify(operation) });
+  }
+
+  receiveNumber(topicId: number, ...bytes: number[]): void {
+    const frame = new Uint8Array(HEAD + bytes.length);
+    frame[0] = 1;
+    frame[1] = topicId;
+    frame.set(bytes, HEAD);
+    this.onmessage({ data: frame.buffer });
+  }
+}
+
+const INT8 = [typedef("std_msgs/Int8", [["data", "int8"]])];
+
+class Receiver implements Subscriber {
+  readonly topic = "/a";
+  readonly typedefs = INT8;
+  readonly throttle = 50;
+  readonly messages: Fields[] = [];
+  readonly faults: string[] = [];
+
+  receive(message: Fields): void {
+    this.messages.push(message);
+  }
+
+  fail(why: string): void {
+    this.faults.push(why);
+  }
+}
+
+let receiver: Receiver;
+
+function connected(token = ""): Feed {
+  const feed = new Feed();
+  feed.connect("ws://hub/?node=/x", token);
+  return feed;
+}
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.stubGlobal("WebSocket", FakeSocket);
+  receiver = new Receiver();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+describe("Feed", () => {
+  it("reads frames of the topics that it has subscribed to", () => {
+    const feed = connected();
+    const stop = feed.subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const [subscribe] = socket.sent;
+    expect(subscribe).toMatchObject({ op: "subscribe", topic: "/a", compression: "ros1" });
+    expect(subscribe).toMatchObject({ throttle_rate: 50, queue_length: 1 });
+    socket.receive({ op: "subscribed", id: subscribe?.id, topic_id: 7, type: "std_msgs/Int8" });
+    socket.receiveNumber(7, 255);
+    socket.receiveNumber(8, 5);
+    expect(receiver.messages).toEqual([{ data: -1 }]);
+    stop();
+    expect(socket.sent.at(-1)).toMatchObject({ op: "unsubscribe", id: subscribe?.id });
+    socket.receiveNumber(7, 3);
+    expect(receiver.messages.length).toBe(1);
+  });
+
+  it("reports messages that it cannot read, and goes on", () => {
+    connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const id = socket.sent[0]?.id;
+    socket.receive({ op: "subscribed", id, topic_id: 7, type: "std_msgs/Int8" });
+    socket.receiveNumber(7);
+    expect(receiver.faults[0]).toContain("ends early");
+    socket.receiveNumber(7, 1);
+    expect(receiver.messages).toEqual([{ data: 1 }]);
+    socket.receive({ op: "subscribed", id, topic_id: 9, type: "std_msgs/String" });
+    expect(receiver.faults[1]).toBe("the topic has the type std_msgs/String now");
+    socket.receive({ op: "status", id, level: "error", msg: "not allowed" });
+    expect(receiver.faults[2]).toBe("not allowed");
+  });
+
+  it("connects again, with its token, and subscribes again", () => {
+    const feed = connected("secret");
+    feed.subscribe(receiver);
+    const first = FakeSocket.newest;
+    first.open();
+    expect(first.sent[0]).toEqual({ op: "auth", token: "secret" });
+    first.lose();
+    expect(receiver.faults).toEqual(["the connection was lost"]);
+    vi.runOnlyPendingTimers();
+    const second = FakeSocket.newest;
+    expect(second).not.toBe(first);
+    second.open();
+    expect(second.sent.map(({ op }) => op)).toEqual(["auth", "subscribe"]);
+    second.lose(4401, "token expired");
+    vi.runOnlyPendingTimers();
+    expect(FakeSocket.newest).toBe(second);
+    expect(receiver.faults.at(-1)).toBe("token expired");
+    feed.connect("ws://hub/?node=/x", "other");
+    FakeSocket.newest.open();
+    expect(FakeSocket.newest.sent.map(({ op }) => op)).toEqual(["auth", "subscribe"]);
+    feed.connect("ws://hub/?node=/x", "other");
+    expect(FakeSocket.newest.sent.length).toBe(2);
+  });
+
+  it("takes JSON from servers without fibws.v1", () => {
+    connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open("");
+    expect(socket.sent[0]).not.toHaveProperty("compression");
+    socket.receive({ op: "publish", topic: "/a", msg: { data: 3 } });
+    expect(receiver.messages).toEqual([{ data: 3 }]);
+  });
+
+  it("ends for good", () => {
+    const feed = connected();
+    const socket = FakeSocket.newest;
+    socket.open();
+    feed.close();
+    vi.runOnlyPendingTimers();
+    expect(FakeSocket.newest).toBe(socket);
+  });
+});

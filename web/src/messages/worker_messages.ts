@@ -1,0 +1,29 @@
+/** What the page and the worker of its second connection say to each other. */
+import type { PictureState } from "../panels/image/picture";
+import type { Options } from "../panels/image/pixels";
+import type { TypeDef } from "../types";
+
+export type Request =
+  | { kind: "connect"; url: string; token: string }
+  | {
+      kind: "picture";
+      id: number;
+      canvas: OffscreenCanvas;
+      topic: string;
+      typedefs: readonly TypeDef[];
+      throttle: number;
+    }
+  /** Subscribe again with another throttle, in ms; null pauses. */
+  | { kind: "throttle"; id: number; throttle: number | null }
+  | { kind: "options"; id: number; options: Options }
+  /** Request the value of a pixel. */
+  | { kind: "value"; id: number; x: number; y: number }
+  /** Request the picture as a file. */
+  | { kind: "file"; id: number }
+  | { kind: "close"; id: number };
+
+export type Report =
+  | { kind: "state"; id: number; state: PictureState }
+  | { kind: "fault"; id: number; why: string }
+  | { kind: "value"; id: number; x: number; y: number; text: string }
+  | { kind: "file"; id: number; file: Blob };

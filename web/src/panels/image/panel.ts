@@ -1,0 +1,375 @@
+/** Shows a camera: the newest image of a topic, its age and rate, and the value under the pointer. */
+import "./image.css";
+
+import { h, setAttribute, setText } from "../../dom";
+import { bytes, hertz } from "../../format";
+import type { Hub } from "../../hub";
+import { dataClient } from "../../messages/data_client";
+import type { Report } from "../../messages/worker_messages";
+import type { Model } from "../../model";
+import type { Panel } from "../panel";
+import type { PictureState } from "./picture";
+import type { Options } from "./pixels";
+
+/** Time between two updates of the line below the picture, in ms. */
+const TICK = 250;
+/** Time between two updates of what screen readers are told, in ms. */
+const DESCRIBED = 5000;
+/** An image is old after this time, in ms. */
+const STALE = 2000;
+/** A stamp that is further away is another clock's, in ms. */
+const SAME_CLOCK = 3_600_000;
+/** The part of a new rate in the shown one. */
+const SMOOTHING = 0.3;
+/** Steps of zoom by the buttons and the wheel. */
+const ZOOM = 1.25;
+const MIN_ZOOM = 0.05;
+const MAX_ZOOM = 32;
+/** From here on, pixels are squares. */
+const SQUARES = 2;
+
+/** The least time between two images, in ms, with some play for cameras of exactly that rate. */
+const RATES: readonly (readonly [label: string, throttle: number])[] = [
+  ["30 Hz", 25],
+  ["15 Hz", 60],
+  ["5 Hz", 190],
+  ["1 Hz", 980],
+];
+
+type Send = ReturnType<ReturnType<typeof dataClient>["open"]>;
+
+export function makePanel(hub: Hub, model: Model, topic: string, type: string): Panel {
+  return new ImagePanel(hub, model, topic, type);
+}
+
+class ImagePanel implements Panel {
+  readonly element: HTMLElement;
+  readonly #hub: Hub;
+  readonly #model: Model;
+  readonly #topic: string;
+  readonly #type: string;
+  readonly #stage = h("div", {
+    class: "image-stage",
+    tabindex: 0,
+    role: "group",
+    "aria-label": "Picture; arrow keys move the point whose value is shown, space pauses",
+    onkeydown: (event: KeyboardEvent) => this.#press(event),
+    onpointermove: (event: PointerEvent) => this.#point(event),
+    onpointerleave: () => setText(this.#value, ""),
+    onwheel: (event: WheelEvent) => this.#wheel(event),
+  });
+  readonly #pause = h(
+    "button",
+    { type: "button", title: "Space", onclick: () => this.#togglePause() },
+    "Pause",
+  );
+  readonly #rate = h(
+    "select",
+    { "aria-label": "Most images per second", onchange: () => this.#subscribe() },
+    ...RATES.map(([label], at) => h("option", { value: at }, `≤ ${label}`)),
+  );
+  readonly #palette = h(
+    "select",
+    { "aria-label": "Colours of depths", hidden: true, onchange: () => this.#sendOptions() },
+    h("option", { value: "grey" }, "Grey"),
+    h("option", { value: "color" }, "Colours"),
+  );
+  readonly #fault = h("p", { class: "error", role: "alert", hidden: true });
+  readonly #waiting = h("p", { class: "soft image-waiting" });
+  readonly #facts = h("p", { class: "soft small image-facts" });
+  readonly #value = h("p", { class: "small mono image-value", role: "status" });
+  #canvas: HTMLCanvasElement | undefined;
+  #send: Send | undefined;
+  #state: PictureState | undefined;
+  #paused = false;
+  /** undefined: as large as fits. */
+  #zoom: number | undefined;
+  #hz = 0;
+  #counted = { shown: 0, at: 0 };
+  #describedAt = 0;
+  /** The point whose value is shown, in pixels of the image. */
+  #cursor = { x: 0, y: 0 };
+  #timer: number | undefined;
+  /** Whether it is visible: the definition of the type may arrive later. */
+  #visible = false;
+
+  constructor(hub: Hub, model: Model, topic: string, type: string) {
+    this.#hub = hub;
+    this.#model = model;
+    this.#topic = topic;
+    this.#type = type;
+    const isRaw = type === "sensor_msgs/Image";
+    this.#rate.value = isRaw ? "1" : "0";
+    const button = (label: string, title: string, onclick: () => void) =>
+      h("button", { type: "button", title, "aria-label": title, onclick }, label);
+    this.element = h(
+      "div",
+      { class: "image-panel" },
+      h(
+        "div",
+        { class: "toolbar" },
+        this.#pause,
+        this.#rate,
+        this.#palette,
+        button("−", "Zoom out", () => this.#zoomBy(1 / ZOOM)),
+        button("+", "Zoom in", () => this.#zoomBy(ZOOM)),
+        h("button", { type: "button", onclick: () => this.#setZoom(undefined) }, "Fit"),
+        h("button", { type: "button", onclick: () => this.#setZoom(1) }, "1:1"),
+        h(
+          "button",
+          { type: "button", onclick: () => void this.#stage.requestFullscreen() },
+          "Full screen",
+        ),
+        h("button", { type: "button", onclick: () => this.#send?.({ kind: "file" }) }, "Save"),
+      ),
+      this.#fault,
+      this.#stage,
+      this.#waiting,
+      this.#facts,
+      this.#value,
+    );
+  }
+
+  show(): void {
+    if (this.#visible) return;
+    this.#visible = true;
+    void this.#open();
+    this.#timer = window.setInterval(() => this.#tick(), TICK);
+    this.#tick();
+  }
+
+  hide(): void {
+    this.#visible = false;
+    window.clearInterval(this.#timer);
+    this.#send?.({ kind: "close" });
+    this.#send = undefined;
+    // The worker's canvas cannot come back: the next one is new.
+    this.#canvas?.remove();
+    this.#canvas = undefined;
+    this.#state = undefined;
+    this.#showFault("");
+    setText(this.#facts, "");
+    setText(this.#value, "");
+  }
+
+  async #open(): Promise<void> {
+    let typedefs: Awaited<ReturnType<Model["typedefs"]>>;
+    try {
+      typedefs = await this.#model.typedefs(this.#type);
+    } catch (error) {
+      this.#showFault((error as Error).message);
+      return;
+    }
+    if (!this.#visible || this.#send !== undefined) return;
+    const canvas = h("canvas", { role: "img", width: 1, height: 1, hidden: true });
+    this.#canvas = canvas;
+    this.#stage.append(canvas);
+    const offscreen = canvas.transferControlToOffscreen();
+    this.#counted = { shown: 0, at: performance.now() };
+    this.#send = dataClient(this.#hub).open(
+      {
+        kind: "picture",
+        canvas: offscreen,
+        topic: this.#topic,
+        typedefs,
+        throttle: this.#throttle,
+      },
+      [offscreen],
+      (report) => this.#receive(report),
+    );
+    if (this.#paused) this.#subscribe();
+    this.#sendOptions();
+    this.#setZoom(this.#zoom);
+  }
+
+  get #throttle(): number {
+    return RATES[Number(this.#rate.value)]?.[1] ?? 0;
+  }
+
+  #subscribe(): void {
+    this.#send?.({ kind: "throttle", throttle: this.#paused ? null : this.#throttle });
+  }
+
+  #sendOptions(): void {
+    const options: Options = { palette: this.#palette.value as Options["palette"] };
+    this.#send?.({ kind: "options", options });
+  }
+
+  #receive(report: Report): void {
+    switch (report.kind) {
+      case "state":
+        this.#showFault("");
+        this.#state = report.state;
+        if (this.#canvas !== undefined) this.#canvas.hidden = false;
+        if (report.state.shown === 1) this.#tick();
+        break;
+      case "fault":
+        this.#showFault(report.why);
+        break;
+      case "value":
+        setText(this.#value, `x ${report.x}, y ${report.y}: ${report.text}`);
+        break;
+      case "file":
+        save(report.file, this.#topic);
+        break;
+    }
+  }
+
+  #showFault(why: string): void {
+    setText(this.#fault, why);
+    this.#fault.hidden = why === "";
+  }
+
+  #togglePause(): void {
+    this.#paused = !this.#paused;
+    this.#pause.classList.toggle("on", this.#paused);
+    setText(this.#pause, this.#paused ? "Resume" : "Pause");
+    this.#subscribe();
+    this.#tick();
+  }
+
+  /** Update the lines below the picture. */
+  #tick(): void {
+    const state = this.#state;
+    setText(this.#waiting, state === undefined ? this.#whyEmpty() : "");
+    if (state === undefined) {
+      setText(this.#facts, "");
+      return;
+    }
+    this.#measure(state.shown);
+    this.#palette.hidden = state.limits === undefined;
+    const age = Date.now() - state.drawn;
+    this.#stage.classList.toggle("stale", !this.#paused && age > STALE);
+    const size = `${state.width} × ${state.height}`;
+    const parts = [
+      this.#paused ? "paused" : hertz(this.#hz),
+      `${size} ${state.encoding}`,
+      bytes(state.bytes),
+      this.#age(state),
+    ];
+    if (state.limits !== undefined) {
+      const [low, high] = state.limits.map((each) => Number(each.toPrecision(4)));
+      parts.push(`shown from ${low} to ${high}`);
+    }
+    setText(this.#facts, parts.join(" · "));
+    if (performance.now() - this.#describedAt > DESCRIBED && this.#canvas !== undefined) {
+      this.#describedAt = performance.now();
+      setAttribute(this.#canvas, "aria-label", `Camera ${this.#topic}: ${parts.join(", ")}`);
+    }
+  }
+
+  #measure(shown: number): void {
+    const now = performance.now();
+    const seconds = (now - this.#counted.at) / 1000;
+    if (seconds < 0.9) return;
+    const hz = (shown - this.#counted.shown) / seconds;
+    this.#hz = this.#hz === 0 || hz === 0 ? hz : this.#hz + SMOOTHING * (hz - this.#hz);
+    this.#counted = { shown, at: now };
+  }
+
+  #age({ stamp, drawn }: PictureState): string {
+    const since = Date.now() - drawn;
+    if (since > STALE) return `${Math.floor(since / 1000)} s without an image`;
+    if (stamp === 0) return "no time stamp";
+    const age = drawn - stamp;
+    if (Math.abs(age) > SAME_CLOCK) return "stamped by another clock";
+    return `${Math.round(age)} ms old`;
+  }
+
+  #whyEmpty(): string {
+    const topic = this.#model.graph.value?.topics.find(({ name }) => name === this.#topic);
+    if (topic === undefined || topic.publishers.length === 0) {
+      return `No image: no node publishes ${this.#topic}.`;
+    }
+    return this.#paused ? "Paused." : "Waiting for the first image …";
+  }
+
+  // Zoom, and the value under the pointer.
+
+  #setZoom(zoom: number | undefined): void {
+    this.#zoom = zoom;
+    const canvas = this.#canvas;
+    if (canvas === undefined) return;
+    canvas.classList.toggle("fits", zoom === undefined);
+    canvas.classList.toggle("squares", this.#scale() >= SQUARES);
+    canvas.style.width = zoom === undefined ? "" : `${(this.#state?.width ?? 0) * zoom}px`;
+  }
+
+  #zoomBy(factor: number): void {
+    this.#setZoom(Math.min(MAX_ZOOM, Math.max(MIN_ZOOM, this.#scale() * factor)));
+  }
+
+  #wheel(event: WheelEvent): void {
+    // Without Ctrl the wheel scrolls the page; a pinch on a touchpad arrives with it.
+    if (!event.ctrlKey || this.#state === undefined) return;
+    event.preventDefault();
+    const before = this.#place(event);
+    this.#zoomBy(event.deltaY < 0 ? ZOOM : 1 / ZOOM);
+    const after = this.#place(event);
+    const scale = this.#scale();
+    this.#stage.scrollLeft += (before.x - after.x) * scale;
+    this.#stage.scrollTop += (before.y - after.y) * scale;
+  }
+
+  /** Pixels of the screen for one of the image. */
+  #scale(): number {
+    const { width = 1, height = 1 } = this.#state ?? {};
+    if (this.#zoom !== undefined) return this.#zoom;
+    const box = this.#canvas?.getBoundingClientRect();
+    return box === undefined ? 1 : Math.min(box.width / width, box.height / height);
+  }
+
+  /** The place of the pointer in the image, in its pixels. */
+  #place({ clientX, clientY }: { clientX: number; clientY: number }): { x: number; y: number } {
+    const box = this.#canvas?.getBoundingClientRect() ?? new DOMRect();
+    const { width = 1, height = 1 } = this.#state ?? {};
+    const scale = this.#scale();
+    // A picture that fits may have bars at two of its sides.
+    return {
+      x: (clientX - box.left - (box.width - width * scale) / 2) / scale,
+      y: (clientY - box.top - (box.height - height * scale) / 2) / scale,
+    };
+  }
+
+  #point(event: PointerEvent): void {
+    const { x, y } = this.#place(event);
+    this.#ask(Math.floor(x), Math.floor(y));
+    if (event.buttons === 1 && this.#zoom !== undefined) {
+      this.#stage.scrollLeft -= event.movementX;
+      this.#stage.scrollTop -= event.movementY;
+    }
+  }
+
+  #ask(x: number, y: number): void {
+    const { width = 0, height = 0 } = this.#state ?? {};
+    if (x < 0 || y < 0 || x >= width || y >= height) return;
+    this.#cursor = { x, y };
+    this.#send?.({ kind: "value", x, y });
+  }
+
+  #press(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const steps: Record<string, readonly [number, number]> = {
+      ArrowLeft: [-1, 0],
+      ArrowRight: [1, 0],
+      ArrowUp: [0, -1],
+      ArrowDown: [0, 1],
+    };
+    const step = steps[event.key];
+    if (event.key === " ") {
+      if (!event.repeat) this.#togglePause();
+    } else if (step !== undefined) {
+      this.#ask(this.#cursor.x + step[0], this.#cursor.y + step[1]);
+    } else {
+      return;
+    }
+    event.preventDefault();
+  }
+}
+
+/** Let the browser save a picture, under the name of its topic. */
+function save(file: Blob, topic: string): void {
+  const href = URL.createObjectURL(file);
+  h("a", { href, download: `${topic.slice(1).replaceAll("/", "_")}.png` }).click();
+  URL.revokeObjectURL(href);
+}

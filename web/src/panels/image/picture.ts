@@ -1,0 +1,185 @@
+/** Draws the newest image of a topic on a canvas; it runs in the worker. */
+import type { Fields } from "../../messages/reader";
+import { bytesOf } from "../../types";
+import { isDeepPng, readDeepPng } from "./deep_png";
+import { type Limits, type Options, type RawImage, toPixels, valueText } from "./pixels";
+
+/** What the page shows of the newest image. */
+export interface PictureState {
+  /** The images that have been drawn. */
+  readonly shown: number;
+  readonly width: number;
+  readonly height: number;
+  /** The encoding, or the format of a compressed image. */
+  readonly encoding: string;
+  /** On the way here. */
+  readonly bytes: number;
+  /** When the image was made, in ms since 1970; 0 if it does not say so. */
+  readonly stamp: number;
+  /** When it was drawn, in ms since 1970. */
+  readonly drawn: number;
+  /** The numbers that are black and white, if the image has such. */
+  readonly limits: Limits | undefined;
+}
+
+/** Bytes before the PNG of compressedDepth: a format, and the two numbers of its quantization. */
+const DEPTH_HEAD = 12;
+/** The kinds of compressed images, by their first bytes. */
+const KINDS: readonly (readonly [type: string, start: readonly number[]])[] = [
+  ["image/jpeg", [0xff, 0xd8]],
+  ["image/png", [0x89, 0x50, 0x4e, 0x47]],
+  ["image/webp", [0x52, 0x49, 0x46, 0x46]],
+];
+
+/** What has been decoded of an image: its numbers, or what the browser made of it. */
+type Decoded = RawImage | ImageBitmap;
+
+export class Picture {
+  readonly canvas: OffscreenCanvas;
+  readonly #context: OffscreenCanvasRenderingContext2D | null;
+  readonly #report: (state: PictureState) => void;
+  readonly #fail: (why: string) => void;
+  #options: Options = { palette: "grey" };
+  #isBusy = false;
+  #next: { message: Fields; size: number } | undefined;
+  #newest: { message: Fields; size: number } | undefined;
+  /** The numbers of the newest image, if it is not compressed. */
+  #raw: RawImage | undefined;
+  #shown = 0;
+
+  constructor(
+    canvas: OffscreenCanvas,
+    report: (state: PictureState) => void,
+    fail: (why: string) => void,
+  ) {
+    this.canvas = canvas;
+    // Values under the pointer are read from the canvas.
+    this.#context = canvas.getContext("2d", { willReadFrequently: true });
+    this.#report = report;
+    this.#fail = fail;
+  }
+
+  /** Change how numbers are shown, of the newest image, too. */
+  set options(options: Options) {
+    this.#options = options;
+    if (this.#newest !== undefined) this.receive(this.#newest.message, this.#newest.size);
+  }
+
+  /** Draw an image as soon as the one before is drawn; only the newest waits. */
+  receive(message: Fields, size: number): void {
+    this.#next = { message, size };
+    if (!this.#isBusy) void this.#drawAll();
+  }
+
+  /** The value of a pixel as text; empty if there is none. */
+  valueAt(x: number, y: number): string {
+    const { width, height } = this.canvas;
+    if (this.#shown === 0 || x < 0 || y < 0 || x >= width || y >= height) return "";
+    if (this.#raw !== undefined) {
+      const text = valueText(this.#raw, x, y);
+      if (text !== "") return text;
+    }
+    const [red, green, blue] = this.#context?.getImageData(x, y, 1, 1).data ?? [];
+    return `rgb ${red} ${green} ${blue}`;
+  }
+
+  async #drawAll(): Promise<void> {
+    this.#isBusy = true;
+    for (let next = this.#next; next !== undefined; next = this.#next) {
+      this.#next = undefined;
+      try {
+        await this.#draw(next.message, next.size);
+        this.#newest = next;
+      } catch (error) {
+        this.#fail((error as Error).message);
+      }
+    }
+    this.#isBusy = false;
+  }
+
+  async #draw(message: Fields, bytes: number): Promise<void> {
+    const [decoded, encoding] = await decode(message);
+    let limits: Limits | undefined;
+    if ("close" in decoded) {
+      this.#resize(decoded.width, decoded.height);
+      this.#context?.drawImage(decoded, 0, 0);
+      decoded.close();
+      this.#raw = undefined;
+    } else {
+      const shown = toPixels(decoded, this.#options);
+      this.#resize(decoded.width, decoded.height);
+      this.#context?.putImageData(shown.pixels, 0, 0);
+      this.#raw = decoded;
+      limits = shown.limits;
+    }
+    this.#shown += 1;
+    const { width, height } = this.canvas;
+    const stamp = stampOf(message);
+    const state = { shown: this.#shown, width, height, encoding, bytes, stamp, limits };
+    this.#report({ ...state, drawn: Date.now() });
+  }
+
+  #resize(width: number, height: number): void {
+    if (this.canvas.width !== width) this.canvas.width = width;
+    if (this.canvas.height !== height) this.canvas.height = height;
+  }
+}
+
+/** Decode an Image or a CompressedImage, whose data is base64 if it came as JSON. */
+async function decode(message: Fields): Promise<[Decoded, encoding: string]> {
+  const data = typeof message.data === "string" ? bytesOf(message.data) : message.data;
+  if (!(data instanceof Uint8Array)) throw new Error("the message has no image");
+  if (typeof message.format !== "string") {
+    const image = { ...message, data } as unknown as RawImage;
+    return [image, image.encoding];
+  }
+  return [await decompress(message.format, data), message.format || "compressed"];
+}
+
+async function decompress(format: string, data: Uint8Array): Promise<Decoded> {
+  if (format.includes("compressedDepth")) return await depths(format, data);
+  if (isDeepPng(data)) {
+    const deep = await readDeepPng(data);
+    return { ...deep, encoding: "mono16", is_bigendian: 1, step: 2 * deep.width };
+  }
+  // The format is not trusted: some write "rgb8; jpeg compressed bgr8", others "jpg".
+  const type = KINDS.find(([, start]) => start.every((byte, at) => data[at] === byte))?.[0];
+  if (type === undefined) {
+    const kinds = KINDS.map(([name]) => name.replace("image/", "").toUpperCase()).join(", ");
+    throw new Error(`the data of the format “${format}” is none of ${kinds}`);
+  }
+  try {
+    return await createImageBitmap(new Blob([data as Uint8Array<ArrayBuffer>], { type }));
+  } catch {
+    throw new Error(`the browser cannot decode this ${type.replace("image/", "").toUpperCase()}`);
+  }
+}
+
+/** Decode the depths of compressed_depth_image_transport: millimeters, or quantized inverses. */
+async function depths(format: string, data: Uint8Array): Promise<RawImage> {
+  const png = data.subarray(DEPTH_HEAD);
+  if (!isDeepPng(png))
+    throw new Error(`the depths of the format “${format}” are no PNG of 16 bits`);
+  const deep = await readDeepPng(png);
+  if (!format.startsWith("32FC1")) {
+    return { ...deep, encoding: "16UC1", is_bigendian: 1, step: 2 * deep.width };
+  }
+  const head = new DataView(data.buffer, data.byteOffset, DEPTH_HEAD);
+  const [a, b] = [head.getFloat32(4, true), head.getFloat32(8, true)];
+  const numbers = new DataView(deep.data.buffer);
+  const meters = Float32Array.from({ length: deep.width * deep.height }, (_, at) => {
+    const number = numbers.getUint16(2 * at);
+    return number === 0 ? Number.NaN : a / (number - b);
+  });
+  const { width, height } = deep;
+  const bytes = new Uint8Array(meters.buffer);
+  return { width, height, data: bytes, encoding: "32FC1", is_bigendian: 0, step: 4 * width };
+}
+
+function stampOf({ header }: Fields): number {
+  const { secs = 0, nsecs = 0 } = ((header as Fields | undefined)?.stamp ?? {}) as {
+    secs?: number;
+    nsecs?: number;
+  };
+  return secs * 1000 + nsecs / 1e6;
+}

@@ -1,0 +1,36 @@
+/** Pictures of topics: what each kind of them is, and which types have one. */
+import type { Hub } from "../hub";
+import type { Model } from "../model";
+
+/** A view of one topic, on the topic's page for example. */
+export interface Panel {
+  readonly element: HTMLElement;
+  /** The panel becomes visible. */
+  show(): void;
+  /** The panel becomes hidden: it ends its subscriptions. */
+  hide(): void;
+}
+
+export interface PanelModule {
+  makePanel(hub: Hub, model: Model, topic: string, type: string): Panel;
+}
+
+interface Kind {
+  /** The heading of its section. */
+  readonly label: string;
+  readonly types: readonly string[];
+  load(): Promise<PanelModule>;
+}
+
+const KINDS: readonly Kind[] = [
+  {
+    label: "Picture",
+    types: ["sensor_msgs/Image", "sensor_msgs/CompressedImage"],
+    load: () => import("./image/panel"),
+  },
+];
+
+/** The kind of panel for a type, if it has one. */
+export function kindFor(type: string): Kind | undefined {
+  return KINDS.find(({ types }) => types.includes(type));
+}
