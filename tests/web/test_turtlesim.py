@@ -88,3 +88,22 @@ async def test_without_a_simulator_the_tab_says_how_to_start_one(
     await expect(page.locator("#tab-turtlesim")).to_be_hidden()
     page = await open_page(hub, "#/turtlesim")
     await expect(page.get_by_text("fibws run turtlesim turtlesim_node")).to_be_visible()
+
+
+async def test_stick_drives_the_chosen_turtle(
+    hub: Hub, simulator: Program, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/turtlesim", width=390, has_touch=True)
+    await page.get_by_text("Stick", exact=True).click()
+    stick = page.locator(".teleop-stick")
+    await stick.scroll_into_view_if_needed()
+    box = await stick.bounding_box()
+    assert box is not None
+    await page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    await page.mouse.down()
+    await page.mouse.move(box["x"] + box["width"] / 2, box["y"])
+    await count_of(page, PEN, 20)
+    await page.mouse.up()
+    await expect(page.locator(".turtles li")).not_to_contain_text("m/s")
+    await page.get_by_text("Stick", exact=True).click()
+    await expect(stick).to_be_hidden()

@@ -14,6 +14,12 @@ export type Operation = { op: string } & Record<string, unknown>;
 
 export interface Publication {
   publish(message: Message): void;
+  /**
+   * Leave a message that the hub publishes when the page has gone, or has published nothing for
+   * `timeout` seconds. It ends with the connection.
+   */
+  setWill(message: Message, timeout: number): void;
+  clearWill(): void;
   close(): void;
 }
 
@@ -62,6 +68,9 @@ const NO_RECONNECT = 4000;
 
 /** The code with which the hub closes if it wants a token, or another one. */
 const UNAUTHENTICATED = 4401;
+
+/** Bytes that may wait in the browser. */
+const MAX_BUFFERED = 64 * 1024;
 
 /** `WebSocket.CONNECTING`. */
 const CONNECTING = 0;
@@ -119,6 +128,11 @@ export class Hub {
     this.ended = this.#ended;
     this.failures = this.#failures;
     this.connect();
+  }
+
+  /** Whether so much waits to be sent that what is sent now would arrive late. */
+  get isCongested(): boolean {
+    return (this.#socket?.bufferedAmount ?? 0) > MAX_BUFFERED;
   }
 
   /** Connect now, instead of at the next attempt. */
@@ -264,6 +278,8 @@ export class Hub {
         if (this.#state.value === "open") this.#send({ op: "publish", id, topic, msg: message });
         else onError?.("Not connected to the hub: the message was not published");
       },
+      setWill: (msg, timeout) => this.#send({ op: "set_will", id, topic, type, msg, timeout }),
+      clearWill: () => this.#send({ op: "clear_will", id, topic }),
       close: () => {
         if (!this.#advertised.delete(id)) return;
         this.#onError.delete(id);

@@ -1,4 +1,4 @@
-/** Pictures of topics: what each kind of them is, and which types have one. */
+/** Panels for topics of certain types: pictures of them, or a way to publish on them. */
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 
@@ -19,6 +19,8 @@ interface Kind {
   /** The heading of its section. */
   readonly label: string;
   readonly types: readonly string[];
+  /** Whether it is shown instead of Echo: the numbers are many, and nobody reads them. */
+  readonly replacesEcho: boolean;
   load(): Promise<PanelModule>;
 }
 
@@ -26,7 +28,14 @@ const KINDS: readonly Kind[] = [
   {
     label: "Picture",
     types: ["sensor_msgs/Image", "sensor_msgs/CompressedImage"],
+    replacesEcho: true,
     load: () => import("./image/panel"),
+  },
+  {
+    label: "Drive",
+    types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
+    replacesEcho: false,
+    load: () => import("./teleop/panel"),
   },
 ];
 

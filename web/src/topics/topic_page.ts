@@ -1,4 +1,4 @@
-/** The page of one topic: its picture, its newest message, a form to publish, its connections and its type. */
+/** The page of one topic: its picture or stick, its newest message, a form to publish, its connections and its type. */
 import { browsePage } from "../browse";
 import { breakable, h, replace, setName, setText } from "../dom";
 import { expand } from "../element_names";
@@ -28,7 +28,7 @@ export class TopicPage {
   readonly #flow = h("p", { class: "soft small topic-flow" });
   readonly #notice = h("p", { class: "notice", role: "status", hidden: true });
   readonly #picker = h("div");
-  readonly #picture = section("Picture", true);
+  readonly #panelSection = section("", true);
   readonly #echo = section("Echo", true);
   readonly #publish = section("Publish", false);
   readonly #connections = section("Connections", true);
@@ -38,7 +38,7 @@ export class TopicPage {
   /** Why the definition of that type is missing, if it is. */
   #typeError = "";
   #tools: { echo: Echo; publish: PublishForm | undefined } | undefined;
-  /** The picture of that type, if it has one. */
+  /** The panel for that type, if it has one. */
   #panel: Panel | undefined;
   #shownConnections = "";
   #stops: (() => void)[] = [];
@@ -57,14 +57,14 @@ export class TopicPage {
       this.#flow,
       this.#notice,
       this.#picker,
-      this.#picture.element,
+      this.#panelSection.element,
       this.#echo.element,
       this.#publish.element,
       this.#connections.element,
       this.#definition.element,
     );
-    this.#picture.element.hidden = true;
-    this.#picture.element.addEventListener("toggle", () => this.#togglePicture());
+    this.#panelSection.element.hidden = true;
+    this.#panelSection.element.addEventListener("toggle", () => this.#togglePanel());
     this.#echo.element.addEventListener("toggle", () => this.#toggleEcho());
   }
 
@@ -75,7 +75,7 @@ export class TopicPage {
       this.#model.graph.watch(() => this.#update()),
       this.#model.rates.watch(() => this.#showRates()),
     ];
-    this.#togglePicture();
+    this.#togglePanel();
     this.#toggleEcho();
   }
 
@@ -119,16 +119,15 @@ export class TopicPage {
     const kind = kindFor(type);
     this.#panel?.hide();
     this.#panel = undefined;
-    this.#picture.element.hidden = kind === undefined;
+    this.#panelSection.element.hidden = kind === undefined;
     if (kind === undefined) return;
-    setText(this.#picture.heading, kind.label);
-    // Its numbers as text are many, and nobody reads them.
-    this.#echo.element.open = false;
+    setText(this.#panelSection.heading, kind.label);
+    if (kind.replacesEcho) this.#echo.element.open = false;
     const { makePanel } = await kind.load();
     if (this.#toolsType !== type) return;
     this.#panel = makePanel(this.#hub, this.#model, this.#name, type);
-    replace(this.#picture.body, this.#panel.element);
-    this.#togglePicture();
+    replace(this.#panelSection.body, this.#panel.element);
+    this.#togglePanel();
   }
 
   async #createTools(type: string, isNew: boolean): Promise<void> {
@@ -169,8 +168,8 @@ export class TopicPage {
     this.#update();
   }
 
-  #togglePicture(): void {
-    if (this.#picture.element.open && this.#stops.length > 0) this.#panel?.show();
+  #togglePanel(): void {
+    if (this.#panelSection.element.open && this.#stops.length > 0) this.#panel?.show();
     else this.#panel?.hide();
   }
 

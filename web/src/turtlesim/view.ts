@@ -4,6 +4,7 @@ import "./turtlesim.css";
 import { h, replace, setText, svg } from "../dom";
 import type { Hub, Message, Publication } from "../hub";
 import type { Model } from "../model";
+import type { Panel } from "../panels/panel";
 import { type MakeView, route, type View } from "../view";
 import {
   PIXELS,
@@ -28,6 +29,7 @@ const KEYS: Record<string, readonly [number, number]> = {
   ArrowLeft: [0, TURN],
   ArrowRight: [0, -TURN],
 };
+const TWIST = "geometry_msgs/Twist";
 /** The colours of turtles, as classes of the style sheet. */
 const COLORS = 6;
 
@@ -38,7 +40,10 @@ class TurtlesimView implements View {
   readonly #hub: Hub;
   readonly #model: Model;
   readonly #simulators = h("nav", { class: "toolbar", "aria-label": "Simulators", hidden: true });
-  readonly #driven = h("select", { "aria-label": "Turtle that the arrow keys drive" });
+  readonly #driven = h("select", {
+    "aria-label": "Turtle that the arrow keys drive",
+    onchange: () => void this.#toggleStick(),
+  });
   readonly #canvas = h("canvas", { width: PIXELS, height: PIXELS, "aria-hidden": "true" });
   readonly #turtles = svg("svg", { viewBox: `0 0 ${PIXELS} ${PIXELS}`, "aria-hidden": "true" });
   readonly #stage: HTMLElement;
@@ -51,6 +56,13 @@ class TurtlesimView implements View {
     "No turtlesim is running. To start one: ",
     h("code", {}, "fibws run turtlesim turtlesim_node"),
   );
+  /** For phones, which have no keys. */
+  readonly #stick = h(
+    "details",
+    { class: "turtle-stick", ontoggle: () => void this.#toggleStick() },
+    h("summary", {}, "Stick"),
+  );
+  #panel: Panel | undefined;
   #node = "";
   #simulator: Simulator | undefined;
   #shown = "";
@@ -94,7 +106,7 @@ class TurtlesimView implements View {
       ),
       this.#error,
       this.#stage,
-      this.#list,
+      h("div", { class: "turtle-side" }, this.#stick, this.#list),
     );
     this.element = h(
       "section",
@@ -140,6 +152,7 @@ class TurtlesimView implements View {
     replace(this.#turtles);
     replace(this.#list);
     for (const [index, turtle] of turtles.entries()) this.#follow(turtle, index);
+    void this.#toggleStick();
     this.#canvas.getContext("2d")?.clearRect(0, 0, PIXELS, PIXELS);
     if (picture === "") return;
     this.#stops.push(
@@ -147,11 +160,29 @@ class TurtlesimView implements View {
     );
   }
 
+  /** Show a stick for the chosen turtle, or end it. */
+  async #toggleStick(): Promise<void> {
+    const { makePanel } = await import("../panels/teleop/panel");
+    this.#closePanel();
+    const base = this.#driven.value;
+    if (!this.#stick.open || base === "" || this.#stop === undefined) return;
+    this.#panel = makePanel(this.#hub, this.#model, `${base}/cmd_vel`, TWIST);
+    this.#stick.append(this.#panel.element);
+    this.#panel.show();
+  }
+
+  #closePanel(): void {
+    this.#panel?.hide();
+    this.#panel?.element.remove();
+    this.#panel = undefined;
+  }
+
   #close(): void {
     for (const stop of this.#stops) stop();
     this.#stops = [];
     this.#commands?.publication.close();
     this.#commands = undefined;
+    this.#closePanel();
     this.#shown = "";
   }
 
@@ -202,9 +233,7 @@ class TurtlesimView implements View {
     if (this.#commands?.base !== base) {
       this.#commands?.publication.close();
       const topic = `${base}/cmd_vel`;
-      const publication = this.#hub.advertise(topic, "geometry_msgs/Twist", (why) =>
-        this.#showError(why),
-      );
+      const publication = this.#hub.advertise(topic, TWIST, (why) => this.#showError(why));
       this.#commands = { base, publication };
     }
     this.#commands.publication.publish({ linear: { x: forwards }, angular: { z: left } });

@@ -1,0 +1,330 @@
+/** Drives a robot by a stick, the keyboard or a gamepad: publishes Twist while something is held. */
+import "./teleop.css";
+
+import { h, setText } from "../../dom";
+import type { Hub, Message, Publication } from "../../hub";
+import type { Model } from "../../model";
+import type { Panel } from "../panel";
+import {
+  type Direction,
+  Drive,
+  directionOf,
+  directionOfGamepad,
+  directionOfStick,
+  type Limits,
+  type Velocity,
+} from "./drive";
+
+/** Seconds without a message after which the hub stops the robot: the page or its network is dead. */
+const LEASE = 0.4;
+const LIMITS: Limits = { speed: 0.5, turn: 1, ramp: 0.5 };
+const STAMPED = "geometry_msgs/TwistStamped";
+const STORED = "fibws.teleop";
+
+export function makePanel(hub: Hub, model: Model, topic: string, type: string): Panel {
+  return new TeleopPanel(hub, model, topic, type);
+}
+
+class TeleopPanel implements Panel {
+  readonly element: HTMLElement;
+  readonly #hub: Hub;
+  readonly #model: Model;
+  readonly #topic: string;
+  readonly #type: string;
+  readonly #drive: Drive;
+  readonly #knob = h("div", { class: "teleop-knob" });
+  readonly #stick: HTMLElement;
+  readonly #stop = h(
+    "button",
+    { type: "button", class: "teleop-stop", onclick: () => this.#toggleStop() },
+    "STOP",
+  );
+  readonly #sideways = h("input", { type: "checkbox" });
+  readonly #inputs: Record<keyof Limits, HTMLInputElement>;
+  readonly #status = h("p", { class: "teleop-status", role: "status" }, "stopped");
+  readonly #velocity = h("p", { class: "soft small mono" });
+  readonly #others = h("p", { class: "soft small" });
+  readonly #error = h("p", { class: "error", role: "alert", hidden: true });
+  #publication: Publication | undefined;
+  #dropped = false;
+  #gamepad: number | undefined;
+  #stops: (() => void)[] = [];
+
+  constructor(hub: Hub, model: Model, topic: string, type: string) {
+    this.#hub = hub;
+    this.#model = model;
+    this.#topic = topic;
+    this.#type = type;
+    const limits = storedLimits(topic);
+    this.#drive = new Drive(limits, {
+      begin: () => this.#begin(),
+      send: (velocity) => this.#send(velocity),
+      end: () => this.#end(),
+    });
+    const limit = (name: keyof Limits, label: string, most: number) =>
+      h("input", {
+        type: "number",
+        min: name === "ramp" ? 0 : 0.01,
+        max: most,
+        step: "any",
+        value: String(limits[name]),
+        "aria-label": label,
+        onchange: () => this.#readLimits(),
+      });
+    this.#inputs = {
+      speed: limit("speed", "Greatest speed in m/s", 20),
+      turn: limit("turn", "Greatest turn in rad/s", 20),
+      ramp: limit("ramp", "Seconds to the greatest speed", 10),
+    };
+    this.#stick = h(
+      "div",
+      {
+        class: "teleop-stick",
+        onpointerdown: (event: PointerEvent) => this.#grab(event),
+        onpointermove: (event: PointerEvent) => this.#move(event),
+        onpointerup: () => this.#drop(),
+        onpointercancel: () => this.#drop(),
+        onlostpointercapture: () => this.#drop(),
+      },
+      this.#knob,
+    );
+    const { speed, turn, ramp } = this.#inputs;
+    this.element = h(
+      "div",
+      {
+        class: "teleop",
+        tabindex: 0,
+        role: "application",
+        "aria-label": `Drive by ${topic}: arrow keys or W, A, S, D move, Q and E go sideways, space stops`,
+        onkeydown: (event: KeyboardEvent) => this.#press(event),
+        onkeyup: (event: KeyboardEvent) => this.#drive.release(event.code),
+        onblur: () => this.#drive.releaseAll(),
+      },
+      this.#error,
+      h(
+        "div",
+        { class: "teleop-controls" },
+        this.#stick,
+        h("div", { class: "teleop-side" }, this.#stop, this.#status, this.#velocity, this.#others),
+      ),
+      h(
+        "div",
+        { class: "toolbar teleop-limits" },
+        h("label", {}, "≤", speed, "m/s"),
+        h("label", {}, "≤", turn, "rad/s"),
+        h("label", {}, "ramp", ramp, "s"),
+        h("label", {}, this.#sideways, "Sideways"),
+      ),
+      h(
+        "p",
+        { class: "soft small" },
+        "The stick, or arrow keys and WASD once this has the focus, or a gamepad while one of its shoulder buttons is held.",
+      ),
+    );
+  }
+
+  show(): void {
+    if (this.#stops.length > 0) return;
+    const release = (): void => this.#drive.releaseAll();
+    const events: [EventTarget, string][] = [
+      [window, "blur"],
+      [window, "pagehide"],
+      [document, "visibilitychange"],
+    ];
+    for (const [target, event] of events) target.addEventListener(event, release);
+    const poll = (): void => this.#pollGamepads();
+    window.addEventListener("gamepadconnected", poll);
+    this.#stops = [
+      // What was held before a connection was lost must not move the robot after it.
+      this.#hub.state.watch((state) => state !== "open" && release()),
+      this.#model.graph.watch(() => this.#showOthers()),
+      () => {
+        for (const [target, event] of events) target.removeEventListener(event, release);
+        window.removeEventListener("gamepadconnected", poll);
+        if (this.#gamepad !== undefined) cancelAnimationFrame(this.#gamepad);
+        this.#gamepad = undefined;
+      },
+    ];
+    if (navigator.getGamepads().some((pad) => pad !== null)) poll();
+  }
+
+  hide(): void {
+    this.#drive.releaseAll();
+    for (const stop of this.#stops) stop();
+    this.#stops = [];
+    this.#publication?.close();
+    this.#publication = undefined;
+  }
+
+  // What is sent.
+
+  #begin(): void {
+    this.#showError("");
+    this.#publication ??= this.#hub.advertise(this.#topic, this.#type, (why) => {
+      this.#drive.releaseAll();
+      this.#showError(why);
+    });
+    this.#publication.setWill(this.#message({ forward: 0, left: 0, turn: 0 }), LEASE);
+    setText(this.#status, `driving ${this.#topic}`);
+    this.element.classList.add("driving");
+  }
+
+  #send(velocity: Velocity): void {
+    const isZero = velocity.forward === 0 && velocity.left === 0 && velocity.turn === 0;
+    // Commands that wait would be executed late; a zero must arrive.
+    this.#dropped = this.#hub.isCongested && !isZero;
+    if (!this.#dropped) this.#publication?.publish(this.#message(velocity));
+    const { forward, left, turn } = velocity;
+    const sideways = left === 0 ? "" : `, ${left.toFixed(2)} m/s to the left`;
+    const slow = this.#dropped ? " · the link is slow" : "";
+    setText(
+      this.#velocity,
+      `${forward.toFixed(2)} m/s${sideways}, ${turn.toFixed(2)} rad/s${slow}`,
+    );
+  }
+
+  #end(): void {
+    this.#publication?.clearWill();
+    setText(this.#status, this.#drive.isStopped ? "stopped until you resume" : "stopped");
+    this.element.classList.remove("driving");
+    this.#center(0, 0);
+  }
+
+  #message({ forward, left, turn }: Velocity): Message {
+    const twist = { linear: { x: forward, y: left, z: 0 }, angular: { x: 0, y: 0, z: turn } };
+    // The hub stamps a header that is left out.
+    return this.#type === STAMPED ? { twist } : twist;
+  }
+
+  #showError(why: string): void {
+    setText(this.#error, why);
+    this.#error.hidden = why === "";
+  }
+
+  #showOthers(): void {
+    const topic = this.#model.graph.value?.topics.find(({ name }) => name === this.#topic);
+    // Echo below is no robot.
+    const isOther = (node: string): boolean => node !== this.#hub.node;
+    const others = (topic?.publishers ?? []).map(({ node }) => node).filter(isOther);
+    const listeners = (topic?.subscriptions ?? []).filter(({ node }) => isOther(node)).length;
+    setText(
+      this.#others,
+      [
+        others.length === 0 ? "" : `also published by ${others.join(", ")}`,
+        listeners === 0 ? `no node subscribes to ${this.#topic}` : "",
+      ]
+        .filter((text) => text !== "")
+        .join(" · "),
+    );
+  }
+
+  // The stick.
+
+  #grab(event: PointerEvent): void {
+    if (event.button !== 0) return;
+    this.#stick.setPointerCapture(event.pointerId);
+    this.element.focus({ preventScroll: true });
+    this.#move(event);
+    event.preventDefault();
+  }
+
+  #move(event: PointerEvent): void {
+    if (!this.#stick.hasPointerCapture(event.pointerId)) return;
+    const box = this.#stick.getBoundingClientRect();
+    const radius = box.width / 2;
+    const x = (event.clientX - box.left) / radius - 1;
+    const y = (event.clientY - box.top) / radius - 1;
+    this.#hold("stick", directionOfStick(x, y, this.#sideways.checked));
+    const size = Math.max(1, Math.hypot(x, y));
+    this.#center(x / size, y / size);
+  }
+
+  #drop(): void {
+    this.#center(0, 0);
+    this.#drive.release("stick");
+  }
+
+  /** Move the knob from the middle of the stick, by parts of its radius. */
+  #center(x: number, y: number): void {
+    this.#knob.style.translate = `${x * 100}% ${y * 100}%`;
+  }
+
+  #hold(kind: string, direction: Direction): void {
+    if (this.#hub.state.value !== "open") {
+      this.#showError("Not connected to the hub: nothing is sent.");
+      return;
+    }
+    this.#drive.hold(kind, direction);
+  }
+
+  // The keyboard, the stop and the gamepads.
+
+  #press(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    // A number in a field, or a button, has its own keys.
+    if (event.target !== this.element) return;
+    const direction = directionOf(event.code);
+    if (event.code === "Space") {
+      if (!event.repeat) this.#toggleStop();
+    } else if (direction === undefined) {
+      return;
+    } else if (!event.repeat) {
+      this.#hold(event.code, direction);
+    }
+    event.preventDefault();
+  }
+
+  #toggleStop(): void {
+    if (this.#drive.isStopped) {
+      this.#drive.resume();
+      setText(this.#status, "stopped");
+    } else {
+      this.#drive.stop();
+    }
+    const { isStopped } = this.#drive;
+    this.#stop.classList.toggle("on", isStopped);
+    setText(this.#stop, isStopped ? "Resume" : "STOP");
+  }
+
+  /** Follow the gamepads, at the screen's rate, while there are any. */
+  #pollGamepads(): void {
+    if (this.#gamepad !== undefined) cancelAnimationFrame(this.#gamepad);
+    const pads = navigator.getGamepads().filter((pad) => pad !== null);
+    const directions = pads.flatMap((pad) => directionOfGamepad(pad) ?? []);
+    const [direction] = directions;
+    if (direction === undefined || document.hidden) this.#drive.release("gamepad");
+    else this.#hold("gamepad", direction);
+    this.#gamepad =
+      pads.length === 0 ? undefined : requestAnimationFrame(() => this.#pollGamepads());
+  }
+
+  #readLimits(): void {
+    const limits = { ...this.#drive.limits };
+    for (const [name, input] of Object.entries(this.#inputs)) {
+      const isValid = input.checkValidity() && input.value !== "";
+      input.toggleAttribute("aria-invalid", !isValid);
+      if (isValid) limits[name as keyof Limits] = input.valueAsNumber;
+    }
+    this.#drive.limits = limits;
+    try {
+      localStorage.setItem(`${STORED}${this.#topic}`, JSON.stringify(limits));
+    } catch {
+      // The browser keeps nothing: they hold until the page is closed.
+    }
+  }
+}
+
+/** The limits that somebody has set for a topic in this browser. */
+function storedLimits(topic: string): Limits {
+  let stored: unknown;
+  try {
+    stored = JSON.parse(localStorage.getItem(`${STORED}${topic}`) ?? "null");
+  } catch {
+    return LIMITS;
+  }
+  const limits: Record<string, number> = { ...LIMITS };
+  for (const [name, value] of Object.entries(stored ?? {})) {
+    if (name in LIMITS && typeof value === "number" && value >= 0) limits[name] = value;
+  }
+  return limits as unknown as Limits;
+}
