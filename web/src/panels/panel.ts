@@ -32,6 +32,12 @@ const KINDS: readonly Kind[] = [
     load: () => import("./image/panel"),
   },
   {
+    label: "Diagnostics",
+    types: ["diagnostic_msgs/DiagnosticArray"],
+    replacesEcho: true,
+    load: () => import("./diagnostics/panel"),
+  },
+  {
     label: "Drive",
     types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
     replacesEcho: false,
