@@ -4,7 +4,7 @@
  * It reconnects by itself, and then subscribes and advertises again.
  */
 import { type Signal, Source } from "./signal";
-import { TopicListeners } from "./topic_listeners";
+import { type Header, type MessageListener, TopicListeners } from "./topic_listeners";
 
 export type Message = Record<string, unknown>;
 export type State = "connecting" | "open" | "closed";
@@ -28,6 +28,8 @@ export interface SubscribeOptions {
   throttle?: number;
   /** How many messages the hub queues while the page falls behind. */
   queue?: number;
+  /** Whether the listener is passed connection headers: `callerid` is the publisher. */
+  headers?: boolean;
 }
 
 /** A goal of an action that is served by ROS 2's operations. */
@@ -245,14 +247,21 @@ export class Hub {
    */
   subscribe(
     topic: string,
-    { throttle = 0, queue = 0 }: SubscribeOptions,
-    listener: (message: Message) => void,
+    { throttle = 0, queue = 0, headers = false }: SubscribeOptions,
+    listener: MessageListener,
     onError?: (why: string) => void,
   ): () => void {
     const id = this.#newId("subscribe");
     const listeners = this.#listeners.get(topic) ?? new TopicListeners<Operation>();
     this.#listeners.set(topic, listeners);
-    const operation = { op: "subscribe", id, topic, throttle_rate: throttle, queue_length: queue };
+    const operation = {
+      op: "subscribe",
+      id,
+      topic,
+      throttle_rate: throttle,
+      queue_length: queue,
+      ...(headers ? { headers } : {}),
+    };
     listeners.add(id, operation, throttle, listener);
     if (onError !== undefined) this.#onError.set(id, onError);
     this.#send(operation);
@@ -320,7 +329,9 @@ export class Hub {
     const { op, id } = operation;
     switch (op) {
       case "publish":
-        this.#listeners.get(operation.topic as string)?.dispatch(operation.msg as Message);
+        this.#listeners
+          .get(operation.topic as string)
+          ?.dispatch(operation.msg as Message, operation.header as Header | undefined);
         break;
       case "service_response":
         this.#respond(this.#calls.get(id as string), operation);

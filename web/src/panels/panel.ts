@@ -38,6 +38,12 @@ const KINDS: readonly Kind[] = [
     load: () => import("./diagnostics/panel"),
   },
   {
+    label: "Frames",
+    types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
+    replacesEcho: true,
+    load: () => import("./frames/panel"),
+  },
+  {
     label: "Drive",
     types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
     replacesEcho: false,
