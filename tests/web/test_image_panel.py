@@ -13,6 +13,7 @@ from playwright.async_api import Browser, Page, expect
 
 import fibws
 from fibws.hub import Hub
+from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
 from fibws.msg.sensor_msgs import CompressedImage, Image
 from fibws.msg.std_msgs import Header
 
@@ -28,6 +29,14 @@ CORNERS = """(canvas) => {
     copy.drawImage(canvas, 0, 0);
     const at = (x, y) => [...copy.getImageData(x, y, 1, 1).data.slice(0, 3)];
     return [at(2, 2), at(width - 3, 2), at(2, height - 3), at(width - 3, height - 3)];
+}"""
+
+ALL = """(canvas) => {
+    const { width, height } = canvas;
+    const copy = new OffscreenCanvas(width, height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, width, height);
+    return Array.from({ length: width * height }, (_, at) => [...data.slice(4 * at, 4 * at + 3)]);
 }"""
 
 
@@ -238,3 +247,27 @@ async def test_camera_costs_the_page_little(
         publishing.cancel()
     # 3 % of a core and twice as much for other machines; the graph's polls are in it.
     assert sum(tasks) / seconds < 0.06
+
+
+async def test_map_is_shown_with_the_cell_under_the_pointer(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage
+) -> None:
+    topic = await camera.advertise("/map", OccupancyGrid, latch=True)
+    info = MapMetaData(resolution=0.05, width=4, height=3)
+    info.origin.position.x = -1.0
+    info.origin.orientation.w = 1.0
+    # The only occupied cell is at the top left.
+    cells = [0, 0, 0, -1, 0, 0, 0, -1, 100, 0, 0, -1]
+    await topic.publish(OccupancyGrid(Header(frame_id="world"), info, cells))
+    page = await open_page(hub, "#/topics/%2Fmap")
+    await expect(page.locator(".image-facts")).to_contain_text("cells of 0.05 m")
+    await expect(page.get_by_role("img", name="Map /map")).to_be_visible()
+    found = await page.locator(".image-stage canvas").evaluate(ALL)
+    white, grey = [255] * 3, [0x70, 0x89, 0x86]
+    assert found == [[0] * 3, white, white, grey, *([white] * 3 + [grey]) * 2]
+    stage = page.get_by_role("group", name="Picture; arrow keys")
+    await stage.focus()
+    await page.keyboard.press("ArrowRight")
+    await expect(page.locator(".image-value")).to_have_text(
+        "x 1, y 0: 0 (free) at -0.92 m, 0.13 m in world"
+    )

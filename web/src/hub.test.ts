@@ -196,7 +196,10 @@ test("each listener has its own subscription", () => {
   stopOne();
   receive({ op: "publish", topic: "/t", msg: { data: 2 } });
   expect(one.mock.calls).toEqual([[{ data: 1 }, {}]]);
-  expect(other.mock.calls).toEqual([[{ data: 1 }, {}], [{ data: 2 }, {}]]);
+  expect(other.mock.calls).toEqual([
+    [{ data: 1 }, {}],
+    [{ data: 2 }, {}],
+  ]);
   expect(take("unsubscribe")).toMatchObject([{ id: ids[0] }]);
   stopOther();
   expect(take("unsubscribe")).toMatchObject([{ id: ids[1] }]);

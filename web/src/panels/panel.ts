@@ -32,6 +32,12 @@ const KINDS: readonly Kind[] = [
     load: () => import("./image/panel"),
   },
   {
+    label: "Map",
+    types: ["nav_msgs/OccupancyGrid"],
+    replacesEcho: true,
+    load: () => import("./image/panel"),
+  },
+  {
     label: "Diagnostics",
     types: ["diagnostic_msgs/DiagnosticArray"],
     replacesEcho: true,

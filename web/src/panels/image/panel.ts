@@ -1,8 +1,8 @@
-/** Shows a camera: the newest image of a topic, its age and rate, and the value under the pointer. */
+/** Shows a camera, or a map: the newest image of a topic, its age and rate, and the value under the pointer. */
 import "./image.css";
 
 import { h, setAttribute, setText } from "../../dom";
-import { bytes, hertz } from "../../format";
+import { ago, bytes, hertz } from "../../format";
 import type { Hub } from "../../hub";
 import { dataClient } from "../../messages/data_client";
 import type { Report } from "../../messages/worker_messages";
@@ -36,6 +36,12 @@ const RATES: readonly (readonly [label: string, throttle: number])[] = [
   ["1 Hz", 980],
 ];
 
+/** The first rate of each type, as an index of `RATES`. */
+const FIRST_RATES: Readonly<Record<string, number>> = {
+  "sensor_msgs/Image": 1,
+  "nav_msgs/OccupancyGrid": 2,
+};
+
 type Send = ReturnType<ReturnType<typeof dataClient>["open"]>;
 
 export function makePanel(hub: Hub, model: Model, topic: string, type: string): Panel {
@@ -48,6 +54,8 @@ class ImagePanel implements Panel {
   readonly #model: Model;
   readonly #topic: string;
   readonly #type: string;
+  /** Whether images are expected again and again; a map may come only once. */
+  readonly #isCamera: boolean;
   readonly #stage = h("div", {
     class: "image-stage",
     tabindex: 0,
@@ -98,8 +106,8 @@ class ImagePanel implements Panel {
     this.#model = model;
     this.#topic = topic;
     this.#type = type;
-    const isRaw = type === "sensor_msgs/Image";
-    this.#rate.value = isRaw ? "1" : "0";
+    this.#isCamera = type !== "nav_msgs/OccupancyGrid";
+    this.#rate.value = String(FIRST_RATES[type] ?? 0);
     const button = (label: string, title: string, onclick: () => void) =>
       h("button", { type: "button", title, "aria-label": title, onclick }, label);
     this.element = h(
@@ -239,7 +247,7 @@ class ImagePanel implements Panel {
     this.#measure(state.shown);
     this.#palette.hidden = state.limits === undefined;
     const age = Date.now() - state.drawn;
-    this.#stage.classList.toggle("stale", !this.#paused && age > STALE);
+    this.#stage.classList.toggle("stale", this.#isCamera && !this.#paused && age > STALE);
     const size = `${state.width} × ${state.height}`;
     const parts = [
       this.#paused ? "paused" : hertz(this.#hz),
@@ -254,7 +262,11 @@ class ImagePanel implements Panel {
     setText(this.#facts, parts.join(" · "));
     if (performance.now() - this.#describedAt > DESCRIBED && this.#canvas !== undefined) {
       this.#describedAt = performance.now();
-      setAttribute(this.#canvas, "aria-label", `Camera ${this.#topic}: ${parts.join(", ")}`);
+      setAttribute(
+        this.#canvas,
+        "aria-label",
+        `${this.#isCamera ? "Camera" : "Map"} ${this.#topic}: ${parts.join(", ")}`,
+      );
     }
   }
 
@@ -269,6 +281,7 @@ class ImagePanel implements Panel {
 
   #age({ stamp, drawn }: PictureState): string {
     const since = Date.now() - drawn;
+    if (!this.#isCamera) return ago(since / 1000);
     if (since > STALE) return `${Math.floor(since / 1000)} s without an image`;
     if (stamp === 0) return "no time stamp";
     const age = drawn - stamp;

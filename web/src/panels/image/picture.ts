@@ -2,6 +2,7 @@
 import type { Fields } from "../../messages/reader";
 import { bytesOf } from "../../types";
 import { isDeepPng, readDeepPng } from "./deep_png";
+import { cellText, type Grid, gridPixels, isGrid, readGrid } from "./grid";
 import { type Limits, type Options, type RawImage, toPixels, valueText } from "./pixels";
 
 /** What the page shows of the newest image. */
@@ -31,8 +32,17 @@ const KINDS: readonly (readonly [type: string, start: readonly number[]])[] = [
   ["image/webp", [0x52, 0x49, 0x46, 0x46]],
 ];
 
-/** What has been decoded of an image: its numbers, or what the browser made of it. */
-type Decoded = RawImage | ImageBitmap;
+/** An image that has been decoded. */
+interface Drawing {
+  readonly width: number;
+  readonly height: number;
+  /** The encoding, or what is known of it. */
+  readonly encoding: string;
+  /** Draw it on a canvas of its size; return the limits of its numbers, if it has such. */
+  draw(context: OffscreenCanvasRenderingContext2D, options: Options): Limits | undefined;
+  /** The value of a pixel as text; empty, or missing, if the canvas has it. */
+  valueAt?(x: number, y: number): string;
+}
 
 export class Picture {
   readonly canvas: OffscreenCanvas;
@@ -43,8 +53,7 @@ export class Picture {
   #isBusy = false;
   #next: { message: Fields; size: number } | undefined;
   #newest: { message: Fields; size: number } | undefined;
-  /** The numbers of the newest image, if it is not compressed. */
-  #raw: RawImage | undefined;
+  #drawing: Drawing | undefined;
   #shown = 0;
 
   constructor(
@@ -75,10 +84,8 @@ export class Picture {
   valueAt(x: number, y: number): string {
     const { width, height } = this.canvas;
     if (this.#shown === 0 || x < 0 || y < 0 || x >= width || y >= height) return "";
-    if (this.#raw !== undefined) {
-      const text = valueText(this.#raw, x, y);
-      if (text !== "") return text;
-    }
+    const text = this.#drawing?.valueAt?.(x, y) ?? "";
+    if (text !== "") return text;
     const [red, green, blue] = this.#context?.getImageData(x, y, 1, 1).data ?? [];
     return `rgb ${red} ${green} ${blue}`;
   }
@@ -98,25 +105,15 @@ export class Picture {
   }
 
   async #draw(message: Fields, bytes: number): Promise<void> {
-    const [decoded, encoding] = await decode(message);
-    let limits: Limits | undefined;
-    if ("close" in decoded) {
-      this.#resize(decoded.width, decoded.height);
-      this.#context?.drawImage(decoded, 0, 0);
-      decoded.close();
-      this.#raw = undefined;
-    } else {
-      const shown = toPixels(decoded, this.#options);
-      this.#resize(decoded.width, decoded.height);
-      this.#context?.putImageData(shown.pixels, 0, 0);
-      this.#raw = decoded;
-      limits = shown.limits;
-    }
+    const drawing = await decode(message);
+    const { width, height, encoding } = drawing;
+    this.#resize(width, height);
+    const limits = this.#context && drawing.draw(this.#context, this.#options);
+    this.#drawing = drawing;
     this.#shown += 1;
-    const { width, height } = this.canvas;
     const stamp = stampOf(message);
-    const state = { shown: this.#shown, width, height, encoding, bytes, stamp, limits };
-    this.#report({ ...state, drawn: Date.now() });
+    const state = { shown: this.#shown, width, height, encoding, bytes, stamp };
+    this.#report({ ...state, limits: limits ?? undefined, drawn: Date.now() });
   }
 
   #resize(width: number, height: number): void {
@@ -125,18 +122,61 @@ export class Picture {
   }
 }
 
-/** Decode an Image or a CompressedImage, whose data is base64 if it came as JSON. */
-async function decode(message: Fields): Promise<[Decoded, encoding: string]> {
+/** Decode an Image, a CompressedImage or an OccupancyGrid; bytes are base64 if it came as JSON. */
+async function decode(message: Fields): Promise<Drawing> {
+  if (isGrid(message)) return ofGrid(readGrid(message));
   const data = typeof message.data === "string" ? bytesOf(message.data) : message.data;
   if (!(data instanceof Uint8Array)) throw new Error("the message has no image");
-  if (typeof message.format !== "string") {
-    const image = { ...message, data } as unknown as RawImage;
-    return [image, image.encoding];
-  }
-  return [await decompress(message.format, data), message.format || "compressed"];
+  if (typeof message.format !== "string") return ofRaw({ ...message, data } as unknown as RawImage);
+  const decoded = await decompress(message.format, data);
+  const format = message.format || "compressed";
+  return "close" in decoded ? ofBitmap(decoded, format) : { ...ofRaw(decoded), encoding: format };
 }
 
-async function decompress(format: string, data: Uint8Array): Promise<Decoded> {
+function ofRaw(image: RawImage): Drawing {
+  const { width, height, encoding } = image;
+  return {
+    width,
+    height,
+    encoding,
+    draw(context, options) {
+      const { pixels, limits } = toPixels(image, options);
+      context.putImageData(pixels, 0, 0);
+      return limits;
+    },
+    valueAt: (x, y) => valueText(image, x, y),
+  };
+}
+
+function ofBitmap(bitmap: ImageBitmap, encoding: string): Drawing {
+  const { width, height } = bitmap;
+  return {
+    width,
+    height,
+    encoding,
+    draw(context) {
+      context.drawImage(bitmap, 0, 0);
+      bitmap.close();
+      return undefined;
+    },
+  };
+}
+
+function ofGrid(grid: Grid): Drawing {
+  const { width, height, resolution } = grid;
+  return {
+    width,
+    height,
+    encoding: `cells of ${Number(resolution.toPrecision(4))} m`,
+    draw(context) {
+      context.putImageData(gridPixels(grid), 0, 0);
+      return undefined;
+    },
+    valueAt: (x, y) => cellText(grid, x, y),
+  };
+}
+
+async function decompress(format: string, data: Uint8Array): Promise<RawImage | ImageBitmap> {
   if (format.includes("compressedDepth")) return await depths(format, data);
   if (isDeepPng(data)) {
     const deep = await readDeepPng(data);
