@@ -49,7 +49,7 @@ class GridMap:
 
 @dataclass(frozen=True, slots=True)
 class Metadata:
-    """What the YAML file of a map says; see the attributes of the same names in ROS's documents."""
+    """The content of a map's YAML file; ROS's documents explain the names."""
 
     image: Path
     resolution: float

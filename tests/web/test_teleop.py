@@ -70,6 +70,13 @@ async def robot(hub: Hub) -> AsyncIterator[Robot]:
         yield robot
 
 
+async def drive(page: Page, robot: Robot) -> None:
+    """Press the key W, and wait until the robot drives."""
+    await page.locator(".teleop").focus()
+    await page.keyboard.down("w")
+    await robot.moves(forward=0.5)
+
+
 @asynccontextmanager
 async def held(page: Page, x: float, y: float) -> AsyncIterator[None]:
     """Hold the stick at a place, by parts of its radius to the right and down."""
@@ -125,9 +132,7 @@ async def test_keys_drive_while_the_panel_has_the_focus(
     hub: Hub, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD)
-    await page.locator(".teleop").focus()
-    await page.keyboard.down("w")
-    await robot.moves(forward=0.5)
+    await drive(page, robot)
     await page.keyboard.down("ArrowLeft")
     await robot.moves(forward=0.5, turn=1)
     await page.keyboard.up("w")
@@ -146,9 +151,7 @@ async def test_keys_drive_while_the_panel_has_the_focus(
 async def test_stop_holds_until_it_is_released(hub: Hub, robot: Robot, open_page: OpenPage) -> None:
     page = await open_page(hub, CMD)
     stick = page.locator(".teleop-stick")
-    await page.locator(".teleop").focus()
-    await page.keyboard.down("w")
-    await robot.moves(forward=0.5)
+    await drive(page, robot)
     await page.keyboard.press("Space")
     await robot.stops()
     await expect(page.locator(".teleop-status")).to_have_text("stopped until you resume")
@@ -170,9 +173,7 @@ async def test_robot_stops_when_nobody_looks(
     hub: Hub, robot: Robot, open_page: OpenPage, event: str
 ) -> None:
     page = await open_page(hub, CMD)
-    await page.locator(".teleop").focus()
-    await page.keyboard.down("w")
-    await robot.moves(forward=0.5)
+    await drive(page, robot)
     if event == "close":
         await page.close()
     elif event == "tab":
@@ -187,9 +188,7 @@ async def test_robot_stops_when_the_page_stands_still(
     hub: Hub, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD)
-    await page.locator(".teleop").focus()
-    await page.keyboard.down("w")
-    await robot.moves(forward=0.5)
+    await drive(page, robot)
     standing = asyncio.create_task(
         page.evaluate("(() => { const end = Date.now() + 1500; while (Date.now() < end); })()")
     )
@@ -245,9 +244,7 @@ async def test_nothing_is_held_after_a_lost_connection(
     hub: Hub, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD)
-    await page.locator(".teleop").focus()
-    await page.keyboard.down("w")
-    await robot.moves(forward=0.5)
+    await drive(page, robot)
     (name,) = [each for each in hub.graph.nodes if each.startswith("/page_")]
     await robot.node.call("/rosapi/kill_node", "fibws_msgs/KillNode", {"node": name})
     await robot.rest()

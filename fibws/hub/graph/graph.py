@@ -174,7 +174,7 @@ class Graph:
         self.internal: set[str] = set()
         """The hub's own nodes, for which the policy is not asked."""
         self.permanent: set[str] = set()
-        """Those of them whose names no client may take; none may where there is a policy."""
+        """The hub's own nodes whose names no client may take. With a policy, all are."""
         self.reserved: set[str] = set()
         """The topics that only the hub's own nodes may publish."""
         self.guards: dict[str, Guard] = {}

@@ -5,13 +5,11 @@ from __future__ import annotations
 import importlib.util
 import sys
 
+import numpy as np
 import pytest
-
-np = pytest.importorskip("numpy")  # Before cv_bridge, which needs it; hence E402 below.
-
-from cv_bridge import CvBridge, CvBridgeError  # noqa: E402
-from sensor_msgs.msg import CompressedImage, Image  # noqa: E402
-from std_msgs.msg import Header  # noqa: E402
+from cv_bridge import CvBridge, CvBridgeError
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
 
 bridge = CvBridge()
 RED = np.zeros((4, 6, 3), np.uint8)

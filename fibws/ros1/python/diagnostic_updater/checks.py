@@ -21,7 +21,7 @@ from diagnostic_updater.updater import (
 
 
 class FrequencyStatusParam:
-    """What `FrequencyStatus` expects.
+    """The limits of `FrequencyStatus`.
 
     Args:
         freq_bound: ``min`` and ``max``, in Hz; without ``max`` no rate is too high.
@@ -94,7 +94,7 @@ class FrequencyStatus(DiagnosticTask):
 
 
 class TimeStampStatusParam:
-    """What `TimeStampStatus` expects.
+    """The limits of `TimeStampStatus`.
 
     Args:
         min_acceptable: the least age of a stamp, in seconds; negative for one in the future.

@@ -16,7 +16,7 @@ from sensor_msgs.msg import CompressedImage, Image
 
 TRANSPORTS = ("raw", "compressed", "compressedDepth")
 _DEPTH_HEADER = struct.Struct("<iff")
-"""What is before the PNG of a depth: 0, and the two numbers of `_Quantization`."""
+"""The header before a depth's PNG: 0, and the two numbers of the quantization."""
 _DEPTH_ENCODINGS = ("16UC1", "32FC1")
 _MOST_PIXELS = 2**26
 

@@ -207,7 +207,7 @@ class InteractiveMarkerServer:
             self.publishInit()
 
     def get(self, name: str) -> InteractiveMarker | None:
-        """Return a marker with the changes that are not published yet; None if there is none."""
+        """Return a marker with its pending changes, or None if the name is unknown."""
         with self._lock:
             shown, change = self._shown.get(name), self._changes.get(name)
             if change is None:

@@ -48,7 +48,7 @@ class MenuHandler:
         command: str = "",
         callback: Callable[[Any], object] | None = None,
     ) -> int | None:
-        """Add an entry; return its handle, or None if there is no such parent.
+        """Add an entry; return its handle, or None if the parent is unknown.
 
         Args:
             title: what people read.

@@ -55,7 +55,7 @@ def dtype_to_fields(dtype: Any) -> list[PointField]:
     """Return the fields of a record type.
 
     Raises:
-        ValueError: numpy's type of a field is none of PointField's.
+        ValueError: a field has a type that PointField lacks.
     """
     fields = []
     for name, (kind, offset, *_) in sorted(dtype.fields.items(), key=lambda each: each[1][1]):
