@@ -168,6 +168,21 @@ async def test_stop_holds_until_it_is_released(hub: Hub, robot: Robot, open_page
     await robot.stops()
 
 
+async def test_stick_must_be_pressed_again_after_the_window_had_lost_the_focus(
+    hub: Hub, robot: Robot, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, CMD)
+    async with held(page, 0, -1):
+        await robot.moves(forward=0.5)
+        await page.evaluate("window.dispatchEvent(new Event('blur'))")
+        await robot.rest()
+        await page.mouse.move(0, 0)
+        await robot.silence()
+    async with held(page, 0, -1):
+        await robot.moves(forward=0.5)
+    await robot.rest()
+
+
 @pytest.mark.parametrize("event", ["blur", "pagehide", "visibilitychange", "tab", "close"])
 async def test_robot_stops_when_nobody_looks(
     hub: Hub, robot: Robot, open_page: OpenPage, event: str

@@ -19,6 +19,7 @@ class FakeSocket {
   onmessage: ((event: { data: string }) => void) | null = null;
   onclose: ((event: { code: number; reason: string }) => void) | null = null;
   closed = false;
+  readyState = 0;
 
   constructor(url: string) {
     if (url.includes(" ")) throw new SyntaxError(`The URL '${url}' is invalid.`);
@@ -38,7 +39,10 @@ class FakeSocket {
 let hub: Hub;
 
 const socket = (): FakeSocket => FakeSocket.all.at(-1) as FakeSocket;
-const open = (): void => socket().onopen?.();
+const open = (): void => {
+  socket().readyState = 1;
+  socket().onopen?.();
+};
 const receive = (operation: Operation): void =>
   socket().onmessage?.({ data: JSON.stringify(operation) });
 const close = (code = 1001, reason = "the hub is shutting down"): void =>

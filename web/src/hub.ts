@@ -74,8 +74,9 @@ const UNAUTHENTICATED = 4401;
 /** Bytes that may wait in the browser. */
 const MAX_BUFFERED = 64 * 1024;
 
-/** `WebSocket.CONNECTING`. */
+/** `WebSocket.CONNECTING` and `WebSocket.OPEN`. */
 const CONNECTING = 0;
+const OPEN = 1;
 
 /** The status of a goal that was not executed, of action_msgs/GoalStatus. */
 const ABORTED = 6;
@@ -366,7 +367,9 @@ export class Hub {
 
   /** Send an operation if connected; subscriptions and advertisements are sent on connecting. */
   #send(operation: Operation): void {
-    if (this.#state.value === "open") this.#socket?.send(JSON.stringify(operation));
+    // A socket that the hub is closing is "open" until that is done; a browser warns of such use.
+    if (this.#state.value !== "open" || this.#socket?.readyState !== OPEN) return;
+    this.#socket.send(JSON.stringify(operation));
   }
 
   #sendCall(call: Call): void {

@@ -47,6 +47,9 @@ class TeleopPanel implements Panel {
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
   #publication: Publication | undefined;
   #dropped = false;
+  /** The pointer that holds the stick. */
+  #pointer: number | undefined;
+  /** The next look at the gamepads. */
   #gamepad: number | undefined;
   #stops: (() => void)[] = [];
 
@@ -98,7 +101,7 @@ class TeleopPanel implements Panel {
         "aria-label": `Drive by ${topic}: arrow keys or W, A, S, D move, Q and E go sideways, space stops`,
         onkeydown: (event: KeyboardEvent) => this.#press(event),
         onkeyup: (event: KeyboardEvent) => this.#drive.release(event.code),
-        onblur: () => this.#drive.releaseAll(),
+        onblur: () => this.#releaseAll(),
       },
       this.#error,
       h(
@@ -125,7 +128,7 @@ class TeleopPanel implements Panel {
 
   show(): void {
     if (this.#stops.length > 0) return;
-    const release = (): void => this.#drive.releaseAll();
+    const release = (): void => this.#releaseAll();
     const events: [EventTarget, string][] = [
       [window, "blur"],
       [window, "pagehide"],
@@ -149,7 +152,7 @@ class TeleopPanel implements Panel {
   }
 
   hide(): void {
-    this.#drive.releaseAll();
+    this.#releaseAll();
     for (const stop of this.#stops) stop();
     this.#stops = [];
     this.#publication?.close();
@@ -222,8 +225,10 @@ class TeleopPanel implements Panel {
 
   #grab(event: PointerEvent): void {
     if (event.button !== 0) return;
-    this.#stick.setPointerCapture(event.pointerId);
+    // Before the capture: the panel may have the focus already, or a field in it.
     this.element.focus({ preventScroll: true });
+    this.#stick.setPointerCapture(event.pointerId);
+    this.#pointer = event.pointerId;
     this.#move(event);
     event.preventDefault();
   }
@@ -237,6 +242,15 @@ class TeleopPanel implements Panel {
     this.#hold("stick", directionOfStick(x, y, this.#sideways.checked));
     const size = Math.max(1, Math.hypot(x, y));
     this.#center(x / size, y / size);
+  }
+
+  /** Release everything; a finger that is still on the stick must be put on it again. */
+  #releaseAll(): void {
+    if (this.#pointer !== undefined && this.#stick.hasPointerCapture(this.#pointer)) {
+      this.#stick.releasePointerCapture(this.#pointer);
+    }
+    this.#pointer = undefined;
+    this.#drive.releaseAll();
   }
 
   #drop(): void {
@@ -292,7 +306,8 @@ class TeleopPanel implements Panel {
     const pads = navigator.getGamepads().filter((pad) => pad !== null);
     const directions = pads.flatMap((pad) => directionOfGamepad(pad) ?? []);
     const [direction] = directions;
-    if (direction === undefined || document.hidden) this.#drive.release("gamepad");
+    const isWatched = !document.hidden && document.hasFocus();
+    if (direction === undefined || !isWatched) this.#drive.release("gamepad");
     else this.#hold("gamepad", direction);
     this.#gamepad =
       pads.length === 0 ? undefined : requestAnimationFrame(() => this.#pollGamepads());
