@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -11,6 +12,8 @@ import fibws
 from fibws.access.rights import RIGHTS, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Hub, Settings
+from fibws.msg.geometry_msgs import Twist
+from fibws.msg.sensor_msgs import Image
 
 from .conftest import STRANGER, Complaints, OpenPage, fixture, until
 
@@ -147,3 +150,30 @@ async def test_form_warns_of_a_connection_without_encryption(
         await log_in(page, token_hub.dashboard)
         await expect(page.locator("#account")).to_contain_text("dashboard")
         await page.close()
+
+
+async def test_second_connection_has_the_rights_of_the_page(
+    token_hub: TokenHub, open_page: OpenPage
+) -> None:
+    """Images arrive on a connection of their own; driving needs the right to publish."""
+    async with fibws.Node("camera", hub=token_hub.hub.url, token=token_hub.robot) as node:
+        images = await node.advertise("/image", Image, latch=True, peers=True)
+        await images.publish(Image(height=1, width=2, encoding="mono8", step=2, data=b"\0\xff"))
+        await node.advertise("/cmd_vel", Twist)
+        page = await open_page(token_hub.hub, "#/topics/%2Fimage", state="closed")
+        await log_in(page, token_hub.dashboard)
+        await expect(page.locator(".image-facts")).to_contain_text("mono8")
+        await page.get_by_role("button", name="Log out").click()
+        async with asyncio.timeout(60):
+            async for names in images.peers.changes():
+                if not names:
+                    break
+        await log_in(page, token_hub.dashboard)
+        async with asyncio.timeout(60):
+            async for names in images.peers.changes():
+                if names:
+                    break
+        await page.evaluate("location.hash = '#/topics/%2Fcmd_vel'")
+        await page.locator(".teleop").focus()
+        await page.keyboard.press("w")
+        await expect(page.locator(".teleop .error")).to_contain_text("publish")

@@ -22,6 +22,10 @@ self.onmessage = ({ data }: MessageEvent<Request>): void => {
     feed.connect(data.url, data.token);
     return;
   }
+  if (data.kind === "disconnect") {
+    feed.close();
+    return;
+  }
   if (data.kind === "picture") {
     panels.set(data.id, open(data));
     return;

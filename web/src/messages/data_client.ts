@@ -36,6 +36,9 @@ export class DataClient {
       if (state !== "open") return;
       this.#worker.postMessage({ kind: "connect", ...hub.second() } satisfies Request);
     });
+    hub.denied.watch((why) => {
+      if (why !== "") this.#worker.postMessage({ kind: "disconnect" } satisfies Request);
+    });
   }
 
   /** Open something in the worker; returns a function for further requests. */

@@ -158,12 +158,16 @@ describe("Feed", () => {
     expect(receiver.messages).toEqual([{ data: 3 }]);
   });
 
-  it("ends for good", () => {
+  it("stays closed until it is connected again", () => {
     const feed = connected();
+    feed.subscribe(receiver);
     const socket = FakeSocket.newest;
     socket.open();
     feed.close();
     vi.runOnlyPendingTimers();
     expect(FakeSocket.newest).toBe(socket);
+    feed.connect("ws://hub/", "");
+    FakeSocket.newest.open();
+    expect(FakeSocket.newest.sent[0]).toMatchObject({ op: "subscribe", topic: "/a" });
   });
 });

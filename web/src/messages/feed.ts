@@ -61,7 +61,7 @@ export class Feed {
     this.#connect();
   }
 
-  /** End the connection for good. */
+  /** End the connection until `connect`; the subscriptions stay. */
   close(): void {
     clearTimeout(this.#timer);
     const socket = this.#socket;

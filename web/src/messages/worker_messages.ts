@@ -5,6 +5,8 @@ import type { TypeDef } from "../types";
 
 export type Request =
   | { kind: "connect"; url: string; token: string }
+  /** Disconnect until the next `connect`: the page has logged out. */
+  | { kind: "disconnect" }
   | {
       kind: "picture";
       id: number;
