@@ -1,4 +1,4 @@
-"""A hub and nodes in one process: ``fibws demo [turtlesim]``, or ``python -m fibws.demo``."""
+"""A hub and nodes in one process: ``fibws demo [turtlesim|robot]``, or ``python -m fibws.demo``."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import fibws
 from fibws.broadcaster import broadcast
 from fibws.cli import node_program
 from fibws.client.hub_client import is_hub_running
+from fibws.demo_robot import robot_node
 from fibws.errors import HubError
 from fibws.hub import Hub, Settings
 from fibws.hub.__main__ import environment_settings
@@ -26,6 +27,7 @@ from fibws.turtlesim.turtlesim_node import simulate
 
 TYPE = "std_msgs/Int32"
 FIBONACCI = "Below, a broadcaster publishes numbers to a listener. Press Ctrl-C to stop."
+ROBOT = "Below is the log of a simulated robot. Press Ctrl-C to stop."
 TURTLESIM = "Below is the log of turtlesim. Press Ctrl-C to stop."
 LINE = "[${severity}] [${time}]: ${message}"
 
@@ -87,6 +89,11 @@ async def _run_turtlesim(url: str) -> None:
             task.result()
 
 
+async def _run_robot(url: str) -> None:
+    async with fibws.Node("robot", hub=url, log_format=LINE) as node:
+        await robot_node.simulate(node)
+
+
 def _node(name: str, url: str, log_format: str) -> fibws.Node:
     return fibws.Node(name, hub=url, anonymous=True, log_format=log_format)
 
@@ -104,7 +111,10 @@ def _is_hub(url: str) -> bool:
 
 @click.command(context_settings=node_program.SETTINGS)
 @click.argument(
-    "name", default="fibonacci", type=click.Choice(["fibonacci", "turtlesim"]), required=False
+    "name",
+    default="fibonacci",
+    type=click.Choice(["fibonacci", "turtlesim", "robot"]),
+    required=False,
 )
 @click.option(
     "--port",
@@ -117,7 +127,8 @@ def command(name: str, port: int | None, rate: float) -> None:
     """Run a hub and nodes that use it.
 
     fibonacci is the first tutorial: a broadcaster of Fibonacci numbers, and a listener.
-    turtlesim is ROS's simulator, whose turtle the arrow keys drive; the page shows it.
+    turtlesim is ROS's simulator, whose turtle the arrow keys drive; the page shows it. robot is a
+    simulated one with a camera, a laser, a map, diagnostics and an action.
 
     The hub has the same environment variables as the command hub: $FIBWS_HOST, $FIBWS_CONFIG ...
     """
@@ -128,6 +139,9 @@ def command(name: str, port: int | None, rate: float) -> None:
     if name == "turtlesim":
         page, text = "the turtle, open {}#/turtlesim", TURTLESIM
         node_program.run(demo(settings, page, text, _run_turtlesim))
+    elif name == "robot":
+        page, text = "its topics, open {}#/topics", ROBOT
+        node_program.run(demo(settings, page, text, _run_robot))
     else:
         page, text = "the graph, open {}", FIBONACCI
         node_program.run(demo(settings, page, text, partial(_run_fibonacci, rate)))

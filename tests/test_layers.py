@@ -1,6 +1,7 @@
 """Dependencies point down only, and the pure layers use no sockets, tasks or clocks.
 
-programs    demo  broadcaster  listener  examples/  turtlesim/  web_video_server  tf/ (its programs)
+programs    demo  broadcaster  listener  examples/  demo_robot/  turtlesim/  web_video_server
+            tf/ (its programs)
 tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
@@ -57,9 +58,10 @@ BELOW = {
     "listener": {*NODE, *CLASSES, "cli"},
     "testing": {*NODE, "hub"},
     "demo": {*NODE, "errors", "hub_address", "cli", "client", "hub", "broadcaster", "listener"}
-    | {"turtlesim"},
+    | {"demo_robot", "turtlesim"},
     "examples": {*NODE, *CLASSES, "cli"},
     "turtlesim": {*NODE, *CLASSES, "cli", "errors"},
+    "demo_robot": {*NODE, *CLASSES, "cli"},
     "web_video_server": {*NODE, "cli", "suggestions"},
     "cli": {*NODE, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
@@ -178,7 +180,7 @@ PURE = modules(
             *("serialized", "transform"),
         )
     ),
-    *("turtlesim/canvas.py", "turtlesim/field.py"),
+    *("demo_robot/world.py", "turtlesim/canvas.py", "turtlesim/field.py"),
 )
 
 

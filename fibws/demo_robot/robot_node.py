@@ -1,0 +1,254 @@
+"""The node of the simulated robot."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from typing import TypeAlias
+
+import click
+
+import fibws
+from fibws.action.move_base_msgs import MoveBase
+from fibws.cli import node_program
+from fibws.demo_robot.world import RADIUS, RESOLUTION, Robot, World, toward
+from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
+from fibws.msg.geometry_msgs import (
+    Pose,
+    Quaternion,
+    Transform,
+    TransformStamped,
+    Twist,
+    Vector3,
+)
+from fibws.msg.move_base_msgs import MoveBaseFeedback, MoveBaseGoal, MoveBaseResult
+from fibws.msg.nav_msgs import OccupancyGrid, Odometry
+from fibws.msg.sensor_msgs import Image, LaserScan
+from fibws.msg.std_msgs import Header
+from fibws.msg.tf2_msgs import TFMessage
+
+HZ = 20.0
+"""Steps of the simulation, odometry and tf per second; scans, images and diagnostics are fewer."""
+SCAN_EVERY, IMAGE_EVERY, DIAGNOSTICS_EVERY = 2, 4, 20
+RAYS, RANGE = 180, 8.0
+WIDTH, HEIGHT, FIELD = 160, 120, 1.2
+SILENCE = 0.5
+"""Seconds without a command after which the robot stops."""
+BLOCKED = 2.0
+"""Seconds at a wall after which a goal is given up."""
+NEAR = 0.1
+"""Meters from the place of a goal at which it is reached."""
+
+Goal: TypeAlias = fibws.ServerGoal[MoveBaseGoal, MoveBaseResult, MoveBaseFeedback]
+
+
+class RobotNode:
+    """Publishes what a robot sees, and drives it.
+
+    Args:
+        node: an entered node.
+    """
+
+    def __init__(self, node: fibws.Node) -> None:
+        self._node = node
+        self._robot = Robot(World())
+        self._last_command = -math.inf
+        self._images = 0
+
+    async def run(self) -> None:
+        """Simulate until the node ends."""
+        node = self._node
+        static = await node.advertise("/tf_static", TFMessage, latch=True)
+        grid = await node.advertise("/map", OccupancyGrid, latch=True)
+        self._tf = await node.advertise("/tf", TFMessage)
+        self._odometry = await node.advertise("/odom", Odometry)
+        self._scan = await node.advertise("/scan", LaserScan)
+        self._camera = await node.advertise("/camera/image", Image)
+        self._diagnostics = await node.advertise("/diagnostics", DiagnosticArray)
+        await static.publish(TFMessage(self._mounts()))
+        await grid.publish(self._map())
+        server = await node.action_server("/move_base", MoveBase, self._go, over="topics")
+        async with asyncio.TaskGroup() as tasks:
+            tasks.create_task(self._follow())
+            tasks.create_task(self._simulate())
+            tasks.create_task(server.spin())
+
+    async def _follow(self) -> None:
+        async for command in self._node.subscribe("/cmd_vel", Twist, queue_size=1):
+            self._command(command.linear.x, command.angular.z)
+
+    def _command(self, speed: float, turn: float) -> None:
+        self._robot.command(speed, turn)
+        self._last_command = asyncio.get_running_loop().time()
+
+    async def _simulate(self) -> None:
+        step = 0
+        async for _ in self._node.rate(HZ):
+            if asyncio.get_running_loop().time() - self._last_command > SILENCE:
+                self._robot.command(0.0, 0.0)
+            self._robot.move(1 / HZ)
+            await self._publish(step)
+            step += 1
+
+    async def _publish(self, step: int) -> None:
+        now = self._node.now()
+        await self._tf.publish(TFMessage([self._base(now)]))
+        await self._odometry.publish(self._odometry_at(now))
+        if step % SCAN_EVERY == 0:
+            await self._scan.publish(self._scan_at(now))
+        if step % IMAGE_EVERY == 0:
+            self._images += 1
+            await self._camera.publish(self._image_at(now))
+        if step % DIAGNOSTICS_EVERY == 0:
+            await self._diagnostics.publish(self._status_at(now))
+
+    async def _go(self, goal: Goal) -> MoveBaseResult:
+        """Drive straight to the place of a goal; a wall in between ends it."""
+        target = goal.request.target_pose
+        if target.header.frame_id.lstrip("/") != "map":
+            reason = f"expected a goal in the frame map, got {target.header.frame_id!r}"
+            return goal.aborted(text=reason)
+        x, y = target.pose.position.x, target.pose.position.y
+        blocked = 0
+        while not goal.cancel_requested:
+            pose = self._robot.pose
+            if math.hypot(x - pose.x, y - pose.y) < NEAR:
+                self._command(0.0, 0.0)
+                return MoveBaseResult()
+            blocked = blocked + 1 if self._robot.is_blocked else 0
+            if blocked > BLOCKED * HZ:
+                return goal.aborted(text="a wall is in the way: drive around it")
+            self._command(*toward(pose, x, y))
+            feedback = MoveBaseFeedback()
+            feedback.base_position.header.frame_id = "map"
+            feedback.base_position.pose = _pose(pose.x, pose.y, pose.yaw)
+            await goal.publish_feedback(feedback)
+            await goal.cancellation(timeout=1 / HZ)
+        self._command(0.0, 0.0)
+        return goal.canceled()
+
+    # Messages.
+
+    def _map(self) -> OccupancyGrid:
+        world = self._robot.world
+        grid = OccupancyGrid(Header(stamp=self._node.now(), frame_id="map"))
+        info = grid.info
+        info.resolution, info.width, info.height = RESOLUTION, world.width, world.height
+        info.origin.orientation.w = 1.0
+        grid.data = [100 if is_wall else 0 for is_wall in world.cells()]
+        return grid
+
+    def _mounts(self) -> list[TransformStamped]:
+        """Return the frames that do not move."""
+        stamp = self._node.now()
+        # The odometry of this robot does not drift.
+        places = [("map", "odom", 0.0, 0.0), ("base_link", "laser", 0.0, 0.2)]
+        places.append(("base_link", "camera", 0.15, 0.3))
+        return [
+            TransformStamped(
+                Header(stamp=stamp, frame_id=parent),
+                child,
+                Transform(Vector3(x, 0.0, z), Quaternion(w=1.0)),
+            )
+            for parent, child, x, z in places
+        ]
+
+    def _base(self, now: fibws.Time) -> TransformStamped:
+        pose = _pose(self._robot.pose.x, self._robot.pose.y, self._robot.pose.yaw)
+        place = Vector3(pose.position.x, pose.position.y, 0.0)
+        header = Header(stamp=now, frame_id="odom")
+        return TransformStamped(header, "base_link", Transform(place, pose.orientation))
+
+    def _odometry_at(self, now: fibws.Time) -> Odometry:
+        robot = self._robot
+        message = Odometry(Header(stamp=now, frame_id="odom"), "base_link")
+        message.pose.pose = _pose(robot.pose.x, robot.pose.y, robot.pose.yaw)
+        message.twist.twist.linear.x = 0.0 if robot.is_blocked else robot.speed
+        message.twist.twist.angular.z = robot.turn
+        return message
+
+    def _scan_at(self, now: fibws.Time) -> LaserScan:
+        return LaserScan(
+            Header(stamp=now, frame_id="laser"),
+            angle_min=-math.pi,
+            angle_max=math.pi - math.tau / RAYS,
+            angle_increment=math.tau / RAYS,
+            scan_time=SCAN_EVERY / HZ,
+            range_min=RADIUS,
+            range_max=RANGE,
+            ranges=self._robot.scan(RAYS, RANGE),
+        )
+
+    def _image_at(self, now: fibws.Time) -> Image:
+        return Image(
+            Header(stamp=now, frame_id="camera"),
+            HEIGHT,
+            WIDTH,
+            "rgb8",
+            step=3 * WIDTH,
+            data=self._robot.look(WIDTH, HEIGHT, FIELD),
+        )
+
+    def _status_at(self, now: fibws.Time) -> DiagnosticArray:
+        robot = self._robot
+        blocked = "a wall is in the way" if robot.is_blocked else "driving freely"
+        nearest = min(robot.scan(36, RANGE))
+        is_close = nearest < 2 * RADIUS
+        return DiagnosticArray(
+            Header(stamp=now),
+            [
+                DiagnosticStatus(
+                    DiagnosticStatus.WARN if robot.is_blocked else DiagnosticStatus.OK,
+                    "robot/Base/Wheels",
+                    blocked,
+                    values=[
+                        KeyValue("Speed (m/s)", f"{robot.speed:.2f}"),
+                        KeyValue("Turn (rad/s)", f"{robot.turn:.2f}"),
+                    ],
+                ),
+                DiagnosticStatus(
+                    DiagnosticStatus.WARN if is_close else DiagnosticStatus.OK,
+                    "robot/Sensors/Laser",
+                    "a wall is close" if is_close else "all is clear",
+                    values=[KeyValue("Nearest (m)", f"{nearest:.2f}")],
+                ),
+                DiagnosticStatus(
+                    DiagnosticStatus.OK,
+                    "robot/Sensors/Camera",
+                    f"{HZ / IMAGE_EVERY:.0f} images per second",
+                    values=[KeyValue("Images", str(self._images))],
+                ),
+            ],
+        )
+
+
+def _pose(x: float, y: float, yaw: float) -> Pose:
+    pose = Pose()
+    pose.position.x, pose.position.y = x, y
+    pose.orientation = Quaternion(z=math.sin(yaw / 2), w=math.cos(yaw / 2))
+    return pose
+
+
+async def simulate(node: fibws.Node) -> None:
+    """Simulate a robot until the node ends."""
+    await RobotNode(node).run()
+
+
+@click.command(context_settings=node_program.SETTINGS)
+@node_program.node("robot", anonymous=False)
+def command(node: fibws.Node) -> None:
+    """Simulate a robot that drives by /cmd_vel.
+
+    It publishes /map, /scan, /camera/image, /odom, /tf, /tf_static and /diagnostics, and drives to
+    goals of the action /move_base in the frame map.
+    """
+
+    async def program() -> None:
+        async with node:
+            await simulate(node)
+
+    node_program.run(program())
+
+
+if __name__ == "__main__":
+    command(prog_name="python -m fibws.demo_robot.robot_node")

@@ -1,0 +1,183 @@
+"""A world of walls on a grid, and a robot that drives in it.
+
+Lengths are in meters, angles in radians; x is to the right on the map, y upwards (REP 103).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+RESOLUTION = 0.25
+"""The edge of a cell."""
+PLAN = """\
+########################################
+#                  #                   #
+#                  #                   #
+#    ##            #         ##        #
+#    ##                      ##        #
+#                                      #
+#                  #                   #
+#                  #                   #
+####### ############                   #
+#                  ######### ###########
+#                  #                   #
+#                  #                   #
+#      ####        #                   #
+#      ####                 #####      #
+#      ####                 #####      #
+#                  #                   #
+#                  #                   #
+#                  #                   #
+########################################
+"""
+"""The rooms, as seen from above; # is a wall."""
+START = (1.0, 0.6, 0.0)
+RADIUS = 0.2
+"""The robot's."""
+MOST_SPEED, MOST_TURN = 1.0, 2.0
+
+
+@dataclass(slots=True)
+class Pose:
+    """A place, and a direction: 0 is along x, a quarter turn to the left is along y."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+class World:
+    """Walls on a grid.
+
+    Args:
+        plan: rows of cells, the upper one first; all have the same length.
+    """
+
+    def __init__(self, plan: str = PLAN) -> None:
+        rows = plan.splitlines()
+        self.width, self.height = len(rows[0]), len(rows)
+        self._walls = [[cell == "#" for cell in row] for row in reversed(rows)]
+
+    def cells(self) -> Iterator[bool]:
+        """Yield whether each cell is a wall, row by row, from the lower left one on."""
+        for row in self._walls:
+            yield from row
+
+    def is_wall(self, x: float, y: float) -> bool:
+        """Return whether there is a wall at a place; outside of the world, there is."""
+        column, row = math.floor(x / RESOLUTION), math.floor(y / RESOLUTION)
+        if not (0 <= column < self.width and 0 <= row < self.height):
+            return True
+        return self._walls[row][column]
+
+    def is_free(self, x: float, y: float, radius: float = RADIUS) -> bool:
+        """Return whether a disk at a place touches no wall, which is tried at eight points."""
+        return not any(
+            self.is_wall(x + radius * math.cos(angle), y + radius * math.sin(angle))
+            for angle in (number * math.pi / 4 for number in range(8))
+        )
+
+    def distance(self, x: float, y: float, angle: float, most: float) -> float:
+        """Return how far the next wall is in a direction; ``inf`` if it is further than ``most``.
+
+        The ray goes from one line of the grid to the next (Amanatides and Woo, 1987).
+        """
+        column, row = math.floor(x / RESOLUTION), math.floor(y / RESOLUTION)
+        dx, dy = math.cos(angle), math.sin(angle)
+        step_x, next_x, per_x = _steps(x, dx)
+        step_y, next_y, per_y = _steps(y, dy)
+        while True:
+            if next_x < next_y:
+                length, next_x, column = next_x, next_x + per_x, column + step_x
+            else:
+                length, next_y, row = next_y, next_y + per_y, row + step_y
+            if length > most:
+                return math.inf
+            inside = 0 <= column < self.width and 0 <= row < self.height
+            if not inside or self._walls[row][column]:
+                return length
+
+
+def _steps(at: float, direction: float) -> tuple[int, float, float]:
+    """Return the step of a cell, the length to the first line of the grid, and to each further."""
+    if direction == 0:
+        return 0, math.inf, math.inf
+    step = 1 if direction > 0 else -1
+    line = math.floor(at / RESOLUTION) + (1 if step > 0 else 0)
+    return step, (line * RESOLUTION - at) / direction, RESOLUTION / abs(direction)
+
+
+class Robot:
+    """A robot with two driven wheels in a world.
+
+    Attributes:
+        speed: forwards, at most `MOST_SPEED`.
+        turn: to the left, at most `MOST_TURN`.
+        is_blocked: whether a wall has kept it from moving.
+    """
+
+    def __init__(self, world: World, start: Sequence[float] = START) -> None:
+        self.world = world
+        self.pose = Pose(*start)
+        self.speed = 0.0
+        self.turn = 0.0
+        self.is_blocked = False
+
+    def command(self, speed: float, turn: float) -> None:
+        """Set the velocity, within its limits; numbers that are not finite are ignored."""
+        if math.isfinite(speed) and math.isfinite(turn):
+            self.speed = max(-MOST_SPEED, min(MOST_SPEED, speed))
+            self.turn = max(-MOST_TURN, min(MOST_TURN, turn))
+
+    def move(self, seconds: float) -> None:
+        """Drive for some time; the robot turns at a wall, but does not go through it."""
+        pose = self.pose
+        middle = pose.yaw + self.turn * seconds / 2
+        x = pose.x + self.speed * seconds * math.cos(middle)
+        y = pose.y + self.speed * seconds * math.sin(middle)
+        pose.yaw = math.remainder(pose.yaw + self.turn * seconds, math.tau)
+        self.is_blocked = not self.world.is_free(x, y)
+        if not self.is_blocked:
+            pose.x, pose.y = x, y
+
+    def scan(self, count: int, most: float) -> list[float]:
+        """Return the distances to the walls all around, from behind the robot to the left."""
+        pose = self.pose
+        return [
+            self.world.distance(
+                pose.x, pose.y, pose.yaw - math.pi + number * math.tau / count, most
+            )
+            for number in range(count)
+        ]
+
+    def look(self, width: int, height: int, field: float) -> bytes:
+        """Return what a camera sees: rows of pixels of three bytes, red, green and blue.
+
+        Args:
+            width, height: of the picture.
+            field: the angle between its left and its right edge.
+        """
+        pose, columns = self.pose, []
+        for column in range(width):
+            angle = field * (0.5 - (column + 0.5) / width)
+            length = self.world.distance(pose.x, pose.y, pose.yaw + angle, 30.0)
+            # Walls are as high as they would be far away from a flat picture.
+            half = 0.5 * height / max(0.05, length * math.cos(angle) * 2)
+            shade = max(40, 230 - int(length * 22))
+            columns.append((half, bytes((shade, shade * 9 // 10, shade * 7 // 10))))
+        rows = []
+        for row in range(height):
+            away = abs(row + 0.5 - height / 2)
+            empty = b"\x8c\xb4\xdc" if row < height / 2 else b"\x5a\x64\x50"
+            rows.append(b"".join(wall if away < half else empty for half, wall in columns))
+        return b"".join(rows)
+
+
+def toward(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """Return the velocity that drives a robot straight to a place: it turns first, then goes."""
+    distance = math.hypot(x - pose.x, y - pose.y)
+    error = math.remainder(math.atan2(y - pose.y, x - pose.x) - pose.yaw, math.tau)
+    turn = max(-1.2, min(1.2, 2.5 * error))
+    return (min(0.6, distance) if abs(error) < 0.5 else 0.0), turn

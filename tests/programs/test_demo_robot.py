@@ -1,0 +1,80 @@
+"""fibws demo robot: a simulated robot on a hub."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import AsyncIterator
+
+import pytest
+from running_programs import Start
+
+import fibws
+from fibws.action.move_base_msgs import MoveBase
+from fibws.hub import Hub
+from fibws.msg.diagnostic_msgs import DiagnosticArray
+from fibws.msg.geometry_msgs import Twist, Vector3
+from fibws.msg.move_base_msgs import MoveBaseGoal
+from fibws.msg.nav_msgs import OccupancyGrid, Odometry
+from fibws.msg.sensor_msgs import Image, LaserScan
+from fibws.msg.tf2_msgs import TFMessage
+
+
+@pytest.fixture
+async def node(hub: Hub, start: Start) -> AsyncIterator[fibws.Node]:
+    await start("fibws.demo_robot.robot_node", FIBWS_HUB=hub.url)
+    async with fibws.Node("test", hub=hub.url) as node:
+        yield node
+
+
+def goal(x: float, y: float, frame: str = "map") -> MoveBaseGoal:
+    found = MoveBaseGoal()
+    found.target_pose.header.frame_id = frame
+    found.target_pose.pose.position.x, found.target_pose.pose.position.y = x, y
+    return found
+
+
+async def test_robot_publishes_what_robots_have(node: fibws.Node) -> None:
+    grid = await node.wait_for_message("/map", OccupancyGrid)
+    assert len(grid.data) == grid.info.width * grid.info.height
+    scan = await node.wait_for_message("/scan", LaserScan)
+    assert len(scan.ranges) == 180
+    # It starts 0.35 m from the wall to its right, which is nearer than the others.
+    back, right, ahead, left = (scan.ranges[at] for at in (0, 45, 90, 135))
+    assert [back, right, ahead] == pytest.approx([0.75, 0.35, 3.75], abs=0.01)
+    assert left > right
+    image = await node.wait_for_message("/camera/image", Image)
+    assert len(image.data) == image.step * image.height
+    diagnostics = await node.wait_for_message("/diagnostics", DiagnosticArray)
+    assert [status.level for status in diagnostics.status] == [0, 1, 0]
+    frames = await node.wait_for_message("/tf_static", TFMessage)
+    assert [each.child_frame_id for each in frames.transforms] == ["odom", "laser", "camera"]
+
+
+async def test_robot_drives_by_commands_and_stops_without_them(node: fibws.Node) -> None:
+    odometry = node.subscribe("/odom", Odometry)
+    commands = await node.advertise("/cmd_vel", Twist, peers=True)
+    async for names in commands.peers.changes():
+        if names:
+            break
+    await commands.publish(Twist(linear=Vector3(x=0.5)))
+    moved = False
+    async for message in odometry:
+        speed = message.twist.twist.linear.x
+        moved = moved or speed == 0.5
+        if moved and speed == 0.0:
+            break
+    assert 1.0 < message.pose.pose.position.x < 3.0
+
+
+async def test_goals_are_reached_or_refused(node: fibws.Node) -> None:
+    client = node.action_client("/move_base", MoveBase, over="topics")
+    await client.wait_for_server(timeout=60)
+    reaching = await client.send(goal(2.2, 0.7))
+    feedback = await anext(aiter(reaching.feedback()))
+    assert feedback.base_position.header.frame_id == "map"
+    await reaching.result()
+    message = await node.wait_for_message("/odom", Odometry)
+    place = message.pose.pose.position
+    assert math.hypot(place.x - 2.2, place.y - 0.7) < 0.15
+    with pytest.raises(fibws.FibwsError, match="in the frame map"):
+        await (await client.send(goal(1, 1, "odom"))).result()
