@@ -129,6 +129,7 @@ async def test_unreachable_ros1_node_and_its_conflict_are_flagged(open_page: Ope
         await expect(details.get_by_role("listitem").filter(has_text="/camera")).to_contain_text(
             conflict
         )
+        await page.close()  # Before its hub ends, so that it does not complain.
 
 
 async def test_nodes_appear_and_disappear(hub: Hub, open_page: OpenPage) -> None:
