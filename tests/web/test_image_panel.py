@@ -262,6 +262,8 @@ async def test_map_is_shown_with_the_cell_under_the_pointer(
     page = await open_page(hub, "#/topics/%2Fmap")
     await expect(page.locator(".image-facts")).to_contain_text("cells of 0.05 m")
     await expect(page.get_by_role("img", name="Map /map")).to_be_visible()
+    # Each cell is many pixels: they are squares, not a blur.
+    await expect(page.locator(".image-stage canvas")).to_have_class("fits squares")
     found = await page.locator(".image-stage canvas").evaluate(ALL)
     white, grey = [255] * 3, [0x70, 0x89, 0x86]
     assert found == [[0] * 3, white, white, grey, *([white] * 3 + [grey]) * 2]

@@ -206,10 +206,7 @@ class ImagePanel implements Panel {
   #receive(report: Report): void {
     switch (report.kind) {
       case "state":
-        this.#showFault("");
-        this.#state = report.state;
-        if (this.#canvas !== undefined) this.#canvas.hidden = false;
-        if (report.state.shown === 1) this.#tick();
+        this.#showState(report.state);
         break;
       case "fault":
         this.#showFault(report.why);
@@ -221,6 +218,16 @@ class ImagePanel implements Panel {
         save(report.file, this.#topic);
         break;
     }
+  }
+
+  #showState(state: PictureState): void {
+    const before = this.#state;
+    this.#showFault("");
+    this.#state = state;
+    if (this.#canvas !== undefined) this.#canvas.hidden = false;
+    // How large its pixels are depends on its size.
+    if (state.width !== before?.width || state.height !== before.height) this.#setZoom(this.#zoom);
+    if (before === undefined) this.#tick();
   }
 
   #showFault(why: string): void {
