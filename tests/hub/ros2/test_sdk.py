@@ -55,8 +55,8 @@ async def robotis(hub: Hub, endpoint: str) -> AsyncIterator[Sdk]:
         await asyncio.to_thread(session.session.close)
 
 
-async def matched(publisher: Any) -> None:
-    """Wait until somebody has subscribed to a publisher of zenoh."""
+async def matched(declared: Any) -> None:
+    """Wait until zenoh knows a subscriber of a publisher, or an answerer of a querier."""
     import zenoh
 
     loop, found = asyncio.get_running_loop(), asyncio.Event()
@@ -66,8 +66,8 @@ async def matched(publisher: Any) -> None:
             loop.call_soon_threadsafe(found.set)
 
     handler = zenoh.handlers.Callback(note, indirect=False)
-    listener = await asyncio.to_thread(publisher.declare_matching_listener, handler)
-    note(publisher.matching_status)
+    listener = await asyncio.to_thread(declared.declare_matching_listener, handler)
+    note(declared.matching_status)
     await found.wait()
     await asyncio.to_thread(listener.undeclare)
 
@@ -126,7 +126,8 @@ async def test_services_pass_in_both_directions(hub: Hub, robotis: Sdk, node: fi
     client = await robotis.start(
         "ROS2ServiceClient", service_name="/ours", node_name="client", **ADD
     )
-    await until(lambda: "/client" in hub.graph.nodes, hub)
+    async with asyncio.timeout(PATIENCE):
+        await matched(client.querier)
     found = await asyncio.to_thread(client.call, a=40, b=2)
     assert found.sum == 38
 
