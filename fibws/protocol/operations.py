@@ -17,6 +17,8 @@ from fibws.interfaces.json_text import json_of as json_of
 from fibws.protocol.headers import Headers, HubHeader
 from fibws.protocol.serialized import MOST_PUBLISHERS
 
+MOST_CREDIT = 1000
+"""The largest credit of a subscription."""
 SHORTEST_WILL, LONGEST_WILL = 0.05, 3600.0
 """Seconds: the least and the most that a will can wait for the client's next message."""
 LONGEST_ID = 2000
@@ -117,6 +119,10 @@ class Subscribe(Operation):
     int64: Literal["string"] | None = None
     """Whether all fields of int64 and uint64 are decimal strings in JSON, small values too:
     numbers in JavaScript hold no integers beyond 2**53 (an addition of fibws)."""
+    credit: Annotated[int, Field(ge=1, le=MOST_CREDIT)] | None = None
+    """With serialized messages only: how many may be on the way that the client has not
+    acknowledged by `Acknowledge`; meanwhile the newest one waits. None for no limit (an addition of
+    fibws)."""
 
 
 class Unsubscribe(Operation):
@@ -124,6 +130,18 @@ class Unsubscribe(Operation):
 
     op: Literal["unsubscribe"] = "unsubscribe"
     topic: str
+
+
+class Acknowledge(Operation):
+    """The client has processed messages of ``topic``, to which it subscribed with a credit (an
+    addition of fibws).
+
+    To acknowledge more messages than were sent is the same as to acknowledge all.
+    """
+
+    op: Literal["acknowledge"] = "acknowledge"
+    topic: str
+    count: Annotated[int, Field(ge=1)] = 1
 
 
 class CallService(Operation):
@@ -314,6 +332,8 @@ class Subscribed(Operation):
     topic_id: int
     type: str
     md5sum: str
+    credit: int | None = None
+    """As in the request: messages are to be acknowledged."""
 
 
 class Peers(Operation):
@@ -339,6 +359,7 @@ Request = (
     | Publish
     | Subscribe
     | Unsubscribe
+    | Acknowledge
     | CallService
     | AdvertiseService
     | UnadvertiseService

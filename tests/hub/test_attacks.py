@@ -540,6 +540,7 @@ OPERATIONS: list[dict[str, Any]] = [
     {"op": "subscribe", "topic": "/NAME", "type": "std_msgs/String"},
     {"op": "subscribe", "topic": "/NAME", "compression": "cbor-raw", "peers": True},
     {"op": "unsubscribe", "topic": "/NAME"},
+    {"op": "acknowledge", "topic": "/NAME"},
     {"op": "call_service", "service": "/NAME", "args": {"a": "x"}},
     {"op": "call_service", "service": "/NAME", "args": [1, 2], "headers": {}},
     {"op": "call_service", "service": "/NAME/_action/cancel_goal"},

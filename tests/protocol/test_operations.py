@@ -10,6 +10,7 @@ import pytest
 
 from fibws.protocol.decoding import REPLIES, REQUESTS, parse_reply, parse_request
 from fibws.protocol.operations import (
+    Acknowledge,
     ActionFeedback,
     ActionResult,
     Advertise,
@@ -82,6 +83,7 @@ FROM_CLIENT: list[Request | Reply] = [
     Publish(topic="/a", to="/listener"),
     Subscribe(topic="/a", headers=True, peers=True, peer_changes=True),
     Subscribe(topic="/a", int64="string"),
+    Subscribe(topic="/a", compression="ros1", credit=2),
     Subscribe(topic="/a", compression="ros1", definition="int32 data\n", md5sum="0" * 32),
     Subscribe(
         id="",
@@ -94,6 +96,8 @@ FROM_CLIENT: list[Request | Reply] = [
     ),
     Unsubscribe(topic="/a"),
     Unsubscribe(id=0, topic="/a"),
+    Acknowledge(topic="/a"),
+    Acknowledge(topic="/a", count=3),
     AdvertiseService(service="/add", type="a/B"),
     AdvertiseService(id="x", service="/add", type="a/B", definition="int32 a\n---\n"),
     AdvertiseService(service="/add", type="a/B", headers=True),
@@ -123,6 +127,7 @@ FROM_HUB: list[Request | Reply] = [
     Status(id=5, level="warning", msg="hm"),
     Status(id=5, level="error", msg="no", code="not_allowed"),
     Subscribed(id="x", topic="/a", topic_id=1, type="a/B", md5sum="0" * 32),
+    Subscribed(topic="/a", topic_id=1, type="a/B", md5sum="0" * 32, credit=2),
 ]
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import io
+import math
 import struct
 from collections.abc import AsyncIterator
+from contextlib import suppress
 
 import pytest
 from PIL import Image as pillow
@@ -16,6 +18,7 @@ from fibws.hub import Hub
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
 from fibws.msg.sensor_msgs import CompressedImage, Image
 from fibws.msg.std_msgs import Header
+from fibws.protocol.serialized import SUBPROTOCOL
 
 from .conftest import OpenPage, fixture, traced, until
 
@@ -247,6 +250,84 @@ async def test_camera_costs_the_page_little(
         publishing.cancel()
     # 3 % of a core and twice as much for other machines; the graph's polls are in it.
     assert sum(tasks) / seconds < 0.06
+
+
+class SlowLine:
+    """A proxy of a hub whose line to a page carries 10 Mbit/s, and keeps all that waits."""
+
+    BYTES_PER_SECOND = 10_000_000 / 8
+    PIECE = 16_384
+
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+        self.most_waiting = 0
+        """The most bytes of serialized messages that have waited."""
+
+    async def open(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Connect a page with the hub."""
+        host, port = self._hub.url.removeprefix("ws://").split(":")
+        from_hub, to_hub = await asyncio.open_connection(host, int(port))
+        waiting: asyncio.Queue[bytes] = asyncio.Queue()
+        counted = is_serialized = 0
+
+        async def take_requests() -> None:
+            nonlocal is_serialized
+            while data := await reader.read(self.PIECE):
+                is_serialized |= SUBPROTOCOL.encode() in data
+                to_hub.write(data)
+            to_hub.close()
+
+        async def take_replies() -> None:
+            nonlocal counted
+            while data := await from_hub.read(self.PIECE):
+                waiting.put_nowait(data)
+                counted += len(data)
+                if is_serialized:
+                    self.most_waiting = max(self.most_waiting, counted)
+            waiting.put_nowait(b"")
+
+        async def carry() -> None:
+            nonlocal counted
+            while data := await waiting.get():
+                await asyncio.sleep(len(data) / self.BYTES_PER_SECOND)
+                counted -= len(data)
+                writer.write(data)
+            writer.close()
+
+        with suppress(ConnectionError):
+            await asyncio.gather(take_requests(), take_replies(), carry())
+
+
+async def test_slow_line_shows_fewer_images_and_no_older_ones(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage
+) -> None:
+    written = io.BytesIO()
+    pillow.effect_noise((640, 480), 60).convert("RGB").save(written, "JPEG", quality=30)
+    image = CompressedImage(format="jpeg", data=written.getvalue())
+    topic = await camera.advertise("/image", CompressedImage)
+    left = math.inf
+
+    async def publish() -> None:
+        nonlocal left
+        async for _ in camera.rate(60):
+            await topic.publish(image)
+            left -= 1
+            if left == 0:
+                return
+
+    line = SlowLine(hub)
+    publishing = asyncio.create_task(publish())
+    async with await asyncio.start_server(line.open, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+        page = await open_page(hub, "#/topics/%2Fimage", address=f"http://127.0.0.1:{port}")
+        await expect(page.locator(".image-facts")).to_contain_text(
+            "640 \N{MULTIPLICATION SIGN} 480"
+        )
+        left = 90
+        await publishing
+        await page.context.close()
+    size = len(image.data) + 100
+    assert size < line.most_waiting <= 2 * size
 
 
 async def test_map_is_shown_with_the_cell_under_the_pointer(

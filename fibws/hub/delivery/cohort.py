@@ -16,11 +16,13 @@ class Throttling(NamedTuple):
     """At most one message in a period: rosbridge's throttle_rate and queue_length.
 
     ``period`` is in seconds. ``queue_length`` frames wait for their turn; 0 drops all that come too
-    early.
+    early. With a ``credit``, at most so many messages are unacknowledged, and one frame waits for
+    its turn, the newest.
     """
 
     period: float
     queue_length: int
+    credit: int = 0
 
 
 class Member(Protocol):
@@ -36,6 +38,8 @@ class Member(Protocol):
     """Messages that it was sent, except those that its cohort counts."""
     throttled: int
     """Messages that its throttle left out, once it has none any more."""
+    unacknowledged: int
+    """Messages sent on credit that its client has not acknowledged."""
 
 
 class Cohort(Generic[M]):

@@ -7,6 +7,7 @@ from typing import Generic, TypeVar
 
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.cohort import Cohort, M, Throttling
+from fibws.hub.delivery.credit import Credit
 from fibws.hub.delivery.send_queue import Broadcast, Flusher, Frame
 from fibws.hub.delivery.throttle import Throttle
 
@@ -38,9 +39,9 @@ class FanOut(Generic[T, M]):
         self._clock = clock
         self._direct: Cohort[M] = Cohort()
         """The members without a throttle."""
-        self._throttles: dict[Throttling | M, Throttle[M]] = {}
+        self._throttles: dict[Throttling | M, Throttle[M] | Credit[M]] = {}
         """One for all members that are throttled alike, and those of members for which other frames
-        wait than for the others."""
+        wait than for the others: always if they have credit."""
         self._offered = 0
         """Messages that throttles were given, or did not want."""
 
@@ -58,12 +59,15 @@ class FanOut(Generic[T, M]):
         if throttling is None:
             self._direct.add(member)
             return
+        member.throttled += member.sent - self._offered
+        if throttling.credit:
+            self._throttles[member] = Credit(member, self._clock)
+            return
         throttle = self._throttles.get(throttling)
-        if throttle is None:
+        if not isinstance(throttle, Throttle):
             throttle = Throttle(throttling, self._broadcast, self._clock)
             self._throttles[throttling] = throttle
         throttle.add(member)
-        member.throttled += member.sent - self._offered
 
     def remove(self, member: M) -> None:
         """Remove a member."""
@@ -107,21 +111,34 @@ class FanOut(Generic[T, M]):
         member.throttled += 1
         throttle = self._throttles[self._throttle_key(throttling, member)]
         now = self._clock.time()
-        if not throttle.offer_to(member, frame, now):
+        if isinstance(throttle, Credit):
+            throttle.offer(frame, now)
+        elif not throttle.offer_to(member, frame, now):
             if len(throttle) > 1:
                 throttle = self._throttles[member] = throttle.split(member)
             throttle.offer(frame, now)
 
     def send_now(self, member: M, frame: Frame) -> None:
-        """Send a frame to one member alone, regardless of its throttle."""
-        member.sent += 1
+        """Send a frame to one member alone, regardless of its throttle, but not of its credit."""
         if member.throttling is not None:
             member.throttled += 1
+            throttle = self._throttles.get(member)
+            if isinstance(throttle, Credit):
+                throttle.replay(frame)
+                return
+        member.sent += 1
         member.queue.put(frame, member.lane)
+
+    def acknowledge(self, member: M, count: int) -> None:
+        """Count messages that a member's client has acknowledged, and send what waits for it."""
+        member.unacknowledged = max(0, member.unacknowledged - count)
+        throttle = self._throttles.get(member)
+        if isinstance(throttle, Credit):
+            throttle.proceed()
 
     def throttled_for(self, member: M) -> int:
         """Return how many messages a member's throttles have left out."""
-        if member.throttling is None or member.cohort is None:
+        if member.throttling is None:
             return member.throttled
         throttle = self._throttles[self._throttle_key(member.throttling, member)]
         offered = member.throttled + self._offered

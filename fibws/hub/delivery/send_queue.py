@@ -127,7 +127,7 @@ class SendQueue:
         self._unwritten = 0
         """Bytes of `frames` while paused."""
         self._replies: deque[bytes] = EMPTY
-        self._fresh: OrderedDict[Callable[[], bytes], None] | None = None
+        self._fresh: OrderedDict[Callable[[], MadeFrame], None] | None = None
         self._reply_bytes = 0
         self._kept: FrameQueue[Lane, MadeFrame] | None = None
         self._deferred: DeferredFrames | None = None
@@ -197,7 +197,7 @@ class SendQueue:
             self._grow(len(frame))
             self._make_room()
 
-    def reply_fresh(self, make: Callable[[], bytes]) -> None:
+    def reply_fresh(self, make: Callable[[], MadeFrame]) -> None:
         """Send the frames that a function makes, now or when a paused client reads again.
 
         Nothing of them is kept meanwhile, however often this is called.
@@ -411,9 +411,10 @@ class SendQueue:
             reply = self._replies.popleft()
             self._reply_bytes -= len(reply)
             return reply
-        if self._fresh:
+        while self._fresh:
             make, _ = self._fresh.popitem(last=False)
-            return make()
+            if frame := make():
+                return frame
         if self._kept:
             frame, _ = self._kept.pop()
             return frame

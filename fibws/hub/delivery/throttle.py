@@ -58,7 +58,7 @@ class Throttle(Generic[M]):
     ) -> None:
         self.wants_from = inf
         """The earliest time at which a frame would be sent to a member."""
-        self._period, self._queue_length = throttling
+        self._period, self._queue_length, _ = throttling
         self._broadcast = broadcast
         self._clock = clock
         self._size = 0

@@ -42,6 +42,7 @@ from fibws.hub.websocket.endpoint import Opening, Registration
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
+    Acknowledge,
     ActionFeedback,
     ActionResult,
     Advertise,
@@ -507,6 +508,8 @@ class Session:
                 self.topics.subscribe(request)
             case Unsubscribe():
                 self.topics.unsubscribe(request)
+            case Acknowledge():
+                self.topics.acknowledge(request)
             case Advertise():
                 self.topics.advertise(request)
             case Unadvertise():

@@ -140,6 +140,7 @@ class Subscription:
         "throttled",
         "throttling",
         "topic",
+        "unacknowledged",
     )
 
     def __init__(
@@ -164,6 +165,7 @@ class Subscription:
         self.cohort: Cohort[Subscription] | None = None
         self.sent = 0
         self.throttled = 0
+        self.unacknowledged = 0
         self.requests: dict[Id, Subscribe] = {}
         self.encoding = PLAIN
         self._graph = graph
@@ -243,6 +245,11 @@ class Subscription:
         self._graph.unsubscribe(self.topic, self)
         self.queue.forget(self.lane)
 
+    def acknowledge(self, count: int) -> None:
+        """Take messages as processed by the client."""
+        if self._group is not None:
+            self._group.acknowledge(self, count)
+
     def answer(self, type_: MessageType) -> None:
         """Tell a client of serialized messages the topic's number and type, unless it knows them.
 
@@ -314,18 +321,21 @@ class Subscription:
         """Move to a group, with the throttle and the limit of all requests together.
 
         The lowest throttle_rate and the highest queue_length count, as rosbridge's specification
-        says. A request without queue_length means the default.
+        says, and the highest credit. A request without queue_length means the default, one without
+        credit an unlimited one.
         """
-        period, queue_length = 0.0, 0
+        period, queue_length, credit = 0.0, 0, 0
         if requests:
             asked = requests.values()
             period = min(max(0, request.throttle_rate) for request in asked) / 1000
             queue_length = max(max(0, request.queue_length) for request in asked)
+            if all(request.credit for request in asked):
+                credit = max(request.credit or 0 for request in asked)
             self.lane.limit = max(
                 request.queue_length if request.queue_length > 0 else self._default
                 for request in asked
             )
-        throttling = Throttling(period, queue_length) if period else None
+        throttling = Throttling(period, queue_length, credit) if period or credit else None
         if group is self._group and throttling == self.throttling:
             return
         if self._group is not None:
@@ -344,6 +354,7 @@ class Subscription:
             topic_id=self.topic.number,
             type=type_.name,
             md5sum=type_.md5sum or "",
+            credit=request.credit,
         )
         self.queue.reply(text_frame(encode(answer)))
 

@@ -26,6 +26,7 @@ from fibws.hub.rosbridge.peers import PeerReports
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.hub.rosbridge.wills import Wills
 from fibws.protocol.operations import (
+    Acknowledge,
     Advertise,
     ClearWill,
     Id,
@@ -36,7 +37,7 @@ from fibws.protocol.operations import (
     Unsubscribe,
     encode,
 )
-from fibws.protocol.serialized import ROS1, read_publish
+from fibws.protocol.serialized import ROS1, SUBPROTOCOL, read_publish
 from fibws.protocol.websocket import Payload
 
 GRACE = 3.0
@@ -343,6 +344,11 @@ class Topics:
             topic.watching_sources.check_room(subscription, request.id)
         if request.compression not in COMPRESSIONS:
             request = self._with_known_compression(request, topic)
+        if request.credit is not None and request.compression != ROS1:
+            raise OperationError(
+                f"credit needs serialized messages: subscribe with the compression {ROS1} "
+                f"on a connection of {SUBPROTOCOL}"
+            )
         subscription.request(request)
         self.subscriptions[request.topic] = subscription
         client.check_legal(request.id, request.topic, topic.name)
@@ -362,6 +368,12 @@ class Topics:
             subscription.cancel(request.id)
             if not subscription.requests:
                 del self.subscriptions[request.topic]
+
+    def acknowledge(self, request: Acknowledge) -> None:
+        """Take messages as processed by the client, unless it has unsubscribed since."""
+        subscription = self.subscriptions.get(request.topic)
+        if subscription is not None:
+            subscription.acknowledge(request.count)
 
     def _with_known_compression(self, request: Subscribe, topic: Topic) -> Subscribe:
         """Return the request with a compression that is possible."""

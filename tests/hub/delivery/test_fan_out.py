@@ -28,6 +28,7 @@ class Subscriber:
         self.cohort: Cohort[Subscriber] | None = None
         self.sent = 0
         self.throttled = 0
+        self.unacknowledged = 0
 
     @property
     def frames(self) -> list[bytes]:

@@ -65,7 +65,7 @@ class Subscriber:
         self.lane = Lane(1)
         self.throttling = throttling
         self.cohort: Cohort[Subscriber] | None = None
-        self.sent = self.throttled = 0
+        self.sent = self.throttled = self.unacknowledged = 0
 
 
 def send_queue(clock: FakeClock) -> SendQueue:

@@ -105,6 +105,8 @@ KINDS = {
     "fragment_size": Kind(ABSENT | INTEGERS, "what is not above 0 counts as absent"),
     "compression": Kind(ABSENT | TEXTS, "unknown compressions count as none"),
     "int64": Kind(ABSENT, "there is one spelling"),
+    "credit": Kind(ABSENT, "it is optional", Kind.refusal + "|needs serialized messages"),
+    "count": Kind(ABSENT | {"five", "10**400"}, "more than all is all"),
     "status": Kind(ABSENT | {"five", "zero", "minus zero"}, "there are those from 0 to 6"),
     "level": Kind(set(), "there are four"),
     "msg": Kind(ABSENT | {"empty object"}, "None stands for the default", "std_msgs/Int32"),
@@ -135,6 +137,7 @@ EXCEPTIONS = {
     ("send_action_goal", "action"): KNOWN,
     ("unadvertise", "topic"): UNKNOWN,
     ("unsubscribe", "topic"): UNKNOWN,
+    ("acknowledge", "topic"): UNKNOWN,
     ("subscribe", "type"): Kind(ABSENT, "it is optional", KINDS["type"].refusal),
     ("unadvertise_service", "service"): Kind(
         ABSENT | NAME.takes, "ros-sharp sends none", NAME.refusal
@@ -166,6 +169,7 @@ VALID: dict[str, dict[str, Any]] = {
     "publish": {"topic": "/known", "msg": {"data": 5}},
     "subscribe": {"topic": "/t", "type": "std_msgs/Int32"},
     "unsubscribe": {"topic": "/t"},
+    "acknowledge": {"topic": "/t"},
     "call_service": {"service": "/mine", "args": {"a": 1}},
     "advertise_service": {"service": "/t", "type": "my_srvs/T", "definition": "int8 a\n---"},
     "unadvertise_service": {"service": "/t"},

@@ -73,6 +73,11 @@ class Receiver implements Subscriber {
 
 let receiver: Receiver;
 
+/** Wait until promises that are resolved have been awaited. */
+async function settled(): Promise<void> {
+  for (let turn = 0; turn < 10; turn += 1) await Promise.resolve();
+}
+
 function connected(token = ""): Feed {
   const feed = new Feed();
   feed.connect("ws://hub/?node=/x", token);
@@ -123,6 +128,73 @@ describe("Feed", () => {
     expect(receiver.faults[1]).toBe("the topic has the type std_msgs/String now");
     socket.receive({ op: "status", id, level: "error", msg: "not allowed" });
     expect(receiver.faults[2]).toBe("not allowed");
+  });
+
+  it("acknowledges messages once all their subscribers have processed them", async () => {
+    const feed = connected();
+    const decoded: (() => void)[] = [];
+    const slow = new Receiver();
+    slow.receive = () => new Promise((done) => decoded.push(() => done(undefined)));
+    feed.subscribe(receiver);
+    const stop = feed.subscribe(slow);
+    const socket = FakeSocket.newest;
+    socket.open();
+    for (const { id, topic, credit } of socket.sent) {
+      const type = "std_msgs/Int8";
+      expect(credit).toBe(2);
+      socket.receive({ op: "subscribed", id, topic, topic_id: 7, type, credit });
+    }
+    const acknowledgements = () => socket.sent.filter(({ op }) => op === "acknowledge");
+    socket.receiveNumber(7, 1);
+    await settled();
+    expect(receiver.messages.length).toBe(1);
+    expect(acknowledgements()).toEqual([]);
+    decoded[0]?.();
+    await settled();
+    expect(acknowledgements()).toEqual([{ op: "acknowledge", topic: "/a" }]);
+    stop();
+    socket.receiveNumber(7, 2);
+    socket.receiveNumber(7); // It cannot be read.
+    await settled();
+    expect(acknowledgements().length).toBe(3);
+  });
+
+  it("acknowledges messages that came before it had unsubscribed", async () => {
+    const stop = connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const id = socket.sent[0]?.id;
+    const [type, topic] = ["std_msgs/Int8", "/a"];
+    socket.receive({ op: "subscribed", id, topic, topic_id: 7, type, credit: 2 });
+    stop();
+    socket.receiveNumber(7, 1);
+    await settled();
+    expect(receiver.messages).toEqual([]);
+    expect(socket.sent.at(-1)).toEqual({ op: "acknowledge", topic });
+  });
+
+  it("acknowledges nothing on another connection, or to a hub without credit", async () => {
+    connected().subscribe(receiver);
+    const first = FakeSocket.newest;
+    let decode = (): void => undefined;
+    receiver.receive = () => new Promise((done) => (decode = () => done(undefined)));
+    first.open();
+    const id = first.sent[0]?.id;
+    const [type, topic] = ["std_msgs/Int8", "/a"];
+    first.receive({ op: "subscribed", id, topic, topic_id: 7, type, credit: 2 });
+    first.receiveNumber(7, 1);
+    first.lose();
+    vi.runOnlyPendingTimers();
+    const second = FakeSocket.newest;
+    second.open();
+    second.receive({ op: "subscribed", id, topic, topic_id: 7, type });
+    decode();
+    await settled();
+    second.receiveNumber(7, 1);
+    decode();
+    await settled();
+    for (const { sent } of [first, second])
+      expect(sent.map(({ op }) => op)).not.toContain("acknowledge");
   });
 
   it("connects again, with its token, and subscribes again", () => {

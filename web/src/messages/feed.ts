@@ -12,6 +12,8 @@ export const PROTOCOL = "fibws.v1";
 /** Bytes of a frame before the message: its kind, the topic's id, and when the hub received it. */
 export const HEAD = 13;
 const MESSAGE = 1;
+/** Messages of a topic that the hub sends before the first of them is processed. */
+const CREDIT = 2;
 
 /** The least and the most time between two attempts to connect, in ms. */
 const MIN_RETRY = 250;
@@ -25,8 +27,13 @@ export interface Subscriber {
   readonly typedefs: readonly TypeDef[];
   /** The least time between two messages, in ms. */
   readonly throttle: number;
-  /** Take a message; `size` is its bytes on the way here. */
-  receive(message: Fields, size: number): void;
+  /**
+   * Take a message; `size` is its bytes on the way here.
+   *
+   * The hub waits for the promise before it sends more than another one, so that messages become
+   * fewer, and not older, if they are processed slowly.
+   */
+  receive(message: Fields, size: number): void | Promise<void>;
   /** Take the reason why there are no messages; an empty text if there are again. */
   fail(why: string): void;
 }
@@ -44,6 +51,8 @@ export class Feed {
   #token = "";
   readonly #entries = new Map<string, Entry>();
   #socket: WebSocket | undefined;
+  /** The topics whose messages are to be acknowledged, by their ids in frames. */
+  readonly #credited = new Map<number, string>();
   #ids = 0;
   #retryTime = MIN_RETRY;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -86,6 +95,7 @@ export class Feed {
     const socket = new WebSocket(this.#url, PROTOCOL);
     socket.binaryType = "arraybuffer";
     this.#socket = socket;
+    this.#credited.clear();
     socket.onopen = () => {
       this.#retryTime = MIN_RETRY;
       if (this.#token !== "") this.#send({ op: "auth", token: this.#token });
@@ -120,7 +130,7 @@ export class Feed {
       topic: subscriber.topic,
       throttle_rate: subscriber.throttle,
       queue_length: 1,
-      ...(this.#isBinary ? { compression: "ros1" } : {}),
+      ...(this.#isBinary ? { compression: "ros1", credit: CREDIT } : {}),
     });
   }
 
@@ -132,6 +142,8 @@ export class Feed {
     const entry = this.#entries.get(operation.id as string);
     switch (operation.op) {
       case "subscribed":
+        if (operation.credit !== undefined)
+          this.#credited.set(operation.topic_id as number, operation.topic as string);
         if (entry !== undefined) this.#prepare(entry, operation);
         break;
       case "status":
@@ -141,7 +153,7 @@ export class Feed {
         for (const each of this.#entries.values()) {
           const { topic } = each.subscriber;
           if (topic === operation.topic)
-            this.#dispatch(each, () => operation.msg as Fields, text.length);
+            void this.#dispatch(each, () => operation.msg as Fields, text.length);
         }
         break;
     }
@@ -162,16 +174,26 @@ export class Feed {
   #receiveFrame(frame: Uint8Array): void {
     if (frame.length < HEAD || frame[0] !== MESSAGE) return;
     const topicId = new DataView(frame.buffer).getUint32(1, true);
+    const processed: Promise<void>[] = [];
     for (const entry of this.#entries.values()) {
       const { reader } = entry;
       if (entry.topicId !== topicId || reader === undefined) continue;
-      this.#dispatch(entry, () => reader(frame.subarray(HEAD)), frame.length);
+      processed.push(this.#dispatch(entry, () => reader(frame.subarray(HEAD)), frame.length));
     }
+    void this.#acknowledge(topicId, processed);
   }
 
-  #dispatch({ subscriber }: Entry, read: () => Fields, size: number): void {
+  /** Acknowledge a message once all subscribers have processed it, or if there are none left. */
+  async #acknowledge(topicId: number, processed: readonly Promise<void>[]): Promise<void> {
+    const socket = this.#socket;
+    await Promise.all(processed);
+    const topic = this.#credited.get(topicId);
+    if (this.#socket === socket && topic !== undefined) this.#send({ op: "acknowledge", topic });
+  }
+
+  async #dispatch({ subscriber }: Entry, read: () => Fields, size: number): Promise<void> {
     try {
-      subscriber.receive(read(), size);
+      await subscriber.receive(read(), size);
     } catch (error) {
       subscriber.fail((error as Error).message);
     }

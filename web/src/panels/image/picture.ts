@@ -32,6 +32,13 @@ const KINDS: readonly (readonly [type: string, start: readonly number[]])[] = [
   ["image/webp", [0x52, 0x49, 0x46, 0x46]],
 ];
 
+/** An image to be drawn. */
+interface Waiting {
+  readonly message: Fields;
+  readonly size: number;
+  done(): void;
+}
+
 /** An image that has been decoded. */
 interface Drawing {
   readonly width: number;
@@ -51,8 +58,8 @@ export class Picture {
   readonly #fail: (why: string) => void;
   #options: Options = { palette: "grey" };
   #isBusy = false;
-  #next: { message: Fields; size: number } | undefined;
-  #newest: { message: Fields; size: number } | undefined;
+  #next: Waiting | undefined;
+  #newest: Waiting | undefined;
   #drawing: Drawing | undefined;
   #shown = 0;
 
@@ -71,13 +78,21 @@ export class Picture {
   /** Change how numbers are shown, of the newest image, too. */
   set options(options: Options) {
     this.#options = options;
-    if (this.#newest !== undefined) this.receive(this.#newest.message, this.#newest.size);
+    if (this.#newest === undefined || this.#next !== undefined) return;
+    void this.receive(this.#newest.message, this.#newest.size);
   }
 
-  /** Draw an image as soon as the one before is drawn; only the newest waits. */
-  receive(message: Fields, size: number): void {
-    this.#next = { message, size };
-    if (!this.#isBusy) void this.#drawAll();
+  /**
+   * Draw an image as soon as the one before is drawn; only the newest waits.
+   *
+   * Resolves once it is drawn, or left out.
+   */
+  receive(message: Fields, size: number): Promise<void> {
+    return new Promise((done) => {
+      this.#next?.done();
+      this.#next = { message, size, done };
+      if (!this.#isBusy) void this.#drawAll();
+    });
   }
 
   /** The value of a pixel as text; empty if there is none. */
@@ -99,6 +114,8 @@ export class Picture {
         this.#newest = next;
       } catch (error) {
         this.#fail((error as Error).message);
+      } finally {
+        next.done();
       }
     }
     this.#isBusy = false;
