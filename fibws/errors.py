@@ -34,6 +34,10 @@ FibwsError
 ├── LaunchError            an invalid launch file
 ├── UrdfError              an invalid robot model
 ├── MapError               an occupancy map's files cannot be read or written
+├── BagError               a bag cannot be read or written
+│   ├── BagFormatError         it is damaged, or not a bag
+│   ├── BagNotIndexed          it was not closed: reindex it first
+│   └── UnsupportedBag         its version, compression or encryption is not supported
 ├── HubError               the hub cannot start or continue
 ├── FederationError        another hub, or the connection to it, has failed
 ├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
@@ -394,6 +398,38 @@ class MapError(FibwsError, ValueError):
 
     def __init__(self, part: Literal["file", "metadata", "image"], text: str) -> None:
         self.part = part
+        super().__init__(text)
+
+
+class BagError(FibwsError):
+    """A bag cannot be read or written; the text says which and why."""
+
+
+class BagFormatError(BagError, ValueError):
+    """A file is damaged, or is not a bag."""
+
+
+class BagNotIndexed(BagError):
+    """A bag has no index, because its recorder did not close it."""
+
+    def __init__(self, path: str, fault: str = "it was not closed") -> None:
+        self.path = path
+        super().__init__(
+            f"{path} has no index ({fault}); write one with {command_name('bag reindex')} {path}"
+        )
+
+
+class UnsupportedBag(BagError):
+    """The version, the compression or the encryption of a bag is not supported.
+
+    Attributes:
+        feature: what is not supported.
+    """
+
+    def __init__(
+        self, text: str, feature: Literal["version", "compression", "encryption", "format"]
+    ) -> None:
+        self.feature = feature
         super().__init__(text)
 
 

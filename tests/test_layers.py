@@ -6,8 +6,8 @@ tools       cli/                        ros1/ (launch, workspace, shell; python/
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
 the wire            |                        |                                          |
-pure        values/  protocol/  interfaces/  access/  credentials  hub_address  tls  names
-            errors  files  suggestions
+pure        values/  protocol/  interfaces/  bags/  access/  credentials  hub_address  tls
+            names  errors  files  suggestions
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ BELOW = {
     "access": {"errors", "files", "suggestions"},
     "interfaces": {"errors", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
+    "bags": {"errors", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
     | {"hub_address", "credentials", "tls"},
@@ -52,7 +53,7 @@ BELOW = {
     | {*CLASSES}
     | {"__version__"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
-    "ros1": {*NODE, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}
+    "ros1": {*NODE, *LOWEST, "bags", "values", "client", "node", "interfaces", *CLASSES}
     | {"command_names", "definition_folders", "processes", "tf"},
     "broadcaster": {*NODE, *CLASSES, "cli"},
     "listener": {*NODE, *CLASSES, "cli"},
@@ -63,7 +64,7 @@ BELOW = {
     "turtlesim": {*NODE, *CLASSES, "cli", "errors"},
     "demo_robot": {*NODE, *CLASSES, "cli"},
     "web_video_server": {*NODE, "cli", "suggestions"},
-    "cli": {*NODE, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
+    "cli": {*NODE, *LOWEST, "bags", "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
 }
 """The parts of fibws that each part may import, besides itself."""
@@ -117,7 +118,7 @@ ONLY = {
 }
 """The only modules of other parts that a part may import: those that load at once."""
 
-QUICK = ["tls.py", "access/*.py", "client/**/*.py", "values/**/*.py", "cli/**/*.py"]
+QUICK = ["tls.py", "access/*.py", "bags/*.py", "client/**/*.py", "values/**/*.py", "cli/**/*.py"]
 SLOW = {
     "asyncio",
     "pydantic",
@@ -166,7 +167,7 @@ def is_in(name: str, package: str) -> bool:
 
 PURE = modules(
     *("errors.py", "names.py", "suggestions.py", "hub_address.py", "command_names.py"),
-    *("access/*.py", "protocol/*.py", "interfaces/*.py"),
+    *("access/*.py", "bags/*.py", "protocol/*.py", "interfaces/*.py"),
     *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
     *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
     "ros1/launch/xml_element.py",

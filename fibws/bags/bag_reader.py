@@ -1,0 +1,159 @@
+"""Reading of .bag files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from typing import BinaryIO
+
+from fibws.bags import bag_format, compression
+from fibws.bags.bag_format import Record, RecordFile
+from fibws.bags.bag_scan import BagScan
+from fibws.bags.connection import ChunkInfo, Connection
+from fibws.bags.reader import ChunkMessages, Reader
+from fibws.errors import BagFormatError, BagNotIndexed, UnsupportedBag
+
+
+def read_start(file: RecordFile) -> Record:
+    """Return the first record of a bag, which says where the index is.
+
+    Raises:
+        BagFormatError: it is damaged, or not a bag.
+        UnsupportedBag: its version is not 2.0, or it is encrypted.
+    """
+    path = file.path
+    if file.size == 0:
+        raise BagFormatError(f"{path}: the file is empty")
+    start = file.read(0, min(file.size, len(bag_format.VERSION_LINE)))
+    if start != bag_format.VERSION_LINE:
+        found = re.match(rb"#ROS(?:BAG|LOG|RECORD) V(\d+\.\d+)", start)
+        if found is None:
+            raise BagFormatError(f"{path}: not a bag: it does not begin with #ROSBAG V2.0")
+        raise UnsupportedBag(
+            f"{path}: a bag of version {found[1].decode()}, but only version 2.0 is supported; "
+            "'rosbag fix' of ROS 1 converts older bags",
+            "version",
+        )
+    header = file.record(len(start))
+    if header.op != bag_format.FILE_HEADER:
+        raise BagFormatError(f"{path}: the first record is not the header of a bag")
+    encryptor = header.fields.get("encryptor", b"").decode("utf-8", "replace")
+    if encryptor:
+        fault = f"{path}: encrypted by {encryptor}, which is not supported"
+        raise UnsupportedBag(fault, "encryption")
+    return header
+
+
+class BagReader(Reader):
+    """Reads a .bag file.
+
+    Args:
+        path: the file.
+        allow_unindexed: whether a bag without an index is read as a whole to make one.
+        file: an open file to read instead, in binary mode.
+
+    Raises:
+        BagFormatError: it is damaged, or not a bag.
+        BagNotIndexed: it has no index.
+        UnsupportedBag: its version is not 2.0, or it is encrypted.
+        OSError: it cannot be read.
+    """
+
+    def __init__(
+        self, path: str, *, allow_unindexed: bool = False, file: BinaryIO | None = None
+    ) -> None:
+        opened: BinaryIO = file or open(path, "rb")
+        self.path = path
+        try:
+            self.file = RecordFile(opened, path)
+            header = read_start(self.file)
+            self._read_index(header, allow_unindexed)
+        except BaseException:
+            if file is None:
+                opened.close()
+            raise
+        self.version = "2.0"
+
+    @property
+    def size(self) -> int:
+        return self.file.size
+
+    @property
+    def counts(self) -> dict[int, int]:
+        counts: dict[int, int] = {}
+        for chunk in self.chunks:
+            for id_, count in chunk.counts.items():
+                counts[id_] = counts.get(id_, 0) + count
+        return counts
+
+    def close(self) -> None:
+        self.file.file.close()
+
+    def _read_index(self, header: Record, allow_unindexed: bool) -> None:
+        place = f"{self.path}: header"
+        self.index_position = bag_format.number(header.fields, "index_pos", 8, place)
+        """Where the chunks end."""
+        self._partial: dict[int, bytes] = {}
+        self.is_indexed = True
+        fault = "it was not closed"
+        if self.index_position:
+            try:
+                self._unpack_index(
+                    bag_format.number(header.fields, "conn_count", 4, place),
+                    bag_format.number(header.fields, "chunk_count", 4, place),
+                )
+                return
+            except BagFormatError as error:
+                fault = str(error).removeprefix(f"{self.path}: ")
+        if not allow_unindexed:
+            raise BagNotIndexed(self.path, fault)
+        self.is_indexed = False
+        scan = BagScan(self.file, is_closed=self.index_position != 0)
+        self.chunks = []
+        for chunk in scan.chunks():
+            if chunk.is_partial:
+                self._partial[chunk.info.position] = chunk.data
+            self.chunks.append(chunk.info)
+        self.connections = scan.sorted_connections()
+
+    def _unpack_index(self, connection_count: int, chunk_count: int) -> None:
+        connections: dict[int, Connection] = {}
+        chunks: list[ChunkInfo] = []
+        position = self.index_position
+        for number in range(connection_count + chunk_count):
+            record = self.file.record(position)
+            data = self.file.data(record)
+            place = f"record at byte {position}"
+            if number < connection_count:
+                record.expect(bag_format.CONNECTION, place)
+                connection = bag_format.unpack_connection(record.fields, data, place)
+                connections[connection.id] = connection
+            else:
+                record.expect(bag_format.CHUNK_INFO, place)
+                chunks.append(self._read_chunk_header(bag_format.unpack_chunk_info(record, data)))
+            position = record.end
+        self.connections = sorted(connections.values(), key=lambda each: each.id)
+        self.chunks = sorted(chunks, key=lambda each: each.position)
+
+    def _read_chunk_header(self, info: ChunkInfo) -> ChunkInfo:
+        """Complete what the index says of a chunk."""
+        place = f"chunk at byte {info.position}"
+        record = self.file.record(info.position)
+        record.expect(bag_format.CHUNK, place)
+        if record.end > self.file.size:
+            raise BagFormatError(f"{place} is longer than the file")
+        info.compression = bag_format.text(record.fields, "compression", place)
+        info.compressed_size = record.data_size
+        info.size = bag_format.number(record.fields, "size", 4, place)
+        return info
+
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
+        place = f"{self.path}: chunk at byte {chunk.position}"
+        data = self._partial.get(chunk.position)
+        if data is None:
+            record = self.file.record(chunk.position)
+            data = compression.decompress(
+                self.file.data(record), chunk.compression, chunk.size, place
+            )
+        found = bag_format.unpack_chunk(data, place, wanted)
+        return ChunkMessages(data, found.times, found.ids, found.begins, found.ends)

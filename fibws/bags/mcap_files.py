@@ -1,0 +1,660 @@
+"""Reading and writing of .mcap files (https://mcap.dev/spec), on the library mcap.
+
+ROS 1's messages have the encoding ``ros1``, and their definitions ``ros1msg``. The metadata of a
+channel has the rest of its connection header: ``md5sum``, ``callerid`` and ``latching``.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from array import array
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from io import BytesIO
+from itertools import chain
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from fibws.bags import compression
+from fibws.bags.bag_format import RecordFile
+from fibws.bags.connection import ChunkInfo, Connection
+from fibws.bags.reader import ChunkMessages, Reader
+from fibws.errors import BagError, BagFormatError, BagNotIndexed, InterfaceError, UnsupportedBag
+
+if TYPE_CHECKING:
+    from mcap.records import Channel, Schema
+
+MAGIC = b"\x89MCAP0\r\n"
+METHODS = ("none", "lz4", "zstd")
+"""The compression methods of .mcap files."""
+CHUNK_SIZE = 768 * 1024
+
+_HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(1, 7)
+_CHUNK_INDEX, _ATTACHMENT, _STATISTICS, _METADATA, _DATA_END = 8, 9, 11, 12, 15
+_RECORD = struct.Struct("<BQ")
+"""The kind of a record, and the length of its content."""
+_MESSAGE_RECORD = struct.Struct("<BQHIQQ")
+"""A message's record without its data: kind, length, channel, number, log and publish time."""
+_MESSAGE_FIELDS = _MESSAGE_RECORD.size - _RECORD.size
+_OTHERS = {_HEADER: "Header", _ATTACHMENT: "Attachment", _METADATA: "Metadata"}
+_CHUNK_START = struct.Struct("<QQQII")
+"""What a chunk begins with: times, uncompressed size, checksum, length of the method's name."""
+_FOOTER_SIZE = _RECORD.size + 20 + len(MAGIC)
+_RUN = 2**20
+"""How many bytes of messages outside chunks are read at once."""
+
+
+class McapWriter:
+    """Writes serialized messages to a .mcap file; it has the methods of `BagWriter`.
+
+    Args:
+        path: the file; one that exists is replaced.
+        compression: ``none``, ``lz4`` or ``zstd``.
+        chunk_size: how many bytes, uncompressed, end a chunk.
+        profile: what messages the file has.
+
+    Raises:
+        BagError: an invalid compression.
+        UnsupportedBag: the package mcap is not installed.
+        OSError: the file cannot be written; from `write`, `flush` and `close`, too.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        compression: str = "none",
+        chunk_size: int = CHUNK_SIZE,
+        *,
+        profile: str = "ros1",
+    ) -> None:
+        if compression not in METHODS:
+            raise BagError(
+                f"{path}: compression {compression!r} does not exist in MCAP, expected "
+                f"{', '.join(METHODS)}"
+            )
+        _import_mcap(path)
+        from mcap.writer import CompressionType, Writer
+
+        self.path = path
+        self.compression = compression
+        self.chunk_size = chunk_size
+        self.connections: list[Connection] = []
+        self.is_closed = False
+        self._schemas: dict[tuple[str, str, bytes], int] = {}
+        self._file = open(path, "wb")
+        self.mcap = Writer(
+            self._file, chunk_size=chunk_size, compression=CompressionType[compression.upper()]
+        )
+        self.mcap.start(profile, "fibws")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        error_type: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def size(self) -> int:
+        """The size of the file in bytes, without the chunk that is in memory."""
+        return 0 if self.is_closed else self._file.tell()
+
+    def connection(
+        self,
+        topic: str,
+        type: str,
+        md5sum: str,
+        definition: str,
+        *,
+        callerid: str = "",
+        latching: bool = False,
+        fields: Mapping[str, bytes] | None = None,
+        encoding: str = "ros1",
+        definition_format: str = "ros1msg",
+    ) -> Connection:
+        """Add a connection, as `BagWriter.connection` does; the format has at most 65,535.
+
+        Args:
+            encoding: how messages are serialized.
+            definition_format: the language of the definition.
+        """
+        if len(self.connections) == 65535:
+            raise BagError(f"{self.path}: too many connections (limit of MCAP: 65,535)")
+        own = dict(fields or {})
+        text = own.pop("message_definition", definition.encode())
+        if md5sum:
+            own.setdefault("md5sum", md5sum.encode())
+        if callerid:
+            own.setdefault("callerid", callerid.encode())
+        if callerid or latching:
+            own.setdefault("latching", b"1" if latching else b"0")
+        schema = (type, definition_format, text)
+        if schema not in self._schemas:
+            self._schemas[schema] = self.mcap.register_schema(*schema) if definition_format else 0
+        metadata = {name: value.decode("utf-8", "replace") for name, value in own.items()}
+        for name in ("topic", "type"):  # They have their own places.
+            metadata.pop(name, None)
+        connection = Connection(
+            id=self.mcap.register_channel(topic, encoding, self._schemas[schema], metadata),
+            topic=topic,
+            type=type,
+            md5sum=md5sum,
+            definition=definition,
+            callerid=callerid,
+            latching=latching,
+            fields={**own, "message_definition": text},
+            encoding=encoding,
+            definition_format=definition_format,
+        )
+        self.connections.append(connection)
+        return connection
+
+    def copy_connection(self, connection: Connection) -> Connection:
+        """Add a connection of another bag, with all fields of its header."""
+        return self.connection(
+            connection.topic,
+            connection.type,
+            connection.md5sum,
+            connection.definition,
+            callerid=connection.callerid,
+            latching=connection.latching,
+            fields=connection.fields,
+            encoding=connection.encoding,
+            definition_format=connection.definition_format,
+        )
+
+    def write(
+        self, connection: Connection, time: int, data: bytes | bytearray | memoryview
+    ) -> None:
+        """Add a message; it raises as `BagWriter.write` does."""
+        if self.is_closed:
+            raise BagError(f"{self.path}: the bag is closed")
+        if not 0 <= time < 2**64:
+            raise BagError(f"{self.path}: MCAP holds times from 1970 to 2554, got {time} ns")
+        self.mcap.add_message(connection.id, time, data, time)  # type: ignore[arg-type]
+
+    def flush(self) -> None:
+        """Write the chunk, so that a reindex restores all messages so far."""
+        self.mcap.flush()  # type: ignore[no-untyped-call]
+
+    def close(self) -> None:
+        """Write the chunk and the index, and close the file."""
+        if self.is_closed:
+            return
+        self.is_closed = True
+        with self._file:
+            self.mcap.finish()  # type: ignore[no-untyped-call]
+
+
+@dataclass(slots=True)
+class _Records:
+    """The schemas, channels and messages in a sequence of records."""
+
+    data: bytes
+    times: array[int] = field(default_factory=lambda: array("Q"))
+    ids: array[int] = field(default_factory=lambda: array("Q"))
+    places: array[int] = field(default_factory=lambda: array("Q"))
+    """Where the records of messages begin."""
+    begins: array[int] = field(default_factory=lambda: array("Q"))
+    ends: array[int] = field(default_factory=lambda: array("Q"))
+    schemas: list[Schema] = field(default_factory=list)
+    channels: list[Channel] = field(default_factory=list)
+
+
+def _unpack_records(
+    data: bytes, place: str, wanted: Collection[int] | None = None, *, partial: bool = False
+) -> _Records:
+    """Find the messages in the data of a chunk, as `bag_format.unpack_chunk` does."""
+    found = _Records(data)
+    add_time, add_id, add_place = found.times.append, found.ids.append, found.places.append
+    add_begin, add_end = found.begins.append, found.ends.append
+    position, size = 0, len(data)
+    unpack = _MESSAGE_RECORD.unpack_from
+    try:
+        while position < size:
+            if size - position < _RECORD.size:
+                raise BagFormatError(f"{place}: incomplete record at byte {position} of its data")
+            kind, length = _RECORD.unpack_from(data, position)
+            end = position + _RECORD.size + length
+            if end > size:
+                raise BagFormatError(f"{place}: record beyond the end of the chunk")
+            if kind == _MESSAGE:
+                if length < _MESSAGE_FIELDS:
+                    raise BagFormatError(f"{place}: message of {length} bytes")
+                _, _, id_, _, time, _ = unpack(data, position)
+                if wanted is None or id_ in wanted:
+                    add_time(time)
+                    add_id(id_)
+                    add_place(position)
+                    add_begin(position + _MESSAGE_RECORD.size)
+                    add_end(end)
+            elif kind == _SCHEMA:
+                found.schemas.append(_parse("Schema", data[end - length : end], place))
+            elif kind == _CHANNEL:
+                found.channels.append(_parse("Channel", data[end - length : end], place))
+            position = end
+    except BagFormatError:
+        if not partial:
+            raise
+    return found
+
+
+def _parse(name: str, content: bytes, place: str) -> Any:
+    """Return a record of the library by the name of its class.
+
+    Raises:
+        BagFormatError: its content is invalid.
+    """
+    from mcap import records
+    from mcap.data_stream import ReadDataStream
+    from mcap.exceptions import McapError
+
+    try:
+        return getattr(records, name).read(ReadDataStream(BytesIO(content)))
+    except (McapError, struct.error, ValueError, OverflowError) as error:
+        fault = str(error) or "its content ends too early"
+        raise BagFormatError(f"{place}: invalid {name} record ({fault})") from None
+
+
+class _Connections:
+    """Makes connections of schemas and channels."""
+
+    def __init__(self) -> None:
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Channel] = {}
+
+    def add(self, records: _Records) -> None:
+        for schema in records.schemas:
+            self._schemas[schema.id] = schema
+        for channel in records.channels:
+            self._channels[channel.id] = channel
+
+    def __contains__(self, id_: object) -> bool:
+        return id_ in self._channels
+
+    def ids(self) -> set[int]:
+        return set(self._channels)
+
+    def sorted(self) -> list[Connection]:
+        """Return the connections in the order of their ids."""
+        return [self.connection(id_) for id_ in sorted(self._channels)]
+
+    def connection(self, id_: int) -> Connection:
+        channel = self._channels[id_]
+        schema = self._schemas.get(channel.schema_id)
+        data = b"" if schema is None else schema.data
+        type_ = "" if schema is None else schema.name
+        definition = data.decode("utf-8", "replace")
+        format_ = "" if schema is None else schema.encoding
+        fields = {name: value.encode() for name, value in channel.metadata.items()}
+        md5sum = channel.metadata.get("md5sum", "")
+        if not md5sum and format_ == "ros1msg":
+            md5sum = _md5sum(type_, definition)
+        return Connection(
+            id=id_,
+            topic=channel.topic,
+            type=type_,
+            md5sum=md5sum,
+            definition=definition,
+            callerid=channel.metadata.get("callerid", ""),
+            latching=channel.metadata.get("latching") in ("1", "true"),
+            fields={**fields, "message_definition": data},
+            encoding=channel.message_encoding,
+            definition_format=format_,
+        )
+
+
+def _md5sum(type_: str, definition: str) -> str:
+    """Return the md5sum of a type with its full text; ``*`` if that is invalid."""
+    from fibws.interfaces.full_text import read_message
+    from fibws.interfaces.md5sum import message_md5
+
+    try:
+        types = read_message(definition, type_)
+        return message_md5(types[type_], types.__getitem__, {})
+    except (InterfaceError, KeyError, RecursionError):
+        return "*"
+
+
+class McapReader(Reader):
+    """Reads a .mcap file.
+
+    Args:
+        path: the file.
+        allow_unindexed: whether a file without a summary is read as a whole to make one.
+
+    Raises:
+        BagFormatError: it is damaged, or not a .mcap file.
+        BagNotIndexed: it has no summary.
+        UnsupportedBag: the package mcap is not installed.
+        OSError: it cannot be read.
+    """
+
+    version = "MCAP0"
+
+    def __init__(self, path: str, *, allow_unindexed: bool = False) -> None:
+        _import_mcap(path)
+        self.path = path
+        opened = open(path, "rb")
+        try:
+            self.file = RecordFile(opened, path)
+            self._runs: dict[int, int] = {}
+            """Messages outside chunks: the sizes of sequences of records, by position."""
+            self._partial: dict[int, bytes] = {}
+            """The uncompressed data of damaged chunks, by position."""
+            self._counts: dict[int, int] | None = None
+            if self.file.read(0, min(8, self.file.size)) != MAGIC:
+                raise BagFormatError(f"{path}: not an MCAP file")
+            fault = self._read_summary()
+            self.is_indexed = fault is None
+            if fault is not None:
+                if not allow_unindexed:
+                    raise BagNotIndexed(path, fault)
+                self._scan()
+        except BaseException:
+            opened.close()
+            raise
+
+    @property
+    def size(self) -> int:
+        return self.file.size
+
+    @property
+    def counts(self) -> dict[int, int]:
+        if self._counts is None:
+            self._counts = {}
+            known = [each.id for each in self.connections]
+            for chunk in self.chunks:
+                for id_ in self._unpack_chunk(chunk, known).ids:
+                    self._counts[id_] = self._counts.get(id_, 0) + 1
+        return self._counts
+
+    def close(self) -> None:
+        self.file.file.close()
+
+    def _read_summary(self) -> str | None:
+        """Read the summary at the end of the file; return why there is none, or None."""
+        file = self.file
+        position = file.size - _FOOTER_SIZE
+        if position < len(MAGIC) or file.read(file.size - len(MAGIC), len(MAGIC)) != MAGIC:
+            return "its end is missing"
+        footer = file.read(position, _FOOTER_SIZE)
+        kind, length, start, _, _ = struct.unpack_from("<BQQQI", footer)
+        if (kind, length) != (_FOOTER, 20):
+            return "its last record is not a footer"
+        if start == 0:
+            return "it was written without a summary"
+        if start >= position:
+            return "its summary is damaged"
+        try:
+            return self._unpack_summary(file.read(start, position - start))
+        except BagFormatError as error:
+            return f"its summary is damaged: {str(error).removeprefix(f'{self.path}: ')}"
+
+    def _unpack_summary(self, data: bytes) -> str | None:
+        records = _unpack_records(data, self.path)
+        connections = _Connections()
+        connections.add(records)
+        self.connections = connections.sorted()
+        self.chunks = []
+        statistics = None
+        for kind, content in _split(data):
+            if kind == _STATISTICS:
+                statistics = _parse("Statistics", content, self.path)
+            elif kind == _CHUNK_INDEX:
+                self.chunks.append(self._chunk_info(content))
+        self.chunks.sort(key=lambda chunk: chunk.position)
+        if statistics is not None and self.chunks:
+            self._counts = {
+                id_: count
+                for id_, count in statistics.channel_message_counts.items()
+                if count and id_ in connections
+            }
+        if not self.chunks and (statistics is None or statistics.message_count):
+            return "its summary does not say where messages are"
+        return None
+
+    def _chunk_info(self, content: bytes) -> ChunkInfo:
+        index = _parse("ChunkIndex", content, self.path)
+        ids = index.message_index_offsets or [each.id for each in self.connections]
+        if index.chunk_start_offset + index.chunk_length > self.file.size:
+            raise BagFormatError("a chunk beyond the end of the file")
+        return ChunkInfo(
+            position=index.chunk_start_offset,
+            start=index.message_start_time,
+            end=index.message_end_time,
+            counts=dict.fromkeys(ids, 0),
+            compression=index.compression or "none",
+            compressed_size=index.compressed_size,
+            size=index.uncompressed_size,
+        )
+
+    def _scan(self) -> None:
+        """Find chunks and messages by reading the whole file."""
+        connections = _Connections()
+        self.chunks = []
+        self._counts = {}
+        for part in McapScan(self.file).parts():
+            connections.add(part.records)
+            if not part.records.times:
+                continue
+            counts: dict[int, int] = {}
+            for id_ in part.records.ids:
+                counts[id_] = counts.get(id_, 0) + 1
+            for id_, count in counts.items():
+                self._counts[id_] = self._counts.get(id_, 0) + count
+            times = part.records.times
+            if part.is_run:
+                self._runs[part.position] = len(part.records.data)
+            elif part.is_partial:
+                self._partial[part.position] = part.records.data
+            self.chunks.append(
+                ChunkInfo(
+                    *(part.position, min(times), max(times), counts, part.compression),
+                    *(part.compressed_size, len(part.records.data)),
+                )
+            )
+        self.connections = connections.sorted()
+
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
+        place = f"{self.path}: chunk at byte {chunk.position}"
+        if chunk.position in self._runs:
+            data = self.file.read(chunk.position, self._runs[chunk.position])
+        elif chunk.position in self._partial:
+            data = self._partial[chunk.position]
+        else:
+            data = _read_chunk(self.file, chunk.position, place)[1]
+        found = _unpack_records(data, place, wanted, partial=not self.is_indexed)
+        return ChunkMessages(data, found.times, found.ids, found.begins, found.ends)
+
+
+def _split(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield the kinds and contents of records that were checked before."""
+    position = 0
+    while position < len(data):
+        kind, length = _RECORD.unpack_from(data, position)
+        position += _RECORD.size + length
+        yield kind, data[position - length : position]
+
+
+def _read_chunk(file: RecordFile, position: int, place: str) -> tuple[str, bytes, int]:
+    """Return the compression method, the uncompressed data and the compressed size of a chunk.
+
+    Raises:
+        BagFormatError: it is damaged.
+        UnsupportedBag: the method is unknown.
+    """
+    kind, length = _RECORD.unpack(file.read(position, _RECORD.size))
+    if kind != _CHUNK:
+        raise BagFormatError(f"{place}: expected a chunk, got a record of kind {kind}")
+    chunk = _parse("Chunk", file.read(position + _RECORD.size, length), place)
+    method = chunk.compression or "none"
+    if method not in METHODS:
+        raise UnsupportedBag(f"{place}: unknown compression {method!r}", "compression")
+    data = compression.decompress(chunk.data, method, chunk.uncompressed_size, place)
+    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+        raise BagFormatError(f"{place}: its checksum is wrong")
+    return method, data, len(chunk.data)
+
+
+@dataclass(slots=True)
+class FoundPart:
+    """A chunk, or a sequence of records outside chunks."""
+
+    position: int
+    records: _Records
+    is_run: bool
+    compression: str = "none"
+    compressed_size: int = 0
+    is_partial: bool = False
+
+
+class McapScan:
+    """Reads all records of a .mcap file from its start, up to the first damage.
+
+    Attributes:
+        lost: how many bytes at the end could not be read.
+        others: the attachments and the metadata, as records of the library.
+    """
+
+    def __init__(self, file: RecordFile) -> None:
+        self._file = file
+        self.lost = 0
+        self.others: list[Any] = []
+        self.profile = ""
+
+    def parts(self) -> Iterator[FoundPart]:
+        """Find all schemas, channels and messages, in the order of the file."""
+        file = self._file
+        position = len(MAGIC)
+        run = position
+        while position + _RECORD.size <= file.size:
+            kind, length = _RECORD.unpack(file.read(position, _RECORD.size))
+            end = position + _RECORD.size + length
+            if kind in (_SCHEMA, _CHANNEL, _MESSAGE) and end <= file.size:
+                if end - run > _RUN and run < position:
+                    yield self._run(run, position)
+                    run = position
+                position = end
+                continue
+            if run < position:
+                yield self._run(run, position)
+            if kind == _CHUNK and (part := self._chunk(position, min(end, file.size))):
+                yield part
+            if kind in (_DATA_END, _FOOTER):
+                return
+            if end > file.size:
+                break
+            if kind in _OTHERS:
+                self._add_other(_OTHERS[kind], file.read(position + _RECORD.size, length))
+            run = position = end
+        if run < position:
+            yield self._run(run, position)
+        self.lost = file.size - position
+
+    def _run(self, begin: int, end: int) -> FoundPart:
+        data = self._file.read(begin, end - begin)
+        return FoundPart(begin, _unpack_records(data, self._file.path, partial=True), is_run=True)
+
+    def _chunk(self, position: int, end: int) -> FoundPart | None:
+        """Return a chunk, or what is left of it."""
+        file = self._file
+        place = f"{file.path}: chunk at byte {position}"
+        try:
+            method, data, size = _read_chunk(file, position, place)
+            return FoundPart(position, _unpack_records(data, place), False, method, size)
+        except BagFormatError:
+            length = min(end - position - _RECORD.size, compression.MAX_SIZE)
+            content = file.read(position + _RECORD.size, length)
+        if len(content) < _CHUNK_START.size:
+            return None
+        *_, length = _CHUNK_START.unpack_from(content)
+        begin = _CHUNK_START.size + length
+        method = content[_CHUNK_START.size : begin].decode("utf-8", "replace") or "none"
+        if method not in METHODS:
+            return None
+        data = compression.decompress_start(content[begin + 8 :], method, place)
+        records = _unpack_records(data, place, partial=True)
+        return FoundPart(position, records, False, method, len(content), is_partial=True)
+
+    def _add_other(self, name: str, content: bytes) -> None:
+        try:
+            record = _parse(name, content, self._file.path)
+        except BagFormatError:
+            return
+        if name == "Header":
+            self.profile = record.profile
+        else:
+            self.others.append(record)
+
+
+def rewrite_mcap(
+    source: str, target: str, method: str | None = None, *, chunk_size: int = CHUNK_SIZE
+) -> tuple[int, int]:
+    """Write a new .mcap file, with an index, of what is left of one.
+
+    Args:
+        method: the compression; that of the first chunk if None.
+
+    Returns:
+        The number of messages, and the number of bytes that were lost.
+
+    Raises:
+        BagFormatError: it is not a .mcap file.
+        BagError: an invalid compression.
+        OSError: a file cannot be read or written.
+    """
+    _import_mcap(source)
+    with open(source, "rb") as opened:
+        file = RecordFile(opened, source)
+        if file.read(0, min(len(MAGIC), file.size)) != MAGIC:
+            raise BagFormatError(f"{source}: not an MCAP file")
+        scan = McapScan(file)
+        parts = scan.parts()
+        first = next(parts, None)
+        if method is None:
+            method = first.compression if first else "none"
+        connections = _Connections()
+        ids: dict[int, Connection] = {}
+        count = 0
+        writer = McapWriter(target, method, chunk_size, profile=scan.profile)
+        with writer:
+            for part in chain([first] if first else [], parts):
+                records = part.records
+                connections.add(records)
+                for place, end in zip(records.places, records.ends, strict=True):
+                    _, _, id_, number, time, publish_time = _MESSAGE_RECORD.unpack_from(
+                        records.data, place
+                    )
+                    if id_ not in connections:
+                        continue
+                    if id_ not in ids:
+                        ids[id_] = writer.copy_connection(connections.connection(id_))
+                    data = records.data[place + _MESSAGE_RECORD.size : end]
+                    writer.mcap.add_message(ids[id_].id, time, data, publish_time, number)
+                    count += 1
+            for id_ in connections.ids() - ids.keys():
+                writer.copy_connection(connections.connection(id_))
+            for other in scan.others:
+                if hasattr(other, "metadata"):
+                    writer.mcap.add_metadata(other.name, other.metadata)
+                else:
+                    writer.mcap.add_attachment(
+                        *(other.create_time, other.log_time, other.name, other.media_type),
+                        other.data,
+                    )
+    return count, scan.lost
+
+
+def _import_mcap(path: str) -> None:
+    """Raise UnsupportedBag if the package mcap is not installed."""
+    try:
+        import mcap  # noqa: F401
+    except ImportError:
+        fault = f"{path}: MCAP files need the package mcap: pip install 'fibws[mcap]'"
+        raise UnsupportedBag(fault, "format") from None

@@ -1,0 +1,251 @@
+"""What readers of all formats have in common: messages in the order of time."""
+
+from __future__ import annotations
+
+import heapq
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterator, Sequence
+from types import TracebackType
+from typing import BinaryIO, NamedTuple, Self, TypeAlias
+
+from fibws.bags.connection import ChunkInfo, Connection
+
+MAX_MEMORY = 32 * 2**20
+"""How many bytes of uncompressed chunks are kept in memory; more are in a temporary file."""
+
+Message: TypeAlias = tuple[Connection, int, bytes]
+"""A message: its connection, its time in ns and its serialized data."""
+
+
+class ChunkMessages(NamedTuple):
+    """The messages of a chunk: numbers of the same length, in the order of the file."""
+
+    data: bytes
+    times: Sequence[int]
+    """In ns."""
+    ids: Sequence[int]
+    """The connections."""
+    begins: Sequence[int]
+    """Where the serialized messages begin in the data."""
+    ends: Sequence[int]
+
+
+class Reader(ABC):
+    """Reads a bag that has an index.
+
+    Attributes:
+        path: names the file in errors.
+        version: the format's, such as ``2.0``.
+        connections: in the order of their ids.
+        chunks: in the order of the file.
+        is_indexed: whether the file has an index; if not, all of it was read to make one.
+    """
+
+    path: str
+    version: str
+    connections: list[Connection]
+    chunks: list[ChunkInfo]
+    is_indexed: bool
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """The size of the file in bytes."""
+
+    @property
+    @abstractmethod
+    def counts(self) -> dict[int, int]:
+        """The number of messages of each connection that has some."""
+
+    @abstractmethod
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
+        """Return a chunk's messages of these connections."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Close the file."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        error_type: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def start(self) -> int:
+        """The time of the first message in ns; 0 if there is none."""
+        return min((chunk.start for chunk in self.chunks), default=0)
+
+    @property
+    def end(self) -> int:
+        """The time of the last message in ns; 0 if there is none."""
+        return max((chunk.end for chunk in self.chunks), default=0)
+
+    @property
+    def message_count(self) -> int:
+        """The number of messages."""
+        return sum(self.counts.values())
+
+    @property
+    def compression(self) -> str:
+        """The compression of most chunks: ``none``, ``bz2``, ``lz4`` or ``zstd``."""
+        methods = [chunk.compression for chunk in self.chunks]
+        return max(methods, key=lambda method: (methods.count(method), method), default="none")
+
+    def messages(
+        self,
+        topics: Collection[str] | None = None,
+        start: int | None = None,
+        end: int | None = None,
+        *,
+        connections: Collection[Connection] | None = None,
+    ) -> Iterator[Message]:
+        """Read messages in the order of their times; those of one time in that of the file.
+
+        Args:
+            topics: only messages of these.
+            start: only messages of this time (ns) and later.
+            end: only messages of this time (ns) and earlier.
+            connections: only messages of these.
+
+        Raises:
+            BagFormatError: a chunk is damaged.
+            UnsupportedBag: a chunk's compression is unknown, or its package is not installed.
+        """
+        wanted = {
+            each.id: each
+            for each in (self.connections if connections is None else connections)
+            if topics is None or each.topic in topics
+        }
+        chunks = [
+            chunk
+            for chunk in self.chunks
+            if (end is None or chunk.start <= end)
+            and (start is None or chunk.end >= start)
+            and not wanted.keys().isdisjoint(chunk.counts)
+        ]
+        chunks.sort(key=lambda chunk: chunk.start, reverse=True)
+        return self._merge(chunks, wanted, start or 0, end)
+
+    def _merge(
+        self,
+        chunks: list[ChunkInfo],
+        wanted: dict[int, Connection],
+        start: int,
+        end: int | None,
+    ) -> Iterator[Message]:
+        """Read chunks, which are sorted from the last to the first, while their times overlap."""
+        with _Memory() as memory:
+            cursors: list[tuple[int, int, _Cursor]] = []
+            while chunks or cursors:
+                while chunks and (not cursors or chunks[-1].start <= cursors[0][0]):
+                    chunk = chunks.pop()
+                    cursor = _Cursor(self._unpack_chunk(chunk, wanted), start)
+                    if cursor.time is not None:
+                        memory.add(cursor)
+                        heapq.heappush(cursors, (cursor.time, chunk.position, cursor))
+                if not cursors:
+                    continue
+                _, position, cursor = heapq.heappop(cursors)
+                # All that comes before the first message of any other chunk.
+                limit = min(
+                    cursors[0][:2] if cursors else (_NEVER, 0),
+                    (chunks[-1].start, -1) if chunks else (_NEVER, 0),
+                )
+                while (time := cursor.time) is not None and (time, position) < limit:
+                    if end is not None and time > end:
+                        return
+                    id_, data = cursor.take()
+                    yield wanted[id_], time, data
+                if time is None:
+                    memory.remove(cursor)
+                else:
+                    heapq.heappush(cursors, (time, position, cursor))
+
+
+_NEVER = 2**64
+
+
+class _Cursor:
+    """The messages of a chunk that have not been read so far."""
+
+    def __init__(self, messages: ChunkMessages, start: int) -> None:
+        _, times, self._ids, self._begins, self._ends = messages
+        self.data: bytes | None = messages.data
+        self.size = len(messages.data)
+        self.file: BinaryIO | None = None
+        self.offset = 0
+        self._times = times
+        order: Sequence[int] = range(len(times))
+        if any(map(int.__gt__, times[:-1], times[1:])):
+            order = sorted(order, key=times.__getitem__)
+        self._order = iter(order)
+        self._advance()
+        while self.time is not None and self.time < start:
+            self._advance()
+
+    def _advance(self) -> None:
+        self._next = next(self._order, -1)
+        self.time: int | None = None if self._next < 0 else self._times[self._next]
+
+    def take(self) -> tuple[int, bytes]:
+        """Return the connection's id and the data of the next message, and go on to the one after.
+
+        It has the time `time`, which is None at the end.
+        """
+        number = self._next
+        begin, end = self._begins[number], self._ends[number]
+        if self.data is not None:
+            data = self.data[begin:end]
+        else:
+            assert self.file is not None
+            self.file.seek(self.offset + begin)
+            data = self.file.read(end - begin)
+        self._advance()
+        return self._ids[number], data
+
+
+class _Memory:
+    """The uncompressed chunks of messages to come, in memory or in a temporary file."""
+
+    def __init__(self) -> None:
+        self._cursors: list[_Cursor] = []
+        self._file: BinaryIO | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._file is not None:
+            self._file.close()
+
+    def add(self, cursor: _Cursor) -> None:
+        """Keep a chunk; if there are too many, move older ones to the file."""
+        self._cursors.append(cursor)
+        size = sum(each.size for each in self._cursors)
+        for each in self._cursors[:-1]:
+            if size <= MAX_MEMORY:
+                break
+            size -= each.size
+            self._move(each)
+
+    def remove(self, cursor: _Cursor) -> None:
+        """Forget a chunk, all of whose messages have been read."""
+        if cursor.data is not None:
+            self._cursors.remove(cursor)
+
+    def _move(self, cursor: _Cursor) -> None:
+        assert cursor.data is not None
+        if self._file is None:
+            import tempfile
+
+            self._file = tempfile.TemporaryFile()
+        cursor.file, cursor.offset = self._file, self._file.seek(0, 2)
+        self._file.write(cursor.data)
+        cursor.data = None
+        self._cursors.remove(cursor)

@@ -1,0 +1,226 @@
+"""Reading and writing of bags: what is written is read, in the order of time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tracemalloc
+from pathlib import Path
+
+import pytest
+
+from fibws.bags import Connection, Reader, Writer, open_reader, open_writer, reader
+from fibws.errors import BagError, BagFormatError, BagNotIndexed, UnsupportedBag
+
+SECOND = 1_000_000_000
+FORMATS = [("bag", "none"), ("bag", "bz2"), ("bag", "lz4")]
+FORMATS += [("mcap", "none"), ("mcap", "lz4"), ("mcap", "zstd")]
+every_format = pytest.mark.parametrize(("suffix", "compression"), FORMATS)
+each_suffix = pytest.mark.parametrize("suffix", ["bag", "mcap"])
+
+INT32 = ("std_msgs/Int32", "da5909fbe378aeaf85e547e830cc1bb7", "int32 data")
+
+
+def add(writer: Writer, topic: str, callerid: str = "", *, latching: bool = False) -> Connection:
+    return writer.connection(topic, *INT32, callerid=callerid, latching=latching)
+
+
+def contents(bag: Reader) -> list[tuple[str, str, str, str, bool, int, bytes]]:
+    return [
+        (each.topic, each.type, each.md5sum, each.callerid, each.latching, time, data)
+        for each, time, data in bag.messages()
+    ]
+
+
+def write_numbers(path: Path, compression: str = "none", *, count: int = 1000) -> None:
+    """Write numbers of two publishers, one of them latching, in chunks of a few hundred."""
+    with open_writer(path, compression, 10_000) as writer:
+        publishers = [add(writer, "/a", "/talker"), add(writer, "/b", "/map", latching=True)]
+        for number in range(count):
+            time = number * SECOND // 10
+            writer.write(publishers[number % 2], time, number.to_bytes(4, "little"))
+
+
+@every_format
+def test_written_messages_are_read(tmp_path: Path, suffix: str, compression: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    write_numbers(path, compression)
+    with open_reader(path) as bag:
+        publishers = [("/a", *INT32[:2], "/talker", False), ("/b", *INT32[:2], "/map", True)]
+        assert contents(bag) == [
+            (*publishers[number % 2], number * SECOND // 10, number.to_bytes(4, "little"))
+            for number in range(1000)
+        ]
+        assert [each.definition for each in bag.connections] == ["int32 data"] * 2
+        assert bag.message_count == 1000
+        assert (bag.start, bag.end) == (0, 999 * SECOND // 10)
+        assert bag.compression == compression
+        assert len(bag.chunks) > 3
+        assert bag.size == path.stat().st_size
+
+
+@each_suffix
+def test_topics_and_times_select_messages(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    write_numbers(path)
+    with open_reader(path) as bag:
+        found = list(bag.messages({"/b"}, 40 * SECOND, 50 * SECOND))
+        assert [time for _, time, _ in found] == [
+            number * SECOND // 10 for number in range(401, 501, 2)
+        ]
+        assert {connection.topic for connection, _, _ in found} == {"/b"}
+        assert not list(bag.messages({"/c"}))
+        assert not list(bag.messages(start=101 * SECOND))
+
+
+@each_suffix
+def test_overlapping_chunks_are_read_in_order(
+    tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / f"it.{suffix}"
+    with open_writer(path, chunk_size=5000) as writer:
+        publisher = add(writer, "/a")
+        # Each of the five rounds goes from the start to the end, and some go backwards.
+        for round_ in range(5):
+            numbers = range(round_, 1000, 5)
+            for number in reversed(numbers) if round_ % 2 else numbers:
+                writer.write(publisher, number, number.to_bytes(4, "little"))
+    for limit in (reader.MAX_MEMORY, 12_000):  # In memory, and with a temporary file.
+        monkeypatch.setattr(reader, "MAX_MEMORY", limit)
+        with open_reader(path) as bag:
+            found = [(time, int.from_bytes(data, "little")) for _, time, data in bag.messages()]
+            assert found == [(number, number) for number in range(1000)]
+            half = [time for _, time, _ in bag.messages(start=500, end=600)]
+            assert half == list(range(500, 601))
+
+
+@each_suffix
+def test_large_bag_is_read_in_little_memory(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    with open_writer(path, chunk_size=100_000) as writer:
+        publisher = add(writer, "/a")
+        for number in range(400):
+            writer.write(publisher, number, bytes(100_000))
+    with open_reader(path) as bag:
+        tracemalloc.start()
+        try:
+            assert sum(len(data) for _, _, data in bag.messages()) == 40_000_000
+            assert tracemalloc.get_traced_memory()[1] < 2_000_000
+        finally:
+            tracemalloc.stop()
+
+
+@each_suffix
+def test_empty_bag(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    open_writer(path).close()
+    with open_reader(path) as bag:
+        assert (bag.message_count, bag.start, bag.end) == (0, 0, 0)
+        assert bag.compression == "none"
+        assert not list(bag.messages())
+
+
+@each_suffix
+def test_flushed_messages_can_be_read_before_the_bag_is_closed(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    writer = open_writer(path)
+    publisher = add(writer, "/a")
+    writer.write(publisher, 1, b"one.")
+    writer.flush()
+    writer.write(publisher, 2, b"two.")
+    with pytest.raises(BagNotIndexed, match="reindex"):
+        open_reader(path)
+    with open_reader(path, allow_unindexed=True) as bag:
+        assert not bag.is_indexed
+        assert [data for _, _, data in bag.messages()] == [b"one."]
+    assert writer.size >= path.stat().st_size - 100
+    writer.close()
+    writer.close()
+    with open_reader(path) as bag:
+        assert bag.is_indexed
+        assert [data for _, _, data in bag.messages()] == [b"one.", b"two."]
+
+
+@each_suffix
+def test_writer_rejects_what_bags_cannot_hold(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    with pytest.raises(BagError, match="zip"):
+        open_writer(path, "zip")
+    with open_writer(path) as writer:
+        publisher = add(writer, "/a")
+        writer.write(publisher, 1, b"good")
+        for time in (-1, 2**64):
+            with pytest.raises(BagError, match="1970"):
+                writer.write(publisher, time, b"bad.")
+        writer.write(publisher, 2, b"good")
+    with pytest.raises(BagError, match="closed"):
+        writer.write(publisher, 3, b"late")
+    with open_reader(path) as bag:
+        assert [data for _, _, data in bag.messages()] == [b"good", b"good"]
+
+
+@pytest.mark.parametrize(
+    ("content", "error", "fault"),
+    [
+        (b"", BagFormatError, "empty"),
+        (b"hello\n", BagFormatError, "not a bag"),
+        (b"#ROSBAG V1.2\nmore", UnsupportedBag, "1.2"),
+        (b"#ROSBAG V2.0\n", BagFormatError, "ends at byte 13"),
+        (b"#ROSBAG V2.0\n\xff\xff\xff\xffmore", BagFormatError, "ends at byte 21"),
+        (b"\x89MCAP0\r\n", BagNotIndexed, "end"),
+    ],
+)
+def test_other_files_are_rejected(
+    tmp_path: Path, content: bytes, error: type[BagError], fault: str
+) -> None:
+    path = tmp_path / "it.bag"
+    path.write_bytes(content)
+    with pytest.raises(error, match=fault) as caught:
+        open_reader(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_file_is_reported_by_name(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"missing\.bag"):
+        open_reader(tmp_path / "missing.bag")
+
+
+def test_encrypted_bag_is_rejected(tmp_path: Path) -> None:
+    path = tmp_path / "it.bag"
+    write_numbers(path)
+    content = path.read_bytes()
+    field = b"\x20\0\0\0encryptor=rosbag/AesCbcEncryptor"
+    size = int.from_bytes(content[13:17], "little")
+    header = (size + len(field)).to_bytes(4, "little") + content[17 : 17 + size] + field
+    path.write_bytes(content[:13] + header + content[17 + size :])
+    with pytest.raises(UnsupportedBag, match="AesCbcEncryptor"):
+        open_reader(path)
+
+
+FULL_DISK = """
+import resource, signal, sys
+from fibws.bags import open_writer
+
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+writer = open_writer(sys.argv[1], chunk_size=5000)
+publisher = writer.connection("/a", "std_msgs/Int32", "?", "int32 data")
+try:
+    for number in range(1000):
+        writer.write(publisher, number, bytes(100))
+except OSError as error:
+    print(error.strerror)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs limits of a file's size")
+def test_disk_that_is_full_leaves_the_chunks_before(tmp_path: Path) -> None:
+    path = tmp_path / "it.bag"
+    words = [sys.executable, "-c", FULL_DISK, str(path)]
+    assert subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    with open_reader(path, allow_unindexed=True) as bag:
+        times = [time for _, time, _ in bag.messages()]
+        assert times == list(range(len(times)))
+        assert len(times) > 50
+        assert bag.size < 20_000
