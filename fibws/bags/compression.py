@@ -110,9 +110,12 @@ def _decompress(data: bytes, method: str, limit: int, place: str) -> tuple[bytes
             # In steps, so that damaged data still gives what comes before the damage.
             for begin in range(0, len(rest), _STEP):
                 step = rest[begin : begin + _STEP]
-                part = decompressor.decompress(step, limit - size)
-                parts.append(part)
-                size += len(part)
+                while part := decompressor.decompress(step, min(_OUTPUT, limit - size)):
+                    parts.append(part)
+                    size += len(part)
+                    step = b""
+                    if decompressor.eof or size >= limit:
+                        break
                 if decompressor.eof or size >= limit:
                     break
         except (OSError, RuntimeError, ValueError, EOFError) as error:
@@ -126,6 +129,8 @@ def _decompress(data: bytes, method: str, limit: int, place: str) -> tuple[bytes
 
 
 _STEP = 64 * 1024
+_OUTPUT = 2**20
+"""Maximum output of a step; lz4 allocates as much."""
 
 
 def _decompress_zstd(data: bytes, limit: int) -> tuple[bytes, str]:
@@ -135,7 +140,7 @@ def _decompress_zstd(data: bytes, limit: int) -> tuple[bytes, str]:
     size = 0
     try:
         with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as reader:
-            while size < limit and (part := reader.read(min(2**20, limit - size))):
+            while size < limit and (part := reader.read(min(_OUTPUT, limit - size))):
                 parts.append(part)
                 size += len(part)
     except zstandard.ZstdError as error:

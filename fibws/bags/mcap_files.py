@@ -548,7 +548,7 @@ class McapScan:
                 yield part
             if kind in (_DATA_END, _FOOTER):
                 return
-            if end > file.size:
+            if kind == 0 or end > file.size:
                 break
             if kind in _OTHERS:
                 self._add_other(_OTHERS[kind], file.read(position + _RECORD.size, length))

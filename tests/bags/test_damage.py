@@ -1,0 +1,222 @@
+"""Bags that were cut off, damaged, or made to do harm."""
+
+from __future__ import annotations
+
+import bz2
+import random
+import struct
+import tracemalloc
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from random_inputs import examples, times
+
+from fibws.bags import ChunkInfo, bag_format, open_reader, open_writer, reindex
+from fibws.errors import BagError, BagFormatError
+
+from .test_bags import FORMATS, add, contents, each_suffix, every_format, write_numbers
+
+LARGE = 3_000_000
+"""More memory, in bytes, than anything here may need."""
+
+
+@pytest.fixture(scope="module")
+def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], Path]:
+    """A bag of each format with small chunks."""
+    folder = tmp_path_factory.mktemp("bags")
+    paths = {each: folder / f"{each[1]}.{each[0]}" for each in FORMATS}
+    for (_, compression), path in paths.items():
+        write_numbers(path, compression)
+    return paths
+
+
+def chunk_end(chunk: ChunkInfo) -> int:
+    """Return where a chunk ends, or some bytes after it."""
+    return chunk.position + 100 + chunk.compressed_size
+
+
+@every_format
+def test_reindex_restores_complete_chunks_of_a_cut_bag(
+    bags: dict[tuple[str, str], Path], tmp_path: Path, suffix: str, compression: str
+) -> None:
+    path = bags[suffix, compression]
+    content = path.read_bytes()
+    with open_reader(path) as bag:
+        messages = contents(bag)
+        chunks = bag.chunks
+    seeded = random.Random(suffix + compression)
+    places = [seeded.randrange(5000, len(content)) for _ in range(times(0.1))]
+    places += [chunk.position + shift for chunk in chunks[1:3] for shift in (-1, 0, 1, 30)]
+    cut, restored = tmp_path / f"cut.{suffix}", tmp_path / f"restored.{suffix}"
+    for place in places:
+        cut.write_bytes(content[:place])
+        found = reindex(cut, restored)
+        with open_reader(restored) as bag:
+            after = contents(bag)
+        assert after == messages[: len(after)]
+        assert found.messages == len(after)
+        last = max((chunk.end for chunk in chunks if chunk_end(chunk) <= place), default=-1)
+        assert len(after) >= sum(time <= last for *_, time, _ in messages)
+        with open_reader(cut, allow_unindexed=True) as bag:
+            assert contents(bag) == after
+    assert len(after) > 0
+
+
+@every_format
+def test_reindex_of_a_complete_bag_changes_nothing(
+    bags: dict[tuple[str, str], Path], tmp_path: Path, suffix: str, compression: str
+) -> None:
+    path = bags[suffix, compression]
+    before = path.read_bytes()
+    restored = tmp_path / f"restored.{suffix}"
+    assert reindex(path, restored) == (1000, 0)
+    assert path.read_bytes() == before
+    with open_reader(path) as one, open_reader(restored) as other:
+        assert contents(one) == contents(other)
+        assert one.compression == other.compression
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_reindex_goes_on_after_damage_in_the_middle(
+    bags: dict[tuple[str, str], Path], tmp_path: Path, compression: str
+) -> None:
+    content = bytearray(bags["bag", compression].read_bytes())
+    with open_reader(bags["bag", compression]) as bag:
+        messages = contents(bag)
+        second, third = bag.chunks[1:3]
+    content[second.position : third.position - 100] = bytes(third.position - 100 - second.position)
+    damaged, restored = tmp_path / "damaged.bag", tmp_path / "restored.bag"
+    damaged.write_bytes(content)
+    found = reindex(damaged, restored)
+    with open_reader(restored) as bag:
+        assert contents(bag) == [
+            each for each in messages if not second.start <= each[5] <= second.end
+        ]
+    assert 0 < found.lost < len(content) // 2
+
+
+def test_chunk_that_a_recorder_had_not_finished_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    # As roscpp's recorder leaves it: the header of the chunk was written without its size.
+    path, restored = tmp_path / "it.bag", tmp_path / "restored.bag"
+    write_numbers(path, count=100)
+    content = path.read_bytes()
+    with open_reader(path) as bag:
+        [chunk] = bag.chunks
+        messages = contents(bag)
+    record = bag_format.pack_record(
+        bag_format.CHUNK, {"compression": b"none", "size": bytes(4)}, b""
+    )
+    begin = chunk.position + len(record)
+    header = content[: chunk.position]
+    place = header.index(b"index_pos=") + 10
+    header = header[:place] + bytes(8) + header[place + 8 :]
+    path.write_bytes(header + record + content[begin : begin + chunk.size - 10])
+    assert reindex(path, restored).messages == 99
+    with open_reader(restored) as bag:
+        assert contents(bag) == messages[:99]
+
+
+def bomb(tmp_path: Path, claimed: int, real: int) -> Path:
+    """Write a bag whose chunk claims one size and decompresses to another one."""
+    path = tmp_path / "bomb.bag"
+    with open_writer(path, "bz2") as writer:
+        writer.write(add(writer, "/a"), 1, b"1234")
+    with open_reader(path) as bag:
+        [chunk] = bag.chunks
+    content = path.read_bytes()
+    data = bz2.compress(bytes(real))
+    record = bag_format.pack_record(
+        bag_format.CHUNK, {"compression": b"bz2", "size": struct.pack("<I", claimed)}, data
+    )
+    place = content.index(b"index_pos=") + 10
+    old = int.from_bytes(content[place : place + 8], "little")
+    moved = chunk.position + len(record)
+    header = content[:place] + moved.to_bytes(8, "little") + content[place + 8 : chunk.position]
+    path.write_bytes(header + record + content[old:])
+    return path
+
+
+@pytest.mark.parametrize("claimed", [100, 1_000_000, 2**32 - 1])
+def test_decompression_bomb_is_rejected_early(tmp_path: Path, claimed: int) -> None:
+    path = bomb(tmp_path, claimed, 50_000_000)
+    tracemalloc.start()
+    try:
+        with (
+            open_reader(path) as bag,
+            pytest.raises(BagFormatError, match="uncompressed") as caught,
+        ):
+            list(bag.messages())
+        assert tracemalloc.get_traced_memory()[1] < LARGE
+    finally:
+        tracemalloc.stop()
+    assert str(path) in str(caught.value)
+
+
+@each_suffix
+@examples(1)
+@given(data=st.data())
+def test_damaged_bag_gives_an_error_of_its_own(
+    bags: dict[tuple[str, str], Path],
+    tmp_path_factory: pytest.TempPathFactory,
+    suffix: str,
+    data: st.DataObject,
+) -> None:
+    methods = [each for each in FORMATS if each[0] == suffix]
+    content = bytearray(bags[data.draw(st.sampled_from(methods))].read_bytes())
+    kind = data.draw(st.sampled_from(["flip", "number", "cut", "insert"]))
+    # Most of a bag is messages; its start and end have what can go wrong.
+    near = st.integers(0, 300) | st.integers(4096, 4500) | st.integers(0, len(content) - 1)
+    place = data.draw(near | near.map(lambda each: len(content) - 1 - each))
+    if kind == "flip":
+        content[place] ^= 1 << data.draw(st.integers(0, 7))
+    elif kind == "number":
+        content[place : place + 4] = data.draw(
+            st.sampled_from([b"\xff" * 4, bytes(4), b"\0\0\0\x80", b"\1\0\0\0"])
+        )
+    elif kind == "cut":
+        del content[place:]
+    else:
+        content[place:place] = data.draw(st.binary(max_size=20))
+    folder = tmp_path_factory.mktemp("damaged")
+    path = folder / f"it.{suffix}"
+    path.write_bytes(content)
+    tracemalloc.start()
+    try:
+        for allow in (False, True):
+            try:
+                with open_reader(path, allow_unindexed=allow) as bag:
+                    for _ in bag.messages():
+                        pass
+            except BagError as error:
+                assert "\n" not in str(error)
+        try:
+            reindex(path, folder / f"restored.{suffix}")
+        except BagError as error:
+            assert "\n" not in str(error)
+        else:
+            with open_reader(folder / f"restored.{suffix}") as bag:
+                for _ in bag.messages():
+                    pass
+        assert tracemalloc.get_traced_memory()[1] < LARGE
+    finally:
+        tracemalloc.stop()
+
+
+@each_suffix
+@examples(1)
+@given(content=st.binary(max_size=500))
+def test_random_records_give_an_error_of_its_own(
+    tmp_path_factory: pytest.TempPathFactory, suffix: str, content: bytes
+) -> None:
+    start = bag_format.VERSION_LINE if suffix == "bag" else b"\x89MCAP0\r\n"
+    folder = tmp_path_factory.mktemp("random")
+    path = folder / f"it.{suffix}"
+    path.write_bytes(start + content)
+    with pytest.raises(BagError):
+        open_reader(path)
+    try:
+        reindex(path, folder / f"restored.{suffix}")
+    except BagError as error:
+        assert "\n" not in str(error)
