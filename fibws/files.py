@@ -40,6 +40,48 @@ def replace_file(path: Path, content: bytes, mode: int = 0o666, *, keep: bool = 
         raise
 
 
+@contextmanager
+def replacing(path: Path, *, backup: Path | None = None) -> Iterator[Path]:
+    """Write a file that may be large in one step: the block writes a new file beside it.
+
+    After the block, the new file takes the old one's place, and its owner and permissions. If the
+    block raises, it is removed, and the old one remains. A symbolic link is followed.
+
+    Args:
+        backup: another name to keep the old file by; a file of this name is replaced.
+
+    Yields:
+        The path of the new file, which has the same suffix and does not exist so far.
+
+    Raises:
+        OSError: it cannot be written, or its owner cannot be kept.
+    """
+    path = Path(os.path.realpath(path))
+    new = path.with_name(f".{path.stem}.{os.getpid()}.{os.urandom(4).hex()}{path.suffix}")
+    try:
+        yield new
+        if path.exists():
+            _copy_owner_and_mode(path, new)
+            if backup is not None:
+                _keep_as(path, backup)
+        os.replace(new, path)
+    except BaseException:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+        raise
+
+
+def _keep_as(path: Path, backup: Path) -> None:
+    """Give a file a second name, or only that one where files have no second names."""
+    link = backup.with_name(f".{backup.name}.{os.getpid()}.{os.urandom(4).hex()}")
+    try:
+        os.link(path, link)
+    except OSError:
+        os.replace(path, backup)
+    else:
+        os.replace(link, backup)
+
+
 def _copy_owner_and_mode(old: Path, new: Path) -> None:
     wanted, found = old.stat(), new.stat()
     if sys.platform != "win32" and (found.st_uid, found.st_gid) != (wanted.st_uid, wanted.st_gid):

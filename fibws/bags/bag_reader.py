@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
-from typing import BinaryIO
+from collections.abc import Collection, Iterable
+from typing import TYPE_CHECKING, BinaryIO, Self
 
 from fibws.bags import bag_format, compression
 from fibws.bags.bag_format import Record, RecordFile
@@ -12,6 +12,9 @@ from fibws.bags.bag_scan import BagScan
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.bags.reader import ChunkMessages, Reader
 from fibws.errors import BagFormatError, BagNotIndexed, UnsupportedBag
+
+if TYPE_CHECKING:
+    from fibws.bags.bag_writer import BagWriter
 
 
 def read_start(file: RecordFile) -> Record:
@@ -73,6 +76,23 @@ class BagReader(Reader):
                 opened.close()
             raise
         self.version = "2.0"
+
+    @classmethod
+    def of_writer(cls, writer: BagWriter) -> Self:
+        """Return a reader of what a writer has written to its file so far.
+
+        It must not be closed, and reads only until the writer goes on.
+        """
+        reader = cls.__new__(cls)
+        reader.path = writer.path
+        reader.file = RecordFile(writer.file, writer.path)
+        reader.version = "2.0"
+        reader.connections = list(writer.connections)
+        reader.chunks = list(writer.chunks)
+        reader.index_position = writer.position
+        reader.is_indexed = True
+        reader._partial = {}
+        return reader
 
     @property
     def size(self) -> int:
@@ -147,6 +167,25 @@ class BagReader(Reader):
         info.size = bag_format.number(record.fields, "size", 4, place)
         return info
 
+    def _chunk_times(self, chunk: ChunkInfo, wanted: Collection[int]) -> Iterable[int]:
+        """Return times from the index of a chunk, which is short and never compressed."""
+        if not self.is_indexed:
+            return super()._chunk_times(chunk, wanted)
+        times: list[int] = []
+        position = self.file.record(chunk.position).end
+        for _ in chunk.counts:
+            record = self.file.record(position)
+            place = f"{self.path}: record at byte {position}"
+            record.expect(bag_format.INDEX, place)
+            if bag_format.number(record.fields, "conn", 4, place) in wanted:
+                data = self.file.data(record)
+                if len(data) % bag_format.INDEX_ENTRY.size:
+                    raise BagFormatError(f"{place}: incomplete index of a chunk")
+                entries = bag_format.INDEX_ENTRY.iter_unpack(data)
+                times += [seconds * 1_000_000_000 + ns for seconds, ns, _ in entries]
+            position = record.end
+        return times
+
     def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
         place = f"{self.path}: chunk at byte {chunk.position}"
         data = self._partial.get(chunk.position)
@@ -156,4 +195,4 @@ class BagReader(Reader):
                 self.file.data(record), chunk.compression, chunk.size, place
             )
         found = bag_format.unpack_chunk(data, place, wanted)
-        return ChunkMessages(data, found.times, found.ids, found.begins, found.ends)
+        return ChunkMessages(data, found.times, found.ids, found.places, found.begins, found.ends)

@@ -15,6 +15,7 @@ from fibws.bags.bag_format import (
     MESSAGE_RECORD,
     MESSAGE_START,
 )
+from fibws.bags.bag_reader import BagReader
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.errors import BagError
 
@@ -50,9 +51,9 @@ class BagWriter:
         file: BinaryIO | None = None,
     ) -> None:
         self._prepare(path, compression, chunk_size)
-        self._file: BinaryIO = file or open(path, "w+b", buffering=0)
+        self.file: BinaryIO = file or open(path, "w+b", buffering=0)
         self._write_all(bag_format.VERSION_LINE + self._file_header(0))
-        self.position = self._file.tell()
+        self.position = self.file.tell()
 
     def _prepare(self, path: str, method: str, chunk_size: int) -> None:
         compression.check_method(method)
@@ -73,34 +74,24 @@ class BagWriter:
 
     @classmethod
     def append(
-        cls,
-        file: BinaryIO,
-        path: str,
-        connections: list[Connection],
-        chunks: list[ChunkInfo],
-        position: int,
-        *,
-        compression: str = "none",
-        chunk_size: int = CHUNK_SIZE,
+        cls, bag: BagReader, *, compression: str = "none", chunk_size: int = CHUNK_SIZE
     ) -> Self:
         """Continue a bag, whose index is removed until the writer is closed.
 
         Args:
-            file: the bag, open for reading and writing.
-            connections: those of the bag.
-            chunks: those of the bag.
-            position: where its chunks end.
+            bag: a bag with an index, whose file is open for writing, too; it is closed with the
+                writer.
         """
         writer = cls.__new__(cls)
-        writer._prepare(path, compression, chunk_size)
-        writer._file = file
-        writer.connections += connections
-        writer.chunks += chunks
-        writer._written |= {each.id for each in connections}
+        writer._prepare(bag.path, compression, chunk_size)
+        writer.file = file = bag.file.file
+        writer.connections += bag.connections
+        writer.chunks += bag.chunks
+        writer._written |= {each.id for each in bag.connections}
         file.seek(len(bag_format.VERSION_LINE))
         writer._write_all(writer._file_header(0))
-        file.truncate(position)
-        writer.position = position
+        file.truncate(bag.index_position)
+        writer.position = bag.index_position
         return writer
 
     def __enter__(self) -> Self:
@@ -264,18 +255,18 @@ class BagWriter:
                 "size": LENGTH.pack(info.size),
             }
         )
-        self._file.seek(self.position)
+        self.file.seek(self.position)
         try:
             self._write_all(header + LENGTH.pack(len(data)))
             self._write_all(data)
             self._write_all(indexes)
         except OSError:
             with suppress(OSError):  # An incomplete chunk would only take space.
-                self._file.truncate(self.position)
+                self.file.truncate(self.position)
             raise
         info.position = self.position
         self.chunks.append(info)
-        self.position = self._file.tell()
+        self.position = self.file.tell()
 
     def close(self) -> None:
         """Write the chunk and the index, and close the file.
@@ -286,25 +277,25 @@ class BagWriter:
         if self.is_closed:
             return
         self.is_closed = True
-        with self._file:
+        with self.file:
             try:
                 self.flush()
             finally:
                 self._write_end()
 
     def _write_end(self) -> None:
-        self._file.seek(self.position)
+        self.file.seek(self.position)
         connections = b"".join(map(bag_format.pack_connection, self.connections))
         chunks = b"".join(map(bag_format.pack_chunk_info, self.chunks))
         self._write_all(connections + chunks)
-        self._file.seek(len(bag_format.VERSION_LINE))
+        self.file.seek(len(bag_format.VERSION_LINE))
         self._write_all(self._file_header(self.position))
 
     def _write_all(self, data: bytes | bytearray) -> None:
         """Write data that the operating system may accept in parts; nothing waits in a buffer."""
         rest = memoryview(data)
         while rest:
-            rest = rest[self._file.write(rest) :]
+            rest = rest[self.file.write(rest) :]
 
     def _file_header(self, index_position: int) -> bytes:
         """Return the first record; the position is 0 until the bag is complete."""

@@ -311,13 +311,11 @@ class _Connections:
 
 def _md5sum(type_: str, definition: str) -> str:
     """Return the md5sum of a type with its full text; ``*`` if that is invalid."""
-    from fibws.interfaces.full_text import read_message
-    from fibws.interfaces.md5sum import message_md5
+    from fibws.interfaces.catalogue import TextDefinitions
 
     try:
-        types = read_message(definition, type_)
-        return message_md5(types[type_], types.__getitem__, {})
-    except (InterfaceError, KeyError, RecursionError):
+        return TextDefinitions(type_, definition).md5(type_)
+    except InterfaceError:
         return "*"
 
 
@@ -470,7 +468,7 @@ class McapReader(Reader):
         else:
             data = _read_chunk(self.file, chunk.position, place)[1]
         found = _unpack_records(data, place, wanted, partial=not self.is_indexed)
-        return ChunkMessages(data, found.times, found.ids, found.begins, found.ends)
+        return ChunkMessages(data, found.times, found.ids, found.places, found.begins, found.ends)
 
 
 def _split(data: bytes) -> Iterator[tuple[int, bytes]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from types import TracebackType
 from typing import BinaryIO, NamedTuple, Self, TypeAlias
 
@@ -25,6 +25,8 @@ class ChunkMessages(NamedTuple):
     """In ns."""
     ids: Sequence[int]
     """The connections."""
+    places: Sequence[int]
+    """Where the records of messages begin in the data."""
     begins: Sequence[int]
     """Where the serialized messages begin in the data."""
     ends: Sequence[int]
@@ -60,6 +62,10 @@ class Reader(ABC):
     @abstractmethod
     def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
         """Return a chunk's messages of these connections."""
+
+    def _chunk_times(self, chunk: ChunkInfo, wanted: Collection[int]) -> Iterable[int]:
+        """Return the times of a chunk's messages of these connections."""
+        return self._unpack_chunk(chunk, wanted).times
 
     @abstractmethod
     def close(self) -> None:
@@ -117,6 +123,23 @@ class Reader(ABC):
             BagFormatError: a chunk is damaged.
             UnsupportedBag: a chunk's compression is unknown, or its package is not installed.
         """
+        return (
+            message[:3]
+            for message in self.located_messages(topics, start, end, connections=connections)
+        )
+
+    def located_messages(
+        self,
+        topics: Collection[str] | None = None,
+        start: int | None = None,
+        end: int | None = None,
+        *,
+        connections: Collection[Connection] | None = None,
+    ) -> Iterator[tuple[Connection, int, bytes, tuple[int, int]]]:
+        """Do the same as `messages`, and yield the place of each message in the file, too.
+
+        That is the position of its chunk, and that of its record in the uncompressed chunk.
+        """
         wanted = {
             each.id: each
             for each in (self.connections if connections is None else connections)
@@ -132,13 +155,22 @@ class Reader(ABC):
         chunks.sort(key=lambda chunk: chunk.start, reverse=True)
         return self._merge(chunks, wanted, start or 0, end)
 
+    def times(self, connections: Collection[Connection]) -> list[int]:
+        """Return the sorted times (ns) of all messages of some connections."""
+        wanted = {each.id for each in connections}
+        found: list[int] = []
+        for chunk in self.chunks:
+            if not wanted.isdisjoint(chunk.counts):
+                found += self._chunk_times(chunk, wanted)
+        return sorted(found)
+
     def _merge(
         self,
         chunks: list[ChunkInfo],
         wanted: dict[int, Connection],
         start: int,
         end: int | None,
-    ) -> Iterator[Message]:
+    ) -> Iterator[tuple[Connection, int, bytes, tuple[int, int]]]:
         """Read chunks, which are sorted from the last to the first, while their times overlap."""
         with _Memory() as memory:
             cursors: list[tuple[int, int, _Cursor]] = []
@@ -160,8 +192,8 @@ class Reader(ABC):
                 while (time := cursor.time) is not None and (time, position) < limit:
                     if end is not None and time > end:
                         return
-                    id_, data = cursor.take()
-                    yield wanted[id_], time, data
+                    id_, data, place = cursor.take()
+                    yield wanted[id_], time, data, (position, place)
                 if time is None:
                     memory.remove(cursor)
                 else:
@@ -175,7 +207,7 @@ class _Cursor:
     """The messages of a chunk that have not been read so far."""
 
     def __init__(self, messages: ChunkMessages, start: int) -> None:
-        _, times, self._ids, self._begins, self._ends = messages
+        _, times, self._ids, self._places, self._begins, self._ends = messages
         self.data: bytes | None = messages.data
         self.size = len(messages.data)
         self.file: BinaryIO | None = None
@@ -193,8 +225,8 @@ class _Cursor:
         self._next = next(self._order, -1)
         self.time: int | None = None if self._next < 0 else self._times[self._next]
 
-    def take(self) -> tuple[int, bytes]:
-        """Return the connection's id and the data of the next message, and go on to the one after.
+    def take(self) -> tuple[int, bytes, int]:
+        """Return the connection's id, the data and the place of the next message, and go on.
 
         It has the time `time`, which is None at the end.
         """
@@ -207,7 +239,7 @@ class _Cursor:
             self.file.seek(self.offset + begin)
             data = self.file.read(end - begin)
         self._advance()
-        return self._ids[number], data
+        return self._ids[number], data, self._places[number]
 
 
 class _Memory:

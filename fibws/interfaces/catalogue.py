@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
 
-from fibws.errors import InvalidTypeName, UnknownPackage
+from fibws.errors import InvalidTypeName, UnknownPackage, UnknownType
 from fibws.interfaces import full_text, md5sum
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.folders import STANDARD as STANDARD
@@ -187,3 +187,39 @@ class Interfaces(Definitions):
         if found is None:
             raise self._folders.unknown("action", name)
         return found
+
+
+class TextDefinitions(Definitions):
+    """The definitions in the full text of a message type, as connections and bags carry it.
+
+    They are independent of those that are installed, whose types may have changed.
+
+    Args:
+        name: the type, ``package/Type``.
+        text: its definition, followed by those of the types nested in it.
+
+    Raises:
+        InterfaceError: the name or the text is invalid.
+    """
+
+    def __init__(self, name: str, text: str) -> None:
+        super().__init__()
+        # The type was part of roslib once, and some bags still name it so.
+        text = text.replace("roslib/Header", "std_msgs/Header")
+        self.types = full_text.read_message(text, self.canonical(name))
+
+    def _find_message(self, name: str) -> MessageDefinition:
+        if name not in self.types:
+            raise self._unknown("message", name)
+        return self.types[name]
+
+    def _find_service(self, name: str) -> ServiceDefinition:
+        raise self._unknown("service", name)
+
+    def _find_action(self, name: str) -> ActionDefinition:
+        raise self._unknown("action", name)
+
+    @staticmethod
+    def _unknown(kind: str, name: str) -> UnknownType:
+        package, _, short = name.partition("/")
+        return UnknownType(kind, package, short, None)

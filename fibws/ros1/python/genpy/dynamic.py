@@ -5,10 +5,8 @@ Source: genpy.dynamic of ROS 1.
 
 from __future__ import annotations
 
-from fibws.errors import InterfaceError, UnknownType
-from fibws.interfaces.catalogue import Definitions
-from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
-from fibws.interfaces.full_text import read_message
+from fibws.errors import InterfaceError
+from fibws.interfaces.catalogue import TextDefinitions
 from genpy.classes import make_class
 from genpy.errors import MsgGenerationException
 from genpy.message import Message
@@ -29,11 +27,9 @@ def generate_dynamic(core_type: str, msg_cat: str) -> dict[str, type[Message]]:
     Raises:
         MsgGenerationException: the text is invalid, or lacks a nested type.
     """
-    # The type was part of roslib once, and some bags still name it so.
-    text = msg_cat.replace("roslib/Header", "std_msgs/Header")
     classes: dict[str, type[Message]] = {}
     try:
-        definitions = _TextDefinitions(read_message(text, Definitions.canonical(core_type)))
+        definitions = TextDefinitions(core_type, msg_cat)
 
         def find(name: str) -> type[Message]:
             definition = definitions.message(name)
@@ -48,27 +44,3 @@ def generate_dynamic(core_type: str, msg_cat: str) -> dict[str, type[Message]]:
     except InterfaceError as error:
         raise MsgGenerationException(str(error)) from None
     return classes
-
-
-class _TextDefinitions(Definitions):
-    """The definitions in one text."""
-
-    def __init__(self, types: dict[str, MessageDefinition]) -> None:
-        super().__init__()
-        self.types = types
-
-    def _find_message(self, name: str) -> MessageDefinition:
-        if name not in self.types:
-            raise _unknown("message", name)
-        return self.types[name]
-
-    def _find_service(self, name: str) -> ServiceDefinition:
-        raise _unknown("service", name)
-
-    def _find_action(self, name: str) -> ActionDefinition:
-        raise _unknown("action", name)
-
-
-def _unknown(kind: str, name: str) -> UnknownType:
-    package, _, short = name.partition("/")
-    return UnknownType(kind, package, short, None)
