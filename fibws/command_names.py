@@ -10,6 +10,7 @@ ALIASES = {
     "catkin_init_workspace": "workspace init",
     "catkin_make": "workspace make",
     "catkin_test_results": "workspace test-results",
+    "rosbag": "bag",
     "roscore": "core",
     "roslaunch": "launch",
     "rosmsg": "msg",

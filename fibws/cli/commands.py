@@ -40,6 +40,7 @@ COMMANDS = {
     "client": Command("fibws.cli.client", "List the hub's clients, with their rates.", NOUNS),
     "service": Command("fibws.cli.service", "List, inspect and call services.", NOUNS),
     "action": Command("fibws.cli.action", "List and inspect actions, and send goals.", NOUNS),
+    "bag": Command("fibws.cli.bag", "Record, play and inspect bags: rosbag.", NOUNS),
     "param": Command("fibws.cli.param", "List, get, set, load and dump parameters.", NOUNS),
     "msg": Command("fibws.cli.msg", "Inspect message types.", TYPES),
     "srv": Command("fibws.cli.srv", "Inspect service types.", TYPES),

@@ -13,7 +13,9 @@ from fibws.errors import WorkspaceError
 _EXAMPLES = Path(__file__).parents[2] / "examples"
 _PYTHON = Path(__file__).parents[1] / "python"
 
-COMMANDS = ("roslaunch", "rosmsg", "rosnode", "rosparam", "rosservice", "rostest", "rostopic")
+COMMANDS = (
+    *("rosbag", "roslaunch", "rosmsg", "rosnode", "rosparam", "rosservice", "rostest", "rostopic"),
+)
 """The commands that are programs of a package of their own name: ``rosrun rostopic rostopic``."""
 _MODULES = {
     ("rqt_gui", "rqt_gui"): ("fibws", "open"),
@@ -116,8 +118,6 @@ def _unsupported() -> dict[str, str]:
         "rqt_tf_tree": page,
         "gazebo_ros": "is not supported: fibws does not simulate robots",
         "roscpp_tutorials": f"is in C++, which fibws does not build; in Python: {talker}",
-        "rosbag": "is not supported; to record a topic: "
-        f"{command_name('topic echo --json TOPIC > FILE')}",
         "rosbridge_server": built_in,
         "rosapi": built_in,
         "rosout": built_in,

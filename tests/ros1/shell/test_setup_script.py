@@ -114,7 +114,7 @@ def test_each_alias_has_a_program() -> None:
     texts = {program.name: program.read_text() for program in BIN_FOLDER.iterdir()}
     found = {name for name, text in texts.items() if f" -m fibws.cli {name} " in text}
     assert found == ALIASES.keys()
-    assert texts.keys() - found == {"fibws", "rosbag", "rosdep"}
+    assert texts.keys() - found == {"fibws", "rosdep"}
 
 
 def test_programs_are_executable_scripts() -> None:
@@ -190,11 +190,10 @@ def test_program_whose_python_is_missing_is_an_error() -> None:
     assert done.stderr.startswith("rostopic: FIBWS_PYTHON is /no/such/python")
 
 
-@pytest.mark.parametrize(("program", "code"), [("rosdep", 0), ("rosbag", 1)])
-def test_unsupported_program_says_so(program: str, code: int) -> None:
-    done = run_help(program, PATH=str(BIN_FOLDER))
-    assert done.returncode == code
-    assert (done.stdout + done.stderr).startswith(f"{program}: fibws ")
+def test_unsupported_program_says_so() -> None:
+    done = run_help("rosdep", PATH=str(BIN_FOLDER))
+    assert done.returncode == 0
+    assert (done.stdout + done.stderr).startswith("rosdep: fibws ")
 
 
 @pytest.mark.parametrize("has_link", [False, True])

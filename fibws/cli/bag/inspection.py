@@ -1,0 +1,138 @@
+"""``fibws bag info`` and ``fibws bag check``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import click
+
+from fibws.bags import Connection, Reader, open_reader
+from fibws.cli import output
+from fibws.cli.bag.bag_messages import BagType
+from fibws.cli.common_options import examples, json_option
+from fibws.cli.exit_handling import clean_exit
+from fibws.errors import InterfaceError
+from fibws.values.type_definitions import InstalledTypes
+
+bags_argument: Callable[[Callable[..., None]], Callable[..., None]] = click.argument(
+    "bags", metavar="BAG...", nargs=-1, required=True, type=click.Path()
+)
+
+
+@click.command()
+@bags_argument
+@click.option("-y", "--yaml", "as_yaml", is_flag=True, help="Print YAML.")
+@json_option
+@click.option("-k", "--key", metavar="KEY", help="With --yaml, print only the value of KEY.")
+@click.option("--freq", is_flag=True, help="Show the frequencies of topics.")
+@examples(
+    "{bag info} lab.bag",
+    ("{bag info} -y -k duration lab.bag", "only the duration, for scripts"),
+    ("{bag info} -y -k topics[0].messages lab.bag", ""),
+)
+def info(bags: tuple[str, ...], as_yaml: bool, as_json: bool, key: str | None, freq: bool) -> None:
+    """Show the times, the size, the types and the topics of bags.
+
+    The frequency of a topic is the inverse of the median of the periods between its messages.
+    """
+    if key is not None and not as_yaml:
+        raise click.UsageError("You can only specify key when printing in YAML format: add --yaml.")
+    from fibws.bags import summary
+
+    with clean_exit():
+        for number, path in enumerate(bags):
+            if number and not as_json:
+                output.line("---")
+            with open_reader(path) as bag:
+                if as_json:
+                    output.as_json(summary.as_dict(bag, path, frequencies=freq))
+                elif key is not None:
+                    output.line(_value(summary.as_dict(bag, path, frequencies=freq), key))
+                elif as_yaml:
+                    output.line(summary.as_yaml(summary.as_dict(bag, path, frequencies=freq)))
+                else:
+                    output.line(summary.text(bag, path, frequencies=freq))
+
+
+def _value(found: dict[str, Any], key: str) -> str:
+    """Return the value of a key such as ``topics[0].type`` as rosbag prints it."""
+    from fibws.errors import InvalidValue
+    from fibws.suggestions import suggestion
+
+    value: Any = found
+    for name in key.replace("[", ".[").split("."):
+        try:
+            if name.startswith("["):
+                value = value[int(name.strip("[]"))]
+            else:
+                value = value[name]
+        except (KeyError, IndexError, TypeError, ValueError):
+            near = suggestion(name, value) if isinstance(value, dict) else ""
+            raise InvalidValue(f"--key: the bag has no {key!r}{near}") from None
+    return _plain(value)
+
+
+def _plain(value: Any, indent: str = "") -> str:
+    if isinstance(value, list):
+        return "".join(f"{indent}- {_plain(each, f'{indent}  ')}\n" for each in value)
+    if isinstance(value, dict):
+        return f"\n{indent}".join(f"{name}: {each}" for name, each in value.items())
+    return f"{indent}{value}"
+
+
+@click.command()
+@click.argument("bag", type=click.Path())
+@click.argument("rules", nargs=-1, metavar="[RULES]...")
+@click.option("-g", "--genrules", metavar="FILE", help="Not supported: fibws has no rule files.")
+@click.option("-a", "--append", is_flag=True, help="Not supported: fibws has no rule files.")
+@click.option(
+    "-n", "--noplugins", is_flag=True, help="Ignored; accepted for compatibility with rosbag."
+)
+@examples("{bag check} lab.bag")
+def check(
+    bag: str, rules: tuple[str, ...], genrules: str | None, append: bool, noplugins: bool
+) -> None:
+    """Check that the types in BAG are those that are installed.
+
+    Messages of a type that has changed cannot be received by nodes that know the new one. Types
+    that are not installed are listed, too; they can be played, as the bag has their definitions.
+    All messages are read, so that a damaged chunk is found, and compared with their definitions.
+    """
+    if rules or genrules or append:
+        raise click.UsageError("rules of migration are not supported; rosbag of ROS 1 has them")
+    with clean_exit(), open_reader(bag) as reader:
+        _check_messages(reader)
+        changed = {each.type: each for each in reader.connections if not _is_installed(each)}
+        if not changed:
+            output.line("Bag file does not need any migrations.")
+            return
+        output.line("The following migrations need to occur:")
+        for name, connection in sorted(changed.items()):
+            known = _installed_md5(name)
+            output.line(f" * From: {name} [{connection.md5sum}]")
+            output.line(f"   To:   {f'{name} [{known}]' if known else 'Unknown'}")
+
+
+def _check_messages(reader: Reader) -> None:
+    """Read all messages, and check that they fit the definitions in the bag."""
+    types: dict[int, BagType] = {}
+    for connection, _, data in reader.messages():
+        if connection.encoding == "ros1":
+            if connection.id not in types:
+                types[connection.id] = BagType(connection)
+            types[connection.id].check(data)
+
+
+def _is_installed(connection: Connection) -> bool:
+    return connection.md5sum in ("*", _installed_md5(connection.type))
+
+
+@cache
+def _installed_md5(type_: str) -> str | None:
+    """Return the md5sum of a type on this machine, or None if it is unknown."""
+    try:
+        return InstalledTypes("msg").md5(type_)
+    except InterfaceError:
+        return None

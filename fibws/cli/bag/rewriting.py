@@ -1,0 +1,142 @@
+"""``fibws bag compress``, ``decompress`` and ``reindex``: they write bags anew."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import click
+
+from fibws.bags import open_reader, open_writer, reindex
+from fibws.bags.files import is_mcap
+from fibws.bags.mcap_files import rewrite_mcap
+from fibws.cli import output
+from fibws.cli.bag.filtering import Copy
+from fibws.cli.bag.progress import Progress
+from fibws.cli.common_options import examples
+from fibws.cli.exit_handling import clean_exit
+from fibws.errors import BagError
+from fibws.files import replacing
+
+Rewrite: TypeAlias = Callable[[Path, Path, Progress], None]
+"""Writes a new bag, the second path, of one, and shows its progress."""
+
+
+def _options(function: Callable[..., None]) -> Callable[..., None]:
+    """Give a command its bags, and the options that all commands here have."""
+    for option in (
+        click.option("-q", "--quiet", is_flag=True, help="Do not show the progress."),
+        click.option(
+            "-f", "--force", is_flag=True, help="Overwrite the copies of the originals, *.orig.bag."
+        ),
+        click.option(
+            "--output-dir",
+            metavar="DIR",
+            type=click.Path(exists=True, file_okay=False, path_type=Path),
+            help="Write the new bags to DIR instead of replacing the originals.",
+        ),
+        click.argument(
+            "bags", metavar="BAG...", nargs=-1, required=True, type=click.Path(path_type=Path)
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+@click.command()
+@_options
+@click.option("-j", "--bz2", "method", flag_value="bz2", help="Use BZ2.  [default for .bag]")
+@click.option("--lz4", "method", flag_value="lz4", help="Use LZ4, which is faster.")
+@click.option("--zstd", "method", flag_value="zstd", help="Use Zstandard.  [default for .mcap]")
+@examples("{bag compress} lab.bag", "{bag compress} --lz4 --output-dir small *.bag")
+def compress(method: str | None, **options: Any) -> None:
+    """Compress bags.
+
+    A new bag takes the place of each, whose original is kept as *.orig.bag.
+    """
+    _rewrite_all(partial(_change_compression, method or "best"), **options)
+
+
+@click.command()
+@_options
+@examples("{bag decompress} lab.bag")
+def decompress(**options: Any) -> None:
+    """Decompress bags.
+
+    A new bag takes the place of each, whose original is kept as *.orig.bag.
+    """
+    _rewrite_all(partial(_change_compression, "none"), **options)
+
+
+@click.command("reindex")
+@_options
+@examples("{bag reindex} lab.bag.active", "{bag reindex} --output-dir restored *.bag")
+def reindex_command(**options: Any) -> None:
+    """Write an index for bags whose recorder ended before it closed them, and for damaged bags.
+
+    A new bag takes the place of each, with all messages that can be read. Its original is kept as
+    *.orig.bag.
+    """
+    _rewrite_all(_reindex, **options)
+
+
+def _rewrite_all(
+    rewrite: Rewrite, bags: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool
+) -> None:
+    """Write all bags anew; go on after one that fails, and exit with 1 in the end."""
+    failed = False
+    for path in bags:
+        try:
+            _rewrite(rewrite, path, output_dir, force=force, quiet=quiet)
+        except (BagError, OSError) as error:
+            failed = True
+            text = str(error)
+            if isinstance(error, OSError):
+                text = f"{error.filename or path}: {error.strerror or error}"
+            click.echo(output.visible(f"Error: {text}"), err=True)
+    if failed:
+        raise click.exceptions.Exit(1)
+
+
+def _rewrite(
+    rewrite: Rewrite, path: Path, output_dir: Path | None, *, force: bool, quiet: bool
+) -> None:
+    target = path if output_dir is None else output_dir / path.name
+    backup = None
+    if output_dir is None or (target.exists() and target.samefile(path)):
+        backup = path.with_name(f"{path.stem}.orig{path.suffix}")
+        if backup.exists() and not force:
+            raise BagError(
+                f"Skipping {path}. Backup path {backup} already exists; --force overwrites it."
+            )
+    with clean_exit(), replacing(target, backup=backup) as new:
+        with Progress(target, quiet=quiet) as progress:
+            rewrite(path, new, progress)
+
+
+def _change_compression(method: str, source: Path, target: Path, progress: Progress) -> None:
+    with open_reader(source) as reader:
+        if is_mcap(os.fspath(source)):
+            progress.begin(sum(chunk.size for chunk in reader.chunks))
+            rewrite_mcap(
+                os.fspath(source), os.fspath(target), "zstd" if method == "best" else method
+            )
+            progress.finish()
+            return
+        with open_writer(target, "bz2" if method == "best" else method) as writer:
+            Copy(reader, writer).run(progress)
+
+
+def _reindex(source: Path, target: Path, progress: Progress) -> None:
+    progress.begin(source.stat().st_size)
+    found = reindex(source, target)
+    progress.finish()
+    if found.lost:
+        click.echo(
+            f"{output.visible(str(source))}: {output.counted(found.messages, 'message')} restored; "
+            f"{output.counted(found.lost, 'byte')} could not be read",
+            err=True,
+        )
