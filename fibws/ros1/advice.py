@@ -45,7 +45,6 @@ _CPP = {
 _ELSEWHERE = {
     "PyKDL": "install it with Debian's python3-pykdl, or use tf.transformations",
     "python_qt_binding": "windows of Qt are not part of fibws; see the hub's page",
-    "rosbag": "fibws has no bags yet; PyPI's rosbags reads and writes them: pip install rosbags",
     "rosmaster": "the hub is the master; see fibws core",
     "roslaunch": "launch files are started by the command roslaunch; see fibws launch",
     "rviz": "windows of Qt are not part of fibws; see the hub's page",

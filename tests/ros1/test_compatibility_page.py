@@ -31,7 +31,7 @@ def words(cell: str) -> list[str]:
 def test_commands() -> None:
     table = {word: row[1] for row in rows("Commands") for word in words(row[0])}
     there = {path.name for path in (ROS1 / "shell" / "bin").iterdir() if path.suffix == ""}
-    there -= {"fibws", "rosbag"}  # The latter says what to use instead.
+    there -= {"fibws"}
     assert {name for name, state in table.items() if state != "missing"} == (
         there | FUNCTIONS_OF_THE_SHELL
     )

@@ -365,7 +365,6 @@ def test_module_of_a_class_contains_it(define: Define) -> None:
         ("cv2", "pip install opencv-python-headless"),
         ("moveit_commander", "C++ and not part of fibws"),
         ("smach", "https://github.com/ros/executive_smach"),
-        ("rosbag", "rosbags"),
         ("python_qt_binding", "page"),
     ],
 )

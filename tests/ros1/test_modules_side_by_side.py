@@ -24,6 +24,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "filters": (Part("filters/fed.py", interrupted=False),),
     "messages of two topics": (Part("filters/synchronized.py", interrupted=False),),
     "the modules of tools": (Part("tools/tools.py", interrupted=False),),
+    "bags": (Part("bags/bags.py", interrupted=False),),
     "images": (Part("tools/images.py", interrupted=False),),
     "checks of a device": (Part("tools/diagnostics.py", errors=False, interrupted=False),),
     "markers that people move": (Part("tools/markers.py", errors=False, interrupted=False),),
@@ -62,7 +63,7 @@ async def test_scenario_goes_as_in_ros(ros: World, name: str) -> None:
     await say_the_same(ros, *SCENARIOS[name])
 
 
-@pytest.mark.parametrize("folder", ["actions", "filters", "reconfigure", "tf", "tools"])
+@pytest.mark.parametrize("folder", ["actions", "bags", "filters", "reconfigure", "tf", "tools"])
 def test_all_scripts_are_played(folder: str) -> None:
     played = {part.script for parts in SCENARIOS.values() for part in parts} | NOT_IN_ROS
     scripts = {path.relative_to(SCRIPTS).as_posix() for path in (SCRIPTS / folder).glob("*.py")}

@@ -1,0 +1,214 @@
+"""rosbag's `Bag`, where it does more than that of ROS 1, or its errors differ."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from time import time
+from typing import Any
+
+import genpy
+import genpy.dynamic
+import pytest
+import rosbag
+import rospy
+from rosbag.rosbag_main import rosbagmain
+from std_msgs.msg import Int32, String
+
+from fibws.bags import open_reader, open_writer
+
+BAGS_PAGE = Path(__file__).parents[3] / "docs" / "bags.md"
+INT32 = {"topic": "/a", "type": Int32._type, "md5sum": Int32._md5sum}
+INT32["message_definition"] = Int32._full_text
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> str:
+    return str(tmp_path / "it.bag")
+
+
+def numbers(bag: rosbag.Bag, **options: Any) -> list[int]:
+    return [message.data for _, message, _ in bag.read_messages(**options)]
+
+
+def test_messages_can_be_read_while_they_are_written(path: str) -> None:
+    with rosbag.Bag(path, "w", chunk_threshold=100) as bag:
+        for number in range(30):
+            bag.write("/a", Int32(number), rospy.Time(number + 1))
+            assert numbers(bag) == list(range(number + 1))
+            assert bag.get_message_count() == number + 1
+        assert bag.get_end_time() == 30
+    with rosbag.Bag(path) as bag:
+        assert numbers(bag) == list(range(30))
+
+
+def test_messages_of_installed_types_have_their_classes(path: str) -> None:
+    with rosbag.Bag(path, "w") as bag:
+        bag.write("/a", Int32(5), rospy.Time(1))
+    with rosbag.Bag(path) as bag:
+        [(_, message, _)] = bag
+        assert isinstance(message, Int32)
+        assert message == Int32(5)
+
+
+def test_message_without_a_time_has_the_current_one(path: str) -> None:
+    before = time()
+    with rosbag.Bag(path, "w") as bag:
+        bag.write("/a", Int32(5))
+    with rosbag.Bag(path) as bag:
+        [(_, _, stamp)] = bag
+        assert before - 1e-6 <= stamp.to_sec() <= time()
+
+
+def test_unknown_type_is_made_from_the_definition_in_the_bag(path: str) -> None:
+    text = "Part[] parts\n" + "=" * 80 + "\nMSG: no_such_pkg/Part\nstring name\nuint8 BIG=7"
+    made = genpy.dynamic.generate_dynamic("no_such_pkg/Whole", text)
+    whole, part = made["no_such_pkg/Whole"], made["no_such_pkg/Part"]
+    with rosbag.Bag(path, "w") as bag:
+        bag.write("/a", whole(parts=[part("one"), part("two")]), rospy.Time(1))
+    with rosbag.Bag(path) as bag:
+        [(_, message, _)] = bag
+        assert [each.name for each in message.parts] == ["one", "two"]
+        assert message.parts[0].BIG == 7
+        assert message._md5sum == whole._md5sum
+
+
+def test_type_that_changed_has_the_definition_in_the_bag(
+    path: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with open_writer(path) as writer:
+        old = writer.connection("/a", "std_msgs/Int32", "0" * 32, "int32 older")
+        writer.write(old, 1, b"\5\0\0\0")
+    with rosbag.Bag(path) as bag:
+        [(_, message, _)] = bag
+        assert message.older == 5
+    assert "std_msgs/Int32" in capsys.readouterr().err
+
+
+def test_publishers_keep_their_connections(path: str, tmp_path: Path) -> None:
+    headers = [{**INT32, "callerid": name, "latching": "1"} for name in ("/one", "/two")]
+    with rosbag.Bag(path, "w") as bag:
+        for number in range(4):
+            header = headers[number % 2]
+            bag.write("/a", Int32(number), rospy.Time(number + 1), connection_header=header)
+    copy = str(tmp_path / "copy.bag")
+    with rosbag.Bag(path) as bag, rosbag.Bag(copy, "w") as other:
+        for found in bag.read_messages(raw=True, return_connection_header=True):
+            header = found.connection_header
+            other.write(found.topic, found.message, found.timestamp, True, header)
+    with open_reader(copy) as reader:
+        publishers = [(each.callerid, each.latching) for each, _, _ in reader.messages()]
+    assert publishers == [("/one", True), ("/two", True)] * 2
+
+
+def test_topic_may_have_two_types(path: str) -> None:
+    with rosbag.Bag(path, "w") as bag:
+        bag.write("/a", Int32(1), rospy.Time(1))
+        bag.write("/a", String("two"), rospy.Time(2))
+    with rosbag.Bag(path) as bag:
+        assert [message.data for _, message, _ in bag] == [1, "two"]
+
+
+def test_appending_makes_a_bag_that_is_missing(path: str) -> None:
+    for number in range(3):
+        with rosbag.Bag(path, "a", compression="bz2") as bag:
+            bag.write("/a", Int32(number), rospy.Time(number + 1))
+    with rosbag.Bag(path) as bag:
+        assert numbers(bag) == [0, 1, 2]
+        assert bag.get_type_and_topic_info().topics["/a"].connections == 1
+
+
+def test_bag_that_was_not_closed(path: str) -> None:
+    bag = rosbag.Bag(path, "w")
+    bag.write("/a", Int32(5), rospy.Time(1))
+    bag.flush()
+    with pytest.raises(rosbag.ROSBagUnindexedException, match="Unindexed bag"):
+        rosbag.Bag(path)
+    with rosbag.Bag(path, allow_unindexed=True) as unindexed:
+        assert len(list(unindexed.reindex())) == 1
+        assert numbers(unindexed) == [5]
+    with pytest.raises(rosbag.ROSBagUnindexedException):
+        rosbag.Bag(path, "a")
+    with rosbag.Bag(path, "a", allow_unindexed=True) as appended:
+        appended.write("/a", Int32(6), rospy.Time(2))
+    with rosbag.Bag(path) as both:
+        assert numbers(both) == [5, 6]
+    bag.close()  # Its file has been replaced.
+
+
+def test_reindex_in_place(path: str) -> None:
+    bag = rosbag.Bag(path, "w")
+    bag.write("/a", Int32(5), rospy.Time(1))
+    bag.flush()
+    assert rosbag.bag_reindex(path) == 1
+    bag.close()  # Its file has been replaced.
+    with rosbag.Bag(path) as restored:
+        assert numbers(restored) == [5]
+
+
+def test_streams() -> None:
+    class Kept(io.BytesIO):
+        def close(self) -> None:
+            pass
+
+    stream = Kept()
+    with rosbag.Bag(stream, "w") as bag:
+        bag.write("/a", Int32(5), rospy.Time(1))
+    stream.seek(0)
+    with rosbag.Bag(stream) as bag:
+        assert bag.filename is None
+        assert numbers(bag) == [5]
+    with pytest.raises(rosbag.ROSBagException, match="binary"):
+        rosbag.Bag(io.StringIO(), "w")
+
+
+def test_mcap(tmp_path: Path) -> None:
+    path = str(tmp_path / "it.mcap")
+    with rosbag.Bag(path, "w") as bag:
+        bag.write("/a", Int32(5), rospy.Time(1), connection_header={**INT32, "callerid": "/one"})
+        with pytest.raises(rosbag.ROSBagException, match="MCAP"):
+            numbers(bag)
+    with rosbag.Bag(path) as bag:
+        [found] = bag.read_messages(return_connection_header=True)
+        assert found.message == Int32(5)
+        assert found.connection_header["callerid"] == b"/one"
+        assert bag.get_message_count("/a") == 1
+        assert "/a   1 msg " in str(bag)
+
+
+def test_errors_of_damaged_and_foreign_files(path: str) -> None:
+    with rosbag.Bag(path, "w", compression="bz2") as bag:
+        bag.write("/a", Int32(5), rospy.Time(1))
+    content = bytearray(Path(path).read_bytes())
+    place = content.index(b"BZh")
+    content[place : place + 3] = b"???"
+    Path(path).write_bytes(content)
+    with rosbag.Bag(path) as bag, pytest.raises(rosbag.ROSBagFormatException, match="bz2"):
+        list(bag)
+    Path(path).write_bytes(b"#ROSBAG V1.2\nmore")
+    with pytest.raises(rosbag.ROSBagException, match=r"1\.2"):
+        rosbag.Bag(path)
+
+
+def test_writing_to_a_bag_that_is_read_is_an_error(path: str) -> None:
+    rosbag.Bag(path, "w").close()
+    with rosbag.Bag(path) as bag, pytest.raises(io.UnsupportedOperation):
+        bag.write("/a", Int32(5))
+
+
+def test_program_in_the_documentation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    [program] = re.findall(r"```python\n(.*?)```", BAGS_PAGE.read_text("utf-8"), re.DOTALL)
+    exec(program, {})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines == ["/number 97 98.0", "/number 98 99.0", "/number 99 100.0", "100 std_msgs/Int32"]
+
+
+def test_start_of_a_script_that_calls_rosbag(path: str) -> None:
+    rosbag.Bag(path, "w").close()
+    rosbagmain(["rosbag", "check", path])
+    with pytest.raises(SystemExit):
+        rosbagmain(["rosbag", "info", f"{path}.missing"])
