@@ -219,7 +219,8 @@ def _attribute(value: Any, name: str) -> Any:
     if not isinstance(value, dict):
         raise InvalidValue(f"no field {name} in a {type(value).__name__}")
     if name in value:
-        return value[name]
+        found = value[name]
+        return list(found) if isinstance(found, bytes) else found
     if name in _SECONDS and value.keys() == {"secs", "nsecs"}:
         return _seconds(value["secs"] * 1_000_000_000 + value["nsecs"], name)
     raise InvalidValue(f"no field {name}; expected {', '.join(value) or 'none'}")

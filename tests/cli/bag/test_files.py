@@ -194,6 +194,23 @@ def test_filter_by_an_expression(
         assert all(each.callerid and each.latching for each in reader.connections)
 
 
+def test_filter_by_bytes(bag: Tool, tmp_path: Path) -> None:
+    path, target = tmp_path / "it.bag", tmp_path / "part.bag"
+    texts = (
+        INTERFACES.md5("std_msgs/UInt8MultiArray"),
+        INTERFACES.full_text("std_msgs/UInt8MultiArray"),
+    )
+    with open_writer(path) as writer:
+        bytes_ = writer.connection("/bytes", "std_msgs/UInt8MultiArray", *texts)
+        for number in range(10):
+            writer.write(bytes_, START, bytes(8) + bytes([number, 0, 0, 0]) + bytes(range(number)))
+    expression = "len(m.data) > 4 and m.data[4] == 4 and sum(m.data) <= 15 and 5 not in m.data[:5]"
+    result = bag("filter", path, target, expression)
+    assert result.exit_code == 0, result.output
+    with open_reader(target) as reader:
+        assert [len(data) - 12 for _, _, data in reader.messages()] == [5, 6]
+
+
 def test_filter_by_topics_and_times(bag: Tool, path: Path) -> None:
     target = path.with_name(f"part{path.suffix}")
     result = bag("filter", path, target, "--topic", "/number", "--start", "1", "--end", "1.5", "-q")
