@@ -10,6 +10,7 @@ from pathlib import Path
 
 from bench import robots
 from bench.access import access
+from bench.bags import bags
 from bench.codecs import codecs
 from bench.encodings import encodings
 from bench.fanout import fanout
@@ -46,6 +47,7 @@ SCENARIOS = {
     "idle": idle,
     "start": startup,
     "codecs": codecs,
+    "bags": bags,
     "services": services,
     "tls": tls,
     "encodings": encodings,

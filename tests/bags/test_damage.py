@@ -5,6 +5,8 @@ from __future__ import annotations
 import bz2
 import random
 import struct
+import subprocess
+import sys
 import tracemalloc
 from pathlib import Path
 
@@ -116,6 +118,42 @@ def test_chunk_that_a_recorder_had_not_finished_is_read_as_far_as_it_goes(tmp_pa
     assert reindex(path, restored).messages == 99
     with open_reader(restored) as bag:
         assert contents(bag) == messages[:99]
+
+
+RECORDER = """
+import sys
+from fibws.bags import open_writer
+
+writer = open_writer(sys.argv[1], sys.argv[2], 20_000)
+publisher = writer.connection("/a", "std_msgs/Int32", "*", "int32 data")
+number = 0
+while True:
+    for _ in range(777):
+        writer.write(publisher, number, number.to_bytes(4, "little"))
+        number += 1
+    writer.flush()
+    print(number, flush=True)
+"""
+
+
+@every_format
+def test_killed_recorder_loses_only_what_it_had_not_flushed(
+    tmp_path: Path, suffix: str, compression: str
+) -> None:
+    path, restored = tmp_path / f"it.{suffix}", tmp_path / f"restored.{suffix}"
+    seeded = random.Random(suffix + compression)
+    for _ in range(times(0.05)):
+        words = [sys.executable, "-c", RECORDER, str(path), compression]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            for _ in range(seeded.randrange(1, 20)):
+                process.stdout.readline()
+            process.kill()
+            flushed = int((process.stdout.read() or "0\n").splitlines()[-1])
+        found = reindex(path, restored)
+        with open_reader(restored) as bag:
+            assert [time for _, time, _ in bag.messages()] == list(range(found.messages))
+        assert found.messages >= flushed
 
 
 def bomb(tmp_path: Path, claimed: int, real: int) -> Path:
