@@ -11,10 +11,11 @@ import pytest
 from running_programs import free_port
 
 import fibws
+from fibws.bags import open_reader, reindex
 from fibws.msg import std_msgs
 from fibws.srv.std_srvs import SetBool
 
-from .world import World
+from .world import World, until
 
 pytestmark = pytest.mark.real_ros
 
@@ -189,6 +190,38 @@ async def test_rosbag(ros: World, client: fibws.Node) -> None:
     )
     assert (await anext(heard)).data == "hello"
     await played.ended()
+
+
+@pytest.mark.parametrize("options", [(), ("--bz2",), ("--lz4",)])
+async def test_bag_of_a_killed_recorder_is_restored(
+    ros: World, client: fibws.Node, options: tuple[str, ...]
+) -> None:
+    active, restored = ros.folder / "it.bag.active", ros.folder / "restored.bag"
+    recorder = await ros.program(
+        *("/usr/lib/rosbag/record", "-O", str(ros.folder / "it.bag"), "--chunksize", "4"),
+        *(*options, "/numbers"),
+    )
+    publisher = await client.advertise("/numbers", std_msgs.Int32)
+    number = 0
+
+    async def has_chunks() -> bool:
+        nonlocal number
+        for _ in range(100):
+            await publisher.publish(std_msgs.Int32(number))
+            number += 1
+        return active.exists() and active.stat().st_size > 20_000
+
+    await until(has_chunks)
+    recorder.kill()
+    await recorder.ended()
+    found = reindex(active, restored)
+    with open_reader(restored) as bag:
+        [connection] = bag.connections
+        assert (connection.topic, connection.type) == ("/numbers", "std_msgs/Int32")
+        numbers = [int.from_bytes(data, "little") for _, _, data in bag.messages()]
+    assert numbers == list(range(numbers[0], numbers[0] + found.messages))
+    assert found.messages > 200
+    assert f"{found.messages} msgs" in await ros.output("rosbag", "info", str(restored))
 
 
 async def test_transforms_of_robot_state_publisher_and_tf2(ros: World, client: fibws.Node) -> None:
