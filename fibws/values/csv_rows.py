@@ -37,15 +37,16 @@ class Rows:
         """Return the first line: the names of the columns of ``value``."""
         return f"%time,{','.join(cell.head for cell in self._cells(value))}"
 
-    def row(self, value: Any, *, now: int, relative: bool = False) -> str:
+    def row(self, value: Any, *, now: int, relative: bool = False, by_header: bool = True) -> str:
         """Return a line of values; the first one is the header's time, or ``now`` without a header.
 
         Args:
             now: nanoseconds since 1970.
             relative: subtract ``now`` from times.
+            by_header: whether to use the header's time; if not, the first value is ``now``.
         """
         stamp = now
-        if self._field.length is None and self._typedefs.has_header(self._field.type):
+        if by_header and self._field.length is None and self._typedefs.has_header(self._field.type):
             stamp = _nanoseconds(value["header"]["stamp"])
         zero = now if relative else 0
         cells = self._cells(value, zero)

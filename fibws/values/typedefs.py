@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from binascii import a2b_base64
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
 from fibws.errors import ServiceError
+
+if TYPE_CHECKING:
+    from fibws.interfaces.catalogue import Definitions
 
 HEADER = "std_msgs/Header"
 TIMES = frozenset({"time", "duration"})
@@ -91,6 +94,28 @@ class Typedefs:
             return cls(typedefs[0]["type"] if typedefs else type_, typedefs)
         except (LookupError, TypeError, ValueError):
             raise ServiceError(service, f"invalid rosapi/TypeDef[] for {type_}") from None
+
+    @classmethod
+    def of_definitions(cls, definitions: Definitions, type_: str) -> Self:
+        """Return a message type by its definition; raise as `Definitions.message`."""
+        found = cls(definitions.canonical(type_))
+        found._add(definitions, found.root)
+        return found
+
+    def _add(self, definitions: Definitions, type_: str) -> None:
+        definition = definitions.message(type_)
+        self._fields[type_] = [
+            Field(
+                field.name,
+                "string" if field.type == "wstring" else field.type,
+                None if field.array is None else field.array.fixed or 0,
+            )
+            for field in definition.fields
+        ]
+        self._constants[type_] = {each.name: str(each.value) for each in definition.constants}
+        for field in definition.fields:
+            if field.is_nested and field.type not in self._fields:
+                self._add(definitions, field.type)
 
     def __contains__(self, type_: str) -> bool:
         return type_ in self._fields

@@ -10,9 +10,9 @@ from typing import Any
 
 import click
 
-from fibws.bags import Connection, Reader, Writer, open_reader, open_writer
+from fibws.bags import Connection, Reader, Writer, open_writer
 from fibws.cli import output
-from fibws.cli.bag.bag_messages import BagMessage, BagType
+from fibws.cli.bag.bag_messages import BagMessage, BagType, open_bag
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
 from fibws.cli.exit_handling import clean_exit
@@ -68,7 +68,7 @@ def command(
             raise click.UsageError(f"Cannot use same file as input and output [{source}]")
         if condition is None and not topics and start is None and end is None:
             raise click.UsageError("You must specify an expression, --topic, --start or --end.")
-        with open_reader(source) as reader, replacing(target) as new:
+        with open_bag(source) as reader, replacing(target) as new:
             unknown = set(topics) - {each.topic for each in reader.connections}
             if unknown:
                 known = ", ".join(sorted({each.topic for each in reader.connections}))

@@ -8,9 +8,9 @@ from typing import Any
 
 import click
 
-from fibws.bags import Connection, Reader, open_reader
+from fibws.bags import Connection, Reader
 from fibws.cli import output
-from fibws.cli.bag.bag_messages import BagType
+from fibws.cli.bag.bag_messages import BagType, open_bag
 from fibws.cli.common_options import examples, json_option
 from fibws.cli.exit_handling import clean_exit
 from fibws.errors import InterfaceError
@@ -45,7 +45,7 @@ def info(bags: tuple[str, ...], as_yaml: bool, as_json: bool, key: str | None, f
         for number, path in enumerate(bags):
             if number and not as_json:
                 output.line("---")
-            with open_reader(path) as bag:
+            with open_bag(path) as bag:
                 if as_json:
                     output.as_json(summary.as_dict(bag, path, frequencies=freq))
                 elif key is not None:
@@ -102,7 +102,7 @@ def check(
     """
     if rules or genrules or append:
         raise click.UsageError("rules of migration are not supported; rosbag of ROS 1 has them")
-    with clean_exit(), open_reader(bag) as reader:
+    with clean_exit(), open_bag(bag) as reader:
         _check_messages(reader)
         changed = {each.type: each for each in reader.connections if not _is_installed(each)}
         if not changed:

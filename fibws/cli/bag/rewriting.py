@@ -88,15 +88,16 @@ def _rewrite_all(
 ) -> None:
     """Write all bags anew; go on after one that fails, and exit with 1 in the end."""
     failed = False
-    for path in bags:
-        try:
-            _rewrite(rewrite, path, output_dir, force=force, quiet=quiet)
-        except (BagError, OSError) as error:
-            failed = True
-            text = str(error)
-            if isinstance(error, OSError):
-                text = f"{error.filename or path}: {error.strerror or error}"
-            click.echo(output.visible(f"Error: {text}"), err=True)
+    with clean_exit():
+        for path in bags:
+            try:
+                _rewrite(rewrite, path, output_dir, force=force, quiet=quiet)
+            except (BagError, OSError) as error:
+                failed = True
+                text = str(error)
+                if isinstance(error, OSError):
+                    text = f"{error.filename or path}: {error.strerror or error}"
+                click.echo(output.visible(f"Error: {text}"), err=True)
     if failed:
         raise click.exceptions.Exit(1)
 
@@ -112,9 +113,8 @@ def _rewrite(
             raise BagError(
                 f"Skipping {path}. Backup path {backup} already exists; --force overwrites it."
             )
-    with clean_exit(), replacing(target, backup=backup) as new:
-        with Progress(target, quiet=quiet) as progress:
-            rewrite(path, new, progress)
+    with replacing(target, backup=backup) as new, Progress(target, quiet=quiet) as progress:
+        rewrite(path, new, progress)
 
 
 def _change_compression(method: str, source: Path, target: Path, progress: Progress) -> None:

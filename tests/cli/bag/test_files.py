@@ -122,14 +122,17 @@ def test_info_of_several_bags(bag: Tool, path: Path) -> None:
 def test_file_that_is_no_bag_is_an_error_in_one_line(bag: Tool, tmp_path: Path) -> None:
     path = tmp_path / "it.bag"
     for name in ("info", "check", "compress", "decompress", "reindex"):
-        assert bag(name, path).exit_code == 1
-        path.write_text("hello")
-        result = bag(name, path)
-        assert result.exit_code == 1
-        assert result.output.count("\n") == 1
-        assert str(path) in result.output
-        assert path.read_text() == "hello"
+        for content in (None, "hello", ""):
+            if content is not None:
+                path.write_text(content)
+            result = bag(name, path)
+            assert result.exit_code == 1
+            assert result.output.count("\n") == 1
+            assert result.output.startswith("Error: ") and str(path) in result.output
+            assert not path.exists() or path.read_text() == content
         path.unlink()
+    assert bag("filter", path, tmp_path / "other.bag", "True").output.startswith("Error: ")
+    assert not list(tmp_path.iterdir())
 
 
 # check

@@ -7,16 +7,21 @@ import json
 import os
 import pty
 import signal
+import struct
 import subprocess
 import sys
 import threading
+from math import nan
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hub_in_thread import HubThread, Publish, Run
 from running_programs import Start
 
+from fibws.bags import open_writer
 from fibws.client.hub_client import HubClient
+from fibws.interfaces import Interfaces
 
 CURVE = {"layout": {"dim": [], "data_offset": 0}, "data": [1, 2, 3]}
 
@@ -96,11 +101,70 @@ def test_invalid_filter_is_wrong_usage(
     assert result.exit_code == 2 and fact in result.output.partition("Error: ")[2], result.output
 
 
-def test_bags_are_refused(run: Run) -> None:
-    result = run("topic", "echo", "-b", "some.bag", "/number")
+@pytest.fixture
+def bag(tmp_path: Path) -> str:
+    """A bag of numbers and points, one of which is NaN."""
+    path = tmp_path / "it.bag"
+    interfaces = Interfaces()
+    with open_writer(path) as writer:
+        numbers, points = (
+            writer.connection(topic, type_, interfaces.md5(type_), interfaces.full_text(type_))
+            for topic, type_ in (
+                ("/number", "std_msgs/Int32"),
+                ("/point", "geometry_msgs/PointStamped"),
+            )
+        )
+        for number in range(3):
+            stamp = (1_700_000_000 + number) * 10**9
+            writer.write(numbers, stamp, struct.pack("<i", number))
+            point = (0, 5 + number, 0, 0, number or nan, 1, 2)
+            writer.write(points, stamp, struct.pack("<IIII3d", *point))
+    return str(path)
+
+
+def test_bags_need_no_hub(bag: str, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
+    result = run("topic", "echo", "-b", bag, "number")
+    assert (result.exit_code, result.output) == (0, "data: 0\n---\ndata: 1\n---\ndata: 2\n---\n")
+    assert run("topic", "echo", "-b", bag, "-a").output.count("---") == 6
+    assert (
+        run("topic", "echo", "-b", bag, "-n", "2", "/point/point/x").output
+        == "nan\n---\n1.0\n---\n"
+    )
+    output = run("topic", "echo", "-b", bag, "--json", "/point/point").output
+    assert [json.loads(line)["x"] for line in output.splitlines()] == [None, 1, 2]
+    output = run("topic", "echo", "-b", bag, "--filter", "m.data > 1", "/number").output
+    assert output == "data: 2\n---\n"
+
+
+def test_rows_of_bags_begin_with_the_time_of_the_recording(bag: str, run: Run) -> None:
+    output = run("topic", "echo", "-b", bag, "-p", "/point").output
+    assert [row.partition(",")[0] for row in output.splitlines()] == [
+        "%time",
+        *(f"{1_700_000_000 + number}000000000" for number in range(3)),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "fact"),
+    [
+        (("-b", "{bag}", "/nmber"), "/number"),
+        (("-b", "{bag}", "/number/date"), "data"),
+        (("-b", "{bag}"), "TOPIC"),
+        (("-a",), "--bag"),
+        (("-b", "{bag}", "--filter", "m.date > 5", "/number"), "data"),
+    ],
+)
+def test_wrong_usage_with_bags(bag: str, run: Run, words: tuple[str, ...], fact: str) -> None:
+    result = run("topic", "echo", *(word.replace("{bag}", bag) for word in words))
     assert result.exit_code == 2
-    assert "rosbags" in result.output
-    assert "--bag" not in run("topic", "echo", "-h").output
+    assert fact in result.output.partition("Error: ")[2]
+
+
+def test_missing_bag_is_an_error(run: Run) -> None:
+    result = run("topic", "echo", "-b", "missing.bag", "/number")
+    assert result.exit_code == 1
+    assert "missing.bag" in result.output
 
 
 def test_comma_separated_values_have_a_head(run: Run, publish: Publish) -> None:
