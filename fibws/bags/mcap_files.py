@@ -6,6 +6,7 @@ channel has the rest of its connection header: ``md5sum``, ``callerid`` and ``la
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from array import array
@@ -40,6 +41,8 @@ _MESSAGE_FIELDS = _MESSAGE_RECORD.size - _RECORD.size
 _OTHERS = {_HEADER: "Header", _ATTACHMENT: "Attachment", _METADATA: "Metadata"}
 _CHUNK_START = struct.Struct("<QQQII")
 """What a chunk begins with: times, uncompressed size, checksum, length of the method's name."""
+_CHUNK_LIKE = re.compile(rb"\x06(?=[\s\S]{36}(?:\x00{4}|\x03\x00{3}lz4|\x04\x00{3}zstd))")
+"""The start of what may be a chunk: its kind, and the name of a compression method further on."""
 _FOOTER_SIZE = _RECORD.size + 20 + len(MAGIC)
 _RUN = 2**20
 """How many bytes of messages outside chunks are read at once."""
@@ -434,10 +437,11 @@ class McapReader(Reader):
 
     def _scan(self) -> None:
         """Find chunks and messages by reading the whole file."""
-        connections = _Connections()
+        scan = McapScan(self.file)
+        connections = scan.connections
         self.chunks = []
         self._counts = {}
-        for part in McapScan(self.file).parts():
+        for part in scan.parts():
             connections.add(part.records)
             if not part.records.times:
                 continue
@@ -513,47 +517,96 @@ class FoundPart:
 
 
 class McapScan:
-    """Reads all records of a .mcap file from its start, up to the first damage.
+    """Reads all records of a .mcap file from its start, and goes on after damaged parts.
 
     Attributes:
-        lost: how many bytes at the end could not be read.
+        connections: those whose records are outside chunks, such as at the end.
+        lost: how many bytes could not be read.
         others: the attachments and the metadata, as records of the library.
+        profile: what messages the file has.
     """
 
     def __init__(self, file: RecordFile) -> None:
         self._file = file
-        self.lost = 0
         self.others: list[Any] = []
         self.profile = ""
+        self.connections = _Connections()
+        for kind, position, end in self._records():
+            if kind in (_SCHEMA, _CHANNEL):
+                self.connections.add(self._run(position, end).records)
+        self.lost = 0
 
     def parts(self) -> Iterator[FoundPart]:
-        """Find all schemas, channels and messages, in the order of the file."""
+        """Find all chunks and all messages outside them, in the order of the file."""
+        begin = stop = 0
+        for kind, position, end in self._records():
+            if kind in (_SCHEMA, _CHANNEL, _MESSAGE):
+                if position == stop and end - begin <= _RUN:
+                    stop = end
+                    continue
+                if begin < stop:
+                    yield self._run(begin, stop)
+                begin, stop = position, end
+                continue
+            if begin < stop:
+                yield self._run(begin, stop)
+                begin = stop
+            if kind == _CHUNK and (part := self._chunk(position, end)):
+                yield part
+            elif kind in _OTHERS:
+                start = position + _RECORD.size
+                self._add_other(_OTHERS[kind], self._file.read(start, end - start))
+            elif kind == _DATA_END:
+                return
+        if begin < stop:
+            yield self._run(begin, stop)
+
+    def _records(self) -> Iterator[tuple[int, int, int]]:
+        """Yield kind, start and end of each record; a chunk may be cut off by the file's end."""
         file = self._file
+        self.lost = 0
         position = len(MAGIC)
-        run = position
         while position + _RECORD.size <= file.size:
             kind, length = _RECORD.unpack(file.read(position, _RECORD.size))
             end = position + _RECORD.size + length
-            if kind in (_SCHEMA, _CHANNEL, _MESSAGE) and end <= file.size:
-                if end - run > _RUN and run < position:
-                    yield self._run(run, position)
-                    run = position
+            if kind and end <= file.size:
+                yield kind, position, end
+                if kind == _FOOTER:
+                    return
                 position = end
                 continue
-            if run < position:
-                yield self._run(run, position)
-            if kind == _CHUNK and (part := self._chunk(position, min(end, file.size))):
-                yield part
-            if kind in (_DATA_END, _FOOTER):
+            if kind == _CHUNK:
+                yield kind, position, file.size
+            found = self._next_chunk(position + 1)
+            self.lost += (file.size if found is None else found) - position
+            if found is None:
                 return
-            if kind == 0 or end > file.size:
-                break
-            if kind in _OTHERS:
-                self._add_other(_OTHERS[kind], file.read(position + _RECORD.size, length))
-            run = position = end
-        if run < position:
-            yield self._run(run, position)
-        self.lost = file.size - position
+            position = found
+        self.lost += file.size - position
+
+    def _next_chunk(self, position: int) -> int | None:
+        """Return where the next chunk begins; None if there is none."""
+        file = self._file
+        while position < file.size:
+            block = file.read(position, min(_RUN, file.size - position))
+            for found in _CHUNK_LIKE.finditer(block):
+                if self._is_chunk(position + found.start()):
+                    return position + found.start()
+            if len(block) < _RUN:
+                return None
+            position += _RUN - 64
+        return None
+
+    def _is_chunk(self, position: int) -> bool:
+        try:
+            start = self._file.read(position, _RECORD.size + _CHUNK_START.size)
+            _, length = _RECORD.unpack_from(start)
+            *_, name = _CHUNK_START.unpack_from(start, _RECORD.size)
+            place = position + _RECORD.size + _CHUNK_START.size + name
+            size = int.from_bytes(self._file.read(place, 8), "little")
+        except BagFormatError:
+            return False
+        return bool(length == _CHUNK_START.size + name + 8 + size)
 
     def _run(self, begin: int, end: int) -> FoundPart:
         data = self._file.read(begin, end - begin)
@@ -617,7 +670,7 @@ def rewrite_mcap(
         first = next(parts, None)
         if method is None:
             method = first.compression if first else "none"
-        connections = _Connections()
+        connections = scan.connections
         ids: dict[int, Connection] = {}
         count = 0
         writer = McapWriter(target, method, chunk_size, profile=scan.profile)

@@ -80,21 +80,25 @@ def test_reindex_of_a_complete_bag_changes_nothing(
         assert one.compression == other.compression
 
 
-@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_reindex_goes_on_after_damage_in_the_middle(
-    bags: dict[tuple[str, str], Path], tmp_path: Path, compression: str
+@every_format
+@pytest.mark.parametrize("number", [0, 1])
+def test_reindex_goes_on_after_damage(
+    bags: dict[tuple[str, str], Path], tmp_path: Path, suffix: str, compression: str, number: int
 ) -> None:
-    content = bytearray(bags["bag", compression].read_bytes())
-    with open_reader(bags["bag", compression]) as bag:
+    # The first chunk has the connections, which the end of the bag has, too.
+    content = bytearray(bags[suffix, compression].read_bytes())
+    with open_reader(bags[suffix, compression]) as bag:
         messages = contents(bag)
-        second, third = bag.chunks[1:3]
-    content[second.position : third.position - 100] = bytes(third.position - 100 - second.position)
-    damaged, restored = tmp_path / "damaged.bag", tmp_path / "restored.bag"
+        chunk, next_chunk = bag.chunks[number : number + 2]
+    content[chunk.position : next_chunk.position - 20] = bytes(
+        next_chunk.position - 20 - chunk.position
+    )
+    damaged, restored = tmp_path / f"damaged.{suffix}", tmp_path / f"restored.{suffix}"
     damaged.write_bytes(content)
     found = reindex(damaged, restored)
     with open_reader(restored) as bag:
         assert contents(bag) == [
-            each for each in messages if not second.start <= each[5] <= second.end
+            each for each in messages if not chunk.start <= each[5] <= chunk.end
         ]
     assert 0 < found.lost < len(content) // 2
 
