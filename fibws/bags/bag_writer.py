@@ -156,7 +156,16 @@ class BagWriter:
         return max((each.id for each in self.connections), default=-1) + 1
 
     def copy_connection(self, connection: Connection) -> Connection:
-        """Add a connection of another bag, with all fields of its header."""
+        """Add a connection of another bag, with all fields of its header.
+
+        Raises:
+            BagError: its messages are not serialized as in ROS 1.
+        """
+        if connection.encoding != "ros1":
+            raise BagError(
+                f"{self.path}: .bag files hold messages of ROS 1 only, but {connection.topic} is "
+                f"encoded as {connection.encoding}; write a .mcap file"
+            )
         return self.connection(
             connection.topic,
             connection.type,

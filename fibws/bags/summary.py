@@ -161,7 +161,8 @@ def _type_rows(reader: Reader) -> Iterator[tuple[str, str]]:
     found = types(reader.connections)
     width = max(map(len, found), default=0)
     for number, (name, md5sum) in enumerate(found.items()):
-        yield "" if number else "types", f"{name:{width}} [{md5sum}]"
+        row = f"{name:{width}} [{md5sum}]" if md5sum else name  # Types of ROS 2 have none.
+        yield "" if number else "types", row
 
 
 def _topic_rows(reader: Reader, *, frequencies: bool) -> Iterator[tuple[str, str]]:

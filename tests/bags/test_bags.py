@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from fibws.bags import Connection, Reader, Writer, open_reader, open_writer, reader
+from fibws.bags import Connection, Reader, Writer, open_reader, open_writer, reader, summary
+from fibws.bags.mcap_files import McapWriter
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, UnsupportedBag
 
 SECOND = 1_000_000_000
@@ -157,6 +158,36 @@ def test_writer_rejects_what_bags_cannot_hold(tmp_path: Path, suffix: str) -> No
         writer.write(publisher, 3, b"late")
     with open_reader(path) as bag:
         assert [data for _, _, data in bag.messages()] == [b"good", b"good"]
+
+
+def test_other_encodings_are_listed_and_copied(tmp_path: Path) -> None:
+    path, copy = tmp_path / "it.mcap", tmp_path / "copy.mcap"
+    with McapWriter(str(path), profile="ros2") as writer:
+        type_ = "nav_msgs/msg/Odometry"
+        odometry = writer.connection(
+            *("/odom", type_, "", "..."), encoding="cdr", definition_format="ros2msg"
+        )
+        writer.write(odometry, 5, b"cdr.")
+    with open_reader(path) as bag:
+        [connection] = bag.connections
+        assert (connection.type, connection.md5sum) == ("nav_msgs/msg/Odometry", "")
+        assert "types:       nav_msgs/msg/Odometry\n" in summary.text(bag, None)
+        with open_writer(copy) as other:
+            other.write(other.copy_connection(connection), 5, b"cdr.")
+        with open_writer(tmp_path / "it.bag") as bag_writer, pytest.raises(BagError, match="cdr"):
+            bag_writer.copy_connection(connection)
+    with open_reader(copy) as bag:
+        assert bag.connections == [connection]
+
+
+def test_md5sum_that_is_missing_is_computed(tmp_path: Path) -> None:
+    path = tmp_path / "it.mcap"
+    with McapWriter(str(path)) as writer:
+        for topic, definition in (("/a", "int32 data"), ("/b", "no definition at all")):
+            number = writer.connection(topic, "std_msgs/Int32", "", definition)
+            writer.write(number, 5, b"1234")
+    with open_reader(path) as bag:
+        assert [each.md5sum for each in bag.connections] == [INT32[1], "*"]
 
 
 @pytest.mark.parametrize(
