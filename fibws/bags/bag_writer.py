@@ -63,6 +63,7 @@ class BagWriter:
         self.position = 0
         """Where the next chunk begins in the file."""
         self.connections: list[Connection] = []
+        """In the order of their ids."""
         self.chunks: list[ChunkInfo] = []
         """The chunks that are complete."""
         self.is_closed = False
@@ -140,7 +141,7 @@ class BagWriter:
         elif latching:
             own["latching"] = b"1"
         connection = Connection(
-            id=self._next_id(),
+            id=self.connections[-1].id + 1 if self.connections else 0,
             topic=topic,
             type=type,
             md5sum=md5sum,
@@ -151,9 +152,6 @@ class BagWriter:
         )
         self.connections.append(connection)
         return connection
-
-    def _next_id(self) -> int:
-        return max((each.id for each in self.connections), default=-1) + 1
 
     def copy_connection(self, connection: Connection) -> Connection:
         """Add a connection of another bag, with all fields of its header.

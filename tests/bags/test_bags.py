@@ -217,6 +217,24 @@ def test_missing_file_is_reported_by_name(tmp_path: Path) -> None:
         open_reader(tmp_path / "missing.bag")
 
 
+@pytest.mark.parametrize(
+    ("name", "module", "extra"),
+    [("lz4.bag", "lz4.frame", "bags"), ("none.mcap", "mcap", "mcap")],
+)
+def test_missing_package_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, module: str, extra: str
+) -> None:
+    path = tmp_path / name
+    write_numbers(path, path.stem)
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(UnsupportedBag, match=rf"pip install 'fibws\[{extra}\]'"):
+        open_writer(tmp_path / f"other{path.suffix}", path.stem)
+    assert not (tmp_path / f"other{path.suffix}").exists()
+    with pytest.raises(UnsupportedBag, match=extra):
+        with open_reader(path) as bag:
+            list(bag.messages())
+
+
 def test_encrypted_bag_is_rejected(tmp_path: Path) -> None:
     path = tmp_path / "it.bag"
     write_numbers(path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from pathlib import Path
+from threading import Thread
 from time import time
 from typing import Any
 
@@ -145,6 +146,22 @@ def test_reindex_in_place(path: str) -> None:
     bag.close()  # Its file has been replaced.
     with rosbag.Bag(path) as restored:
         assert numbers(restored) == [5]
+
+
+def test_threads_may_write(path: str) -> None:
+    def write(topic: str) -> None:
+        for number in range(2000):
+            bag.write(topic, Int32(number), rospy.Time(1 + number))
+
+    with rosbag.Bag(path, "w", chunk_threshold=5000) as bag:
+        threads = [Thread(target=write, args=(f"/t{number}",)) for number in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    with rosbag.Bag(path) as bag:
+        for number in range(3):
+            assert numbers(bag, topics=f"/t{number}") == list(range(2000))
 
 
 def test_streams() -> None:

@@ -12,6 +12,7 @@ import os
 import sys
 from collections.abc import Callable, Generator, Iterator, Mapping
 from pathlib import Path
+from threading import RLock
 from time import time
 from types import TracebackType
 from typing import Any, BinaryIO, NamedTuple, Self, cast
@@ -164,6 +165,8 @@ class Bag:
         self._compression = _checked_compression(compression)
         self._chunk_threshold = _checked_threshold(chunk_threshold)
         self._has_frequencies = not skip_index
+        self._lock = RLock()
+        """Held while something is written: rospy calls callbacks in several threads."""
         self._reader: Reader | None = None
         self._writer: Writer | None = None
         self._connections: dict[Any, Connection] = {}
@@ -350,7 +353,7 @@ class Bag:
             data = buffer.getvalue()
         header = tuple(sorted((connection_header or {}).items()))
         key = (topic, type_, md5sum, header)
-        with _rosbag_errors():
+        with self._lock, _rosbag_errors():
             connection = self._connections.get(key)
             if connection is None:
                 connection = self._connections[key] = _new_connection(
@@ -361,10 +364,11 @@ class Bag:
 
     def flush(self) -> None:
         """Write what is in memory to the file; raise ValueError if the bag is closed."""
-        if self._writer is not None:
-            self._writer.flush()
-        else:
-            self._opened()
+        with self._lock:
+            if self._writer is not None:
+                self._writer.flush()
+            else:
+                self._opened()
 
     def reindex(self) -> Iterator[int]:
         """Yield the positions of the chunks of a bag that was opened with ``allow_unindexed``.
@@ -375,9 +379,9 @@ class Bag:
 
     def close(self) -> None:
         """Write the index, and close the file; nothing happens if it is closed."""
-        writer, reader = self._writer, self._reader
-        self._writer = self._reader = None
-        with _rosbag_errors():
+        with self._lock, _rosbag_errors():
+            writer, reader = self._writer, self._reader
+            self._writer = self._reader = None
             if writer is not None:
                 writer.close()
             elif reader is not None:
@@ -497,8 +501,9 @@ class Bag:
             return self._opened()
         if isinstance(self._writer, McapWriter):
             raise ROSBagException("an MCAP file cannot be read while it is written")
-        self._writer.flush()
-        return BagReader.of_writer(self._writer)
+        with self._lock:
+            self._writer.flush()
+            return BagReader.of_writer(self._writer)
 
     def _used(self, reader: Reader) -> list[Connection]:
         """Return the connections that have messages."""
