@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.files import locked, replace_file
+from fibws.files import locked, replace_file, replacing
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other permissions")
 root = pytest.mark.skipif(
@@ -101,6 +101,44 @@ def test_link_is_followed(tmp_path: Path) -> None:
     replace_file(link, b"second", keep=True)
     assert link.is_symlink()
     assert target.read_bytes() == b"second"
+
+
+def test_large_file_is_replaced_after_the_block(tmp_path: Path) -> None:
+    path, backup = tmp_path / "it.bag", tmp_path / "it.orig.bag"
+    path.write_bytes(b"old")
+    path.chmod(0o640)
+    backup.write_bytes(b"older")
+    with replacing(path, backup=backup) as new:
+        assert (new.parent, new.suffix) == (tmp_path, ".bag")
+        new.write_bytes(b"new")
+        assert path.read_bytes() == b"old"
+    assert (path.read_bytes(), backup.read_bytes()) == (b"new", b"old")
+    assert sys.platform == "win32" or stat.S_IMODE(path.stat().st_mode) == 0o640
+    assert sorted(tmp_path.iterdir()) == [path, backup]
+
+
+def test_block_that_fails_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "it.bag"
+    path.write_bytes(b"old")
+    with pytest.raises(KeyboardInterrupt), replacing(path, backup=tmp_path / "copy") as new:
+        new.write_bytes(b"new")
+        raise KeyboardInterrupt
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_backup_where_files_have_no_second_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_links(*paths: Path) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(os, "link", no_links)
+    path, backup = tmp_path / "it.bag", tmp_path / "it.orig.bag"
+    path.write_bytes(b"old")
+    with replacing(path, backup=backup) as new:
+        new.write_bytes(b"new")
+    assert (path.read_bytes(), backup.read_bytes()) == (b"new", b"old")
 
 
 def test_lock_is_held_by_one_at_a_time(tmp_path: Path) -> None:

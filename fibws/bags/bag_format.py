@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import struct
 from array import array
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import BinaryIO, NamedTuple
 
@@ -20,7 +20,8 @@ from fibws.errors import BagFormatError
 
 VERSION_LINE = b"#ROSBAG V2.0\n"
 FILE_HEADER_SIZE = 4096
-"""The size of the first record with its padding: it is written again when the bag is complete."""
+"""The size of the first record, padded, without its two lengths; rosbag writes it again in place
+when a bag is complete, and when it appends to one."""
 
 MESSAGE, FILE_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = range(2, 8)
 """The kinds of records (their field ``op``)."""
@@ -60,9 +61,13 @@ MESSAGE_RECORD = struct.Struct(f"<{len(MESSAGE_START)}sI{len(MESSAGE_MIDDLE)}sII
 """A record of a message without its data: two constants; the id, time (s, ns) and data length."""
 
 
-def pack_fields(fields: Mapping[str, bytes]) -> bytes:
-    """Return a header: its length and its fields, in alphabetical order as in C++."""
-    texts = [name.encode() + b"=" + value for name, value in sorted(fields.items())]
+def pack_fields(fields: Mapping[str, bytes], order: Iterable[str] = ()) -> bytes:
+    """Return a header: its length and its fields.
+
+    Args:
+        order: the names in the order of the header; by default the alphabetical one, as in C++.
+    """
+    texts = [name.encode() + b"=" + fields[name] for name in order or sorted(fields)]
     data = b"".join(LENGTH.pack(len(text)) + text for text in texts)
     return LENGTH.pack(len(data)) + data
 
@@ -79,15 +84,20 @@ def pack_connection(connection: Connection) -> bytes:
     return pack_record(CONNECTION, fields, pack_fields(connection.fields)[4:])
 
 
-def pack_index(id_: int, entries: bytes | bytearray) -> bytes:
+def pack_index(id_: int, entries: bytes | bytearray, order: Iterable[str] = ()) -> bytes:
     """Return the index of a connection's messages in a chunk.
 
     Args:
         entries: packed by `INDEX_ENTRY`.
+        order: that of the fields in the header, as for `pack_fields`.
     """
-    count = len(entries) // INDEX_ENTRY.size
-    fields = {"ver": LENGTH.pack(1), "conn": LENGTH.pack(id_), "count": LENGTH.pack(count)}
-    return pack_record(INDEX, fields, entries)
+    fields = {
+        "op": bytes([INDEX]),
+        "ver": LENGTH.pack(1),
+        "conn": LENGTH.pack(id_),
+        "count": LENGTH.pack(len(entries) // INDEX_ENTRY.size),
+    }
+    return b"".join((pack_fields(fields, order), LENGTH.pack(len(entries)), entries))
 
 
 def pack_chunk_info(info: ChunkInfo) -> bytes:

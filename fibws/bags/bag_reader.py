@@ -16,6 +16,9 @@ from fibws.errors import BagFormatError, BagNotIndexed, UnsupportedBag
 if TYPE_CHECKING:
     from fibws.bags.bag_writer import BagWriter
 
+_INDEX_FIELDS = {"op", "ver", "conn", "count"}
+"""The fields of the header of an index."""
+
 
 def read_start(file: RecordFile) -> Record:
     """Return the first record of a bag, which says where the index is.
@@ -70,6 +73,8 @@ class BagReader(Reader):
         try:
             self.file = RecordFile(opened, path)
             header = read_start(self.file)
+            self.header_end = header.end
+            """Where the first record ends, which other programs pad differently."""
             self._read_index(header, allow_unindexed)
         except BaseException:
             if file is None:
@@ -166,6 +171,17 @@ class BagReader(Reader):
         info.compressed_size = record.data_size
         info.size = bag_format.number(record.fields, "size", 4, place)
         return info
+
+    def index_order(self) -> tuple[str, ...]:
+        """Return the names of the fields of the chunks' indexes, in their order.
+
+        Some programs, such as rosbags, expect that it is the same in the whole file.
+        """
+        for chunk in self.chunks[:1]:
+            record = self.file.record(self.file.record(chunk.position).end)
+            if record.op == bag_format.INDEX and record.fields.keys() == _INDEX_FIELDS:
+                return tuple(record.fields)
+        return ()
 
     def _chunk_times(self, chunk: ChunkInfo, wanted: Collection[int]) -> Iterable[int]:
         """Return times from the index of a chunk, which is short and never compressed."""

@@ -67,6 +67,8 @@ class BagWriter:
         self.chunks: list[ChunkInfo] = []
         """The chunks that are complete."""
         self.is_closed = False
+        self._header_end = len(bag_format.VERSION_LINE) + 8 + bag_format.FILE_HEADER_SIZE
+        self._index_order: tuple[str, ...] = ()
         self._chunk = bytearray()
         self._indexes: dict[int, _Index] = {}
         """Of the chunk, by connection."""
@@ -88,6 +90,8 @@ class BagWriter:
         writer.file = file = bag.file.file
         writer.connections += bag.connections
         writer.chunks += bag.chunks
+        writer._header_end = bag.header_end
+        writer._index_order = bag.index_order()
         writer._written |= {each.id for each in bag.connections}
         file.seek(len(bag_format.VERSION_LINE))
         writer._write_all(writer._file_header(0))
@@ -239,7 +243,7 @@ class BagWriter:
             compressed_size=len(data),
             size=len(self._chunk),
         )
-        indexes = (index.record(id_) for id_, index in self._indexes.items())
+        indexes = (index.record(id_, self._index_order) for id_, index in self._indexes.items())
         self.add_chunk(info, data, b"".join(indexes))
         self._chunk = bytearray()
         self._indexes.clear()
@@ -314,7 +318,9 @@ class BagWriter:
                 "chunk_count": LENGTH.pack(len(self.chunks) if index_position else 0),
             }
         )
-        padding = bag_format.FILE_HEADER_SIZE - len(header) - 4
+        padding = self._header_end - len(bag_format.VERSION_LINE) - len(header) - 4
+        if padding < 0:
+            raise BagError(f"{self.path}: the first record has no room for the header of a bag")
         return header + LENGTH.pack(padding) + b" " * padding
 
 
@@ -332,9 +338,9 @@ class _Index:
     def count(self) -> int:
         return len(self.entries) // INDEX_ENTRY.size
 
-    def record(self, id_: int) -> bytes:
-        """Return the index as a record; readers expect it in the order of time."""
+    def record(self, id_: int, order: tuple[str, ...]) -> bytes:
+        """Return the index as a record; readers expect its entries in the order of time."""
         if not self.is_sorted:
             entries = sorted(INDEX_ENTRY.iter_unpack(self.entries), key=lambda entry: entry[:2])
             self.entries = bytearray().join(INDEX_ENTRY.pack(*entry) for entry in entries)
-        return bag_format.pack_index(id_, self.entries)
+        return bag_format.pack_index(id_, self.entries, order)

@@ -82,8 +82,12 @@ def test_those_of_rosbags_are_read(tmp_path: Path, compression: str) -> None:
     with open_reader(path) as bag:
         assert bag.compression == compression
     content = path.read_bytes()
-    path.write_bytes(content[: len(content) * 2 // 3])
     restored = tmp_path / "restored.bag"
+    append(path)
+    assert reindex(path, restored) == (401, 0)
+    with AnyReader([path]) as reader:
+        assert len(list(reader.messages())) == 401
+    path.write_bytes(content[: len(content) * 2 // 3])
     assert 100 < reindex(path, restored).messages < 400
     assert set(recordings.read(restored)) < set(recordings.expected())
 
@@ -104,6 +108,17 @@ def test_mcap_library_reads_ours(tmp_path: Path, compression: str) -> None:
             kind = (channel.topic, schema.name, metadata["md5sum"])
             found.append((*kind, *publisher, message.log_time, message.data))
     assert found == recordings.expected()
+
+
+def append(path: Path) -> None:
+    """Append a message to a bag with numbers, as a script does."""
+    import rosbag
+    import rospy
+
+    with rosbag.Bag(path) as bag:
+        [*_, (topic, message, _)] = bag.read_messages("/number")
+    with rosbag.Bag(path, "a") as bag:
+        bag.write(topic, message, rospy.Time(1_800_000_000))
 
 
 # ROS in Python and C++
@@ -145,6 +160,13 @@ for path in sys.argv[1:]:
         for topic, raw, t, header
         in rosbag.Bag(path).read_messages(raw=True, return_connection_header=True)
     ]))
+"""
+APPEND_IN_PYTHON = """
+import sys, rosbag, rospy
+for topic, raw, _ in rosbag.Bag(sys.argv[1]).read_messages("/number", raw=True):
+    pass
+with rosbag.Bag(sys.argv[1], "a") as bag:
+    bag.write(topic, raw, rospy.Time(1800000000), raw=True)
 """
 INFO_IN_PYTHON = """
 import json, sys, rosbag
@@ -238,18 +260,23 @@ class TestPython:
             assert sorted(messages) == sorted(recordings.read(path))
 
     def test_its_bag_can_be_appended_to(self, theirs: Path, tmp_path: Path) -> None:
-        import rosbag
-        import rospy
-
-        path = tmp_path / "it.bag"
+        path, restored = tmp_path / "it.bag", tmp_path / "restored.bag"
         path.write_bytes((theirs / "bz2-closed.bag").read_bytes())
-        with rosbag.Bag(path) as bag:
-            [*_, (topic, message, _)] = bag.read_messages("/number")
-        with rosbag.Bag(path, "a") as bag:
-            bag.write(topic, message, rospy.Time(1_800_000_000))
-        [found] = found_in_python(path)
-        assert len(found) == 401
-        assert found[-1][0] == "/number" and found[-1][5] == 1_800_000_000 * 10**9
+        append(path)
+        reindex(path, restored)
+        for found in found_in_python(path, restored):
+            assert len(found) == 401
+            assert found[-1][0] == "/number" and found[-1][5] == 1_800_000_000 * 10**9
+
+    def test_it_appends_to_ours(self, tmp_path: Path) -> None:
+        path, restored = tmp_path / "it.bag", tmp_path / "restored.bag"
+        recordings.write(path, "lz4")
+        in_python(APPEND_IN_PYTHON, path)
+        reindex(path, restored)
+        for each in (path, restored):
+            found = recordings.read(each)
+            assert found[:-1] == recordings.expected()
+            assert found[-1][0] == "/number" and found[-1][5] == 1_800_000_000 * 10**9
 
     def test_info_is_the_same(self, theirs: Path) -> None:
         options = [[], ["--freq"], ["-y"], ["-y", "--freq"], ["-y", "-k", "topics"]]

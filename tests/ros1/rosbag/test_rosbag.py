@@ -164,6 +164,106 @@ def test_threads_may_write(path: str) -> None:
             assert numbers(bag, topics=f"/t{number}") == list(range(2000))
 
 
+def test_properties(path: str) -> None:
+    options = {"compression": "lz4", "chunk_threshold": 100}
+    with rosbag.Bag(path, "w", options=options) as bag:
+        assert (bag.options, bag.mode, bag.version, bag.filename) == (options, "w", 200, path)
+        for number in range(20):
+            bag.write("/a", Int32(number), rospy.Time(1 + number))
+        assert bag.size > 4096
+        bag.compression = "bz2"
+        bag.chunk_threshold = 10_000
+        for number in range(20, 40):
+            bag.write("/a", Int32(number), rospy.Time(1 + number))
+        bag.flush()
+    with rosbag.Bag(path) as bag:
+        assert numbers(bag) == list(range(40))
+        assert bag.size == Path(path).stat().st_size
+        assert bag.get_compression_info().compression == "lz4"
+        assert [bag.get_start_time(), bag.get_end_time()] == [1, 40]
+        bag.flush()
+    with open_reader(path) as reader:
+        assert {chunk.compression for chunk in reader.chunks} == {"lz4", "bz2"}
+
+
+def test_selections(path: str) -> None:
+    with rosbag.Bag(path, "w") as bag:
+        for number in range(10):
+            bag.write("/a", Int32(number), rospy.Time(1 + number))
+            bag.write("/b", String(f"text {number}"), rospy.Time(1 + number, 5))
+    with rosbag.Bag(path) as bag:
+        assert numbers(bag, topics="/a", start_time=rospy.Time(9)) == [8, 9]
+        assert numbers(bag, topics=["/a"], end_time=genpy.Time(2)) == [0, 1]
+
+        def is_text(topic: str, type_: str, md5sum: str, text: str, header: Any) -> bool:
+            return topic == "/b" and type_ == header["type"].decode() == "std_msgs/String"
+
+        assert len(list(bag.read_messages(connection_filter=is_text))) == 10
+        [*_, (topic, raw, _)] = bag.read_messages(topics=[], raw=True)
+        assert (topic, raw[0], raw[1][4:], raw[4]) == ("/b", String._type, b"text 9", String)
+        info = bag.get_type_and_topic_info("/a")
+        assert info.topics == {"/a": ("std_msgs/Int32", 10, 1, 1.0)}
+        assert info.msg_types.keys() == {"std_msgs/Int32", "std_msgs/String"}
+        assert bag.get_message_count(["/a", "/b"]) == 20
+        with pytest.raises(TypeError):
+            bag.read_messages(start_time=5.0)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fact"),
+    [
+        (("",), "filename"),
+        (("{path}", "x"), '"x"'),
+        (("{path}", "w", "zip"), "none, bz2, lz4"),
+        (("{path}", "w", "none", -1), "chunk_threshold"),
+        (("{path}", "w", "none", 1, False, 5), "dict"),
+    ],
+)
+def test_invalid_arguments(path: str, arguments: tuple[Any, ...], fact: str) -> None:
+    with pytest.raises(ValueError, match=fact):
+        rosbag.Bag(path if arguments[0] else "", *arguments[1:])
+    assert not Path(path).exists()
+
+
+def test_invalid_messages(path: str) -> None:
+    with rosbag.Bag(path, "w") as bag:
+        for topic, message, raw in (("", Int32(1), False), ("/a", None, False), ("/a", (1,), True)):
+            with pytest.raises(ValueError, match=r"invalid|length"):
+                bag.write(topic, message, raw=raw)
+        with pytest.raises(rosbag.ROSBagException, match="no/Type"):
+            bag.write("/a", ("no/Type", b"", "*", None), rospy.Time(1), raw=True)
+        with pytest.raises(rosbag.ROSBagException, match="no message"):
+            bag.get_start_time()
+        with pytest.raises(genpy.SerializationError):
+            bag.write("/a", Int32("one"), rospy.Time(1))
+        bag.write("/a", (Int32._type, b"\5\0\0\0", "0" * 32, None), rospy.Time(1), raw=True)
+        assert numbers(bag) == [5]
+    for use in (bag.flush, bag.get_end_time, lambda: bag.size):
+        with pytest.raises(ValueError, match="closed"):
+            use()
+
+
+@pytest.mark.parametrize(
+    ("content", "fault"), [(b"", "empty file"), (b"hello", "does not appear to be a bag file")]
+)
+def test_file_that_is_no_bag(path: str, content: bytes, fault: str) -> None:
+    Path(path).write_bytes(content)
+    with pytest.raises(rosbag.ROSBagException, match=fault):
+        rosbag.Bag(path)
+    assert rosbag.ROSBagUnindexedException().value == "Unindexed bag"
+
+
+def test_encrypted_bag(path: str) -> None:
+    rosbag.Bag(path, "w").close()
+    content = Path(path).read_bytes()
+    field = b"\x0e\0\0\0encryptor=some"
+    size = int.from_bytes(content[13:17], "little") + len(field)
+    header = size.to_bytes(4, "little") + content[17 : 17 + size - len(field)] + field
+    Path(path).write_bytes(content[:13] + header + content[17 + size - len(field) :])
+    with pytest.raises(rosbag.ROSBagEncryptNotSupportedException, match="some"):
+        rosbag.Bag(path)
+
+
 def test_streams() -> None:
     class Kept(io.BytesIO):
         def close(self) -> None:
