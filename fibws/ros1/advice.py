@@ -15,7 +15,9 @@ _KINDS = {"msg": "message", "srv": "service"}
 _ON_PYPI = {
     **{name: name for name in ("matplotlib", "numpy", "pandas", "pygame", "requests", "scipy")},
     "PIL": "pillow",
+    "catkin_pkg": "catkin-pkg",
     "cv2": "opencv-python-headless",
+    "rosdep2": "rosdep",
     "serial": "pyserial",
     "skimage": "scikit-image",
     "sklearn": "scikit-learn",
@@ -27,6 +29,8 @@ _ON_PYPI = {
 _IN_WORKSPACES = {
     "bondpy": "ros/bond_core",
     "camera_calibration_parsers": "ros-perception/image_common",
+    "genmsg": "ros/genmsg",
+    "geodesy": "ros-geographic-info/geographic_info",
     "image_geometry": "ros-perception/vision_opencv",
     "laser_geometry": "ros-perception/laser_geometry",
     "rosserial_python": "ros-drivers/rosserial",
@@ -40,16 +44,34 @@ _CPP = {
     "moveit_commander": "moveit_commander needs MoveIt",
     "moveit_ros_planning_interface": "it is part of MoveIt",
     "pcl": "it needs the Point Cloud Library",
-    "tf2_kdl": "tf2_kdl needs KDL; see tf2_geometry_msgs",
 }
+_QT = "windows of Qt are not part of fibws; see the hub's page"
+_BUILT_IN = "it is built into the hub; PyPI's roslibpy is a client: pip install roslibpy"
+_ROSPKG = "PyPI's rospkg has it: pip install 'fibws[ros1]'"
 _ELSEWHERE = {
-    "PyKDL": "install it with Debian's python3-pykdl, or use tf.transformations",
-    "python_qt_binding": "windows of Qt are not part of fibws; see the hub's page",
+    "PyKDL": "install Debian's python3-pykdl, which only the system's Python finds; or use "
+    "tf.transformations",
+    "catkin": "workspaces are built by fibws; see fibws workspace. To find packages: import rospkg",
+    "gazebo_ros": "fibws does not simulate robots; an installed Gazebo joins a hub with --ros1",
+    "python_qt_binding": _QT,
+    "qt_gui": _QT,
+    "rosbridge_library": _BUILT_IN,
+    "rosbridge_server": _BUILT_IN,
+    "rosgraph.xmlrpc": "nodes of fibws speak no XML-RPC; rosgraph.Master asks the hub",
+    "roslib.gentools": "the classes of messages have _md5sum and _full_text",
     "rosmaster": "the hub is the master; see fibws core",
     "roslaunch": "launch files are started by the command roslaunch; see fibws launch",
-    "rviz": "windows of Qt are not part of fibws; see the hub's page",
+    "rospkg.distro": _ROSPKG,
+    "rospkg.stack": _ROSPKG,
+    "roswtf": "checks of the graph are the command roswtf; see fibws doctor",
+    "rqt_gui": _QT,
+    "rqt_gui_py": _QT,
+    "rviz": _QT,
+    "tf2_kdl": "tf2_geometry_msgs transforms the same messages without KDL",
 }
 """Modules that are not there, each with the nearest way out."""
+_OWN = ("actionlib", "rosgraph", "roslib", "rospy", "rostest", "rosunit")
+"""Packages of fibws whose internal modules in ROS it does not have."""
 
 
 def advise(fullname: str) -> None:
@@ -66,8 +88,8 @@ def advise(fullname: str) -> None:
     for kind in _KINDS:
         if rest in ("", kind) and _is_being_imported(f"{package}.{kind}"):
             raise ModuleNotFoundError(_advice(fullname, package, kind), name=fullname)
-    if not rest and (way_out := _way_out(package)) and _is_being_imported(package):
-        raise ModuleNotFoundError(f"No module named {package!r}: {way_out}", name=package)
+    if (way_out := _way_out(fullname)) and _is_being_imported(fullname):
+        raise ModuleNotFoundError(f"No module named {fullname!r}: {way_out}", name=fullname)
 
 
 def no_such_name(package: str, kind: str, name: str, names: list[str]) -> str:
@@ -99,6 +121,9 @@ def _way_out(module: str) -> str | None:
         return f"clone {address} into the folder src of a workspace and run {command_name(MAKE)}"
     if module in _CPP:
         return f"{_CPP[module]}, which is C++ and not part of fibws"
+    package, _, rest = module.partition(".")
+    if module not in _ELSEWHERE and rest and package in _OWN:
+        return f"fibws has the {package} that scripts use, and not this module, internal to ROS's"
     return _ELSEWHERE.get(module)
 
 
@@ -115,6 +140,8 @@ def _advice(fullname: str, package: str, kind: str) -> str:
         setup = root.parent / "devel" / "setup.bash"
         make = "" if setup.is_file() else f"run {command_name(MAKE)} in {root.parent}, then "
         return f"{text}: {make}source {setup}"
+    if way_out := _way_out(package):
+        return f"{text}: {way_out}"
     near = nearest(package, _packages(), cutoff=0.8)
     guess = f"did you mean {near}? Or is " if near else "is "
     return (
