@@ -60,7 +60,6 @@ _ELSEWHERE = {
     "rosgraph.xmlrpc": "nodes of fibws speak no XML-RPC; rosgraph.Master asks the hub",
     "roslib.gentools": "the classes of messages have _md5sum and _full_text",
     "rosmaster": "the hub is the master; see fibws core",
-    "roslaunch": "launch files are started by the command roslaunch; see fibws launch",
     "rospkg.distro": _ROSPKG,
     "rospkg.stack": _ROSPKG,
     "roswtf": "checks of the graph are the command roswtf; see fibws doctor",
@@ -70,7 +69,7 @@ _ELSEWHERE = {
     "tf2_kdl": "tf2_geometry_msgs transforms the same messages without KDL",
 }
 """Modules that are not there, each with the nearest way out."""
-_OWN = ("actionlib", "rosgraph", "roslib", "rospy", "rostest", "rosunit")
+_OWN = ("actionlib", "rosgraph", "roslaunch", "roslib", "rospy", "rostest", "rosunit")
 """Packages of fibws whose internal modules in ROS it does not have."""
 
 

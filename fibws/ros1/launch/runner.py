@@ -41,6 +41,7 @@ class Job:
         respawn_delay: seconds from its end to its next start; None for no restart.
         required: whether its end ends the launch.
         is_hub: whether it is the hub, which ends after all nodes.
+        is_ending: whether its end is wanted.
     """
 
     process: Process
@@ -49,6 +50,7 @@ class Job:
     respawn_delay: float | None = None
     required: bool = False
     is_hub: bool = False
+    is_ending: bool = False
     watch: asyncio.Task[None] = field(init=False, repr=False)
 
 
@@ -85,6 +87,8 @@ class Runner:
         """The global names of nodes that could not be started."""
         self.has_failed = False
         """Whether a process could not be started, or ended by itself with an error."""
+        self.on_end: Callable[[Process], None] = lambda process: None
+        """Called with each process that ended by itself."""
 
     @property
     def is_stopping(self) -> bool:
@@ -166,8 +170,8 @@ class Runner:
         self._say_started(process)
         return reading.result()
 
-    async def start_node(self, node: Node, command: NodeCommand, *, screen: bool) -> None:
-        """Start a node; report and count it as a failure if that is impossible."""
+    async def start_node(self, node: Node, command: NodeCommand, *, screen: bool) -> Job | None:
+        """Start a node; if that is impossible, report a failure and return None."""
         self._count += 1
         name = f"{node.resolved.lstrip('/')}-{self._count}"
         log = LogFile(self._folder / f"{name.replace('/', '-')}.log")
@@ -185,8 +189,9 @@ class Runner:
         )
         if await self._start(job):
             self.add(job)
-        else:
-            self.fail(node)
+            return job
+        self.fail(node)
+        return None
 
     def fail(self, node: Node) -> None:
         """Note that a node cannot be started."""
@@ -200,6 +205,12 @@ class Runner:
         """Watch a job with a running process."""
         self._jobs.append(job)
         job.watch = asyncio.create_task(self._watch(job), name=job.process.name)
+
+    async def end(self, job: Job) -> None:
+        """End one process, which is not started again."""
+        job.is_ending = True
+        job.process.send(Signal.INTERRUPT)
+        await self._escalate(job, self._urgency)
 
     async def run(self) -> None:
         """Wait until all nodes have ended, or `stop` is called; then end everything."""
@@ -275,7 +286,7 @@ class Runner:
         try:
             while True:
                 await job.process.wait()
-                if self.is_stopping:
+                if self.is_stopping or job.is_ending:
                     return
                 self._on_end(job)
                 if job.respawn_delay is None or not await self._respawn(job, job.respawn_delay):
@@ -288,7 +299,7 @@ class Runner:
         with suppress(TimeoutError):
             async with asyncio.timeout(max(delay, SHORTEST_DELAY)):
                 await self._stopping.wait()
-        if self.is_stopping:
+        if self.is_stopping or job.is_ending:
             return False
         self._screen.info(f"[{job.process.name}] restarting process")
         if await self._start(job):
@@ -299,6 +310,7 @@ class Runner:
     def _on_end(self, job: Job) -> None:
         """Report a process that ended by itself."""
         process = job.process
+        self.on_end(process)
         if process.exit_code != 0 and job.screen:
             self._terminal.restore()  # Or else Ctrl-C might no longer end this launch.
         if process.exit_code == 0:
