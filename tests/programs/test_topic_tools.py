@@ -10,7 +10,8 @@ from running_programs import Start
 
 import fibws
 from fibws.hub import Hub
-from fibws.msg.std_msgs import Int32, String
+from fibws.msg.geometry_msgs import Point
+from fibws.msg.std_msgs import Float64, Header, Int32, String
 from fibws.srv.topic_tools import (
     DemuxAdd,
     DemuxList,
@@ -106,6 +107,49 @@ async def test_mux_passes_on_the_selected_topic(hub: Hub, start: Start, node: fi
     assert (await anext(selected)).data == "__none"
 
 
+async def test_mux_is_changed_by_commands(hub: Hub, start: Start, node: fibws.Node) -> None:
+    selected = node.subscribe("/mux/selected", String)
+    await start(*RUN, "mux", "/chosen", "/first", FIBWS_HUB=hub.url)
+    assert (await anext(selected)).data == "/first"
+    for words, texts in (
+        (("mux_add", "mux", "/second"), ['Adding "/second" to mux "mux"']),
+        (("mux_list", "mux"), ['Listing topics from mux "mux"', "['/first', '/second']"]),
+    ):
+        program = await start(*RUN, *words, FIBWS_HUB=hub.url)
+        code, out, _ = await program.end()
+        service = words[0].partition("_")[2]
+        assert (code, out.splitlines()) == (0, [f'Waiting for service "mux/{service}"', *texts])
+    program = await start(*RUN, "mux_select", "mux", "/third", FIBWS_HUB=hub.url)
+    code, _, err = await program.end()
+    assert code == 1
+    assert "unknown topic /third" in err
+
+
+async def test_transform_publishes_what_an_expression_gives(
+    hub: Hub, start: Start, node: fibws.Node
+) -> None:
+    point = await node.advertise("/pen/point", Point, latch=True)
+    await point.publish(Point(3.0, 4.0, 0.0))
+    arguments = ("/pen/point/x", "/doubled", "std_msgs/Float64", "math.fabs(-2 * m)")
+    await start(*RUN, "transform", *arguments, "--import", "math", FIBWS_HUB=hub.url)
+    assert (await anext(node.subscribe("/doubled", Float64))).data == 6.0
+    arguments = ("pen/point", "/turned", "geometry_msgs/Point", "[-m.y, m.x, 0]")
+    await start(*RUN, "transform", *arguments, "--latch", "--wait-for-start", FIBWS_HUB=hub.url)
+    assert await anext(node.subscribe("/turned", Point)) == Point(-4.0, 3.0, 0.0)
+
+
+async def test_relay_field_fills_fields_with_expressions(
+    hub: Hub, start: Start, node: fibws.Node
+) -> None:
+    words = await node.advertise("/words", String, latch=True)
+    await words.publish(String("map"))
+    arguments = ("/words", "/heads", "std_msgs/Header", "{seq: 7, stamp: now, frame_id: m.data}")
+    await start(*RUN, "relay_field", *arguments, FIBWS_HUB=hub.url)
+    header = await anext(node.subscribe("/heads", Header))
+    assert header.frame_id == "map"
+    assert header.stamp.secs > 0
+
+
 async def test_demux_passes_messages_on_to_the_selected_topic(
     hub: Hub, start: Start, node: fibws.Node
 ) -> None:
@@ -181,6 +225,8 @@ async def test_lazy_transport_subscribes_while_it_is_needed(
         (["drop", "/a", "0", "0"], "Y from 1 on"),
         (["mux", "/a"], "at least one input"),
         (["demux", "/a"], "at least one output"),
+        (["transform", "/a", "/b", "std_msgs/Int8", "m"], "ERROR: Wrong input topic"),
+        (["transform", "/rosout", "/b", "nothing/X", "m"], "unknown type of the output: nothing/X"),
     ],
 )
 async def test_wrong_arguments_are_errors(

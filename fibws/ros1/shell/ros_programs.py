@@ -69,8 +69,14 @@ _TEST_PROGRAMS = [
 ]
 """The programs of rostest, which are in one file."""
 _TOPIC_TOOLS = _PYTHON / "topic_tools" / "programs.py"
-_TOPIC_PROGRAMS = ["delay", "demux", "drop", "mux", "relay", "throttle"]
+_TOPIC_PROGRAMS = [
+    *("delay", "demux", "drop", "mux", "mux_add", "mux_delete", "mux_list", "mux_select"),
+    *("relay", "throttle"),
+]
 """The programs of topic_tools, which are in one file, too."""
+_EXPRESSIONS = _PYTHON / "topic_tools" / "expressions.py"
+_EXPRESSION_PROGRAMS = ["relay_field", "transform"]
+"""Those that compute topics are in another one."""
 
 
 def command_line(package: str, program: str, arguments: Sequence[str]) -> list[str] | None:
@@ -93,6 +99,8 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
         return processes.command_line(_NODE_TESTS, [program, *arguments])
     if package == "topic_tools" and program in _TOPIC_PROGRAMS:
         return processes.command_line(_TOPIC_TOOLS, [program, *arguments])
+    if package == "topic_tools" and program in _EXPRESSION_PROGRAMS:
+        return processes.command_line(_EXPRESSIONS, [program, *arguments])
     if fault := _unsupported().get(package):
         raise WorkspaceError(f"{package} {fault}")
     return None
@@ -101,7 +109,7 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
 def names(package: str) -> list[str]:
     """Return the programs of a package of ROS's own that have a substitute."""
     found = [program for owner, program in [*_MODULES, *_SCRIPTS] if owner == package]
-    in_files = {"rostest": _TEST_PROGRAMS, "topic_tools": _TOPIC_PROGRAMS}
+    in_files = {"rostest": _TEST_PROGRAMS, "topic_tools": [*_TOPIC_PROGRAMS, *_EXPRESSION_PROGRAMS]}
     return [*found, *in_files.get(package, ())]
 
 

@@ -1,4 +1,5 @@
-"""relay, throttle, drop, delay, mux and demux; the first argument is the program.
+"""relay, throttle, drop, delay, mux and demux, and commands for a mux; the first argument is the
+program.
 
 They pass on the bytes of messages, which they do not decode. Source: topic_tools of ROS Noetic;
 delay is that of ROS 2.
@@ -35,7 +36,18 @@ USAGES = {
     "delay": "IN_TOPIC SECONDS [OUT_TOPIC]",
     "mux": "OUT_TOPIC IN_TOPIC1 [IN_TOPIC2 ...]",
     "demux": "IN_TOPIC OUT_TOPIC1 [OUT_TOPIC2 ...]",
+    "mux_add": "MUX_NAME TOPIC",
+    "mux_delete": "MUX_NAME TOPIC",
+    "mux_list": "MUX_NAME",
+    "mux_select": "MUX_NAME TOPIC",
 }
+_COMMANDS = {
+    "mux_add": (MuxAdd, 'Adding "{1}" to mux "{0}"'),
+    "mux_delete": (MuxDelete, 'Deleting "{1}" from mux "{0}"'),
+    "mux_list": (MuxList, 'Listing topics from mux "{0}"'),
+    "mux_select": (MuxSelect, 'Selecting "{1}" at mux "{0}"'),
+}
+"""Services that commands call, and what they say."""
 _SWITCHES = {"mux": ("output", "input"), "demux": ("input", "output")}
 NONE = "__none"
 """Selects no topic of a mux."""
@@ -285,7 +297,28 @@ def main(program: str, arguments: Sequence[str]) -> None:
         pass
 
 
+def _command(program: str, arguments: Sequence[str]) -> None:
+    """Call a service of a mux; this is not a node."""
+    service_class, text = _COMMANDS[program]
+    expected = USAGES[program].count(" ") + 1
+    if len(arguments) != expected:
+        _fail(program, f"expected {expected} arguments, got {len(arguments)}")
+    name = f"{arguments[0]}/{program.partition('_')[2]}"
+    print(f'Waiting for service "{name}"', flush=True)
+    rospy.wait_for_service(name)
+    print(text.format(*arguments), flush=True)
+    try:
+        response = rospy.ServiceProxy(name, service_class)(*arguments[1:])
+    except rospy.ServiceException as error:
+        sys.exit(f"Service call failed: {error}")
+    if program == "mux_list":
+        print(response.topics)
+
+
 def _run(program: str, arguments: list[str]) -> None:
+    if program in _COMMANDS:
+        _command(program, arguments)
+        return
     if program in _SWITCHES:
         if len(arguments) < 2:
             first, others = _SWITCHES[program]
