@@ -138,3 +138,49 @@ def _table(rows: Sequence[Sequence[str]]) -> str:
         *("   ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) for row in rows),
     ]
     return "\n".join(lines) + "\n"
+
+
+BANDWIDTH_WINDOW = 100
+BYTES = ((1_000_000, "MB"), (1_000, "KB"), (1, "B"))
+"""Units in bytes, the largest first; a report has one unit for all its numbers."""
+
+
+class Bandwidth:
+    """The bandwidth of a topic.
+
+    Args:
+        window: number of latest messages to measure.
+    """
+
+    def __init__(self, window: int = BANDWIDTH_WINDOW) -> None:
+        self._sizes = Window(window)
+        self._times = Window(window)
+
+    def add(self, size: int, now: float) -> None:
+        """Count a message of ``size`` bytes, received at ``now`` in seconds."""
+        self._sizes.add(size)
+        self._times.add(now)
+
+    def at(self, now: float) -> tuple[float, Summary, int] | None:
+        """Return the bytes per second until ``now``, the messages' sizes, and their number.
+
+        Return None for fewer than two messages.
+        """
+        if len(self._sizes) < 2 or now <= self._times.oldest:
+            return None
+        rate = self._sizes.total / (now - self._times.oldest)
+        return rate, self._sizes.summary(), len(self._sizes)
+
+
+def bandwidth_text(rate: float, sizes: Summary, number: int) -> str:
+    """Return a rate in bytes per second and message sizes in the format of rostopic bw."""
+    factor, unit = next((each for each in BYTES if rate >= each[0]), BYTES[-1])
+    average, mean, least, most = (
+        f"{each / factor:.2f}{unit}" for each in (rate, sizes.mean, sizes.least, sizes.most)
+    )
+    return f"average: {average}/s\n\tmean: {mean} min: {least} max: {most} window: {number}"
+
+
+def delay_text(delays: Summary, number: int) -> str:
+    """Return the delays of ``number`` messages in the format of rostopic delay."""
+    return f"average delay: {delays.mean:.3f}\n\t{in_seconds(delays)} window: {number}"

@@ -20,7 +20,7 @@ from click.testing import CliRunner
 from hub_in_thread import Publish, Run
 
 from fibws.cli import output
-from fibws.cli.topic.rates import Bandwidth, Delay, bandwidth_text, delay_text
+from fibws.cli.topic.rates import Delay
 from fibws.errors import InvalidValue
 from fibws.hub.rosapi.typedefs import TypeDefs
 from fibws.interfaces import Interfaces
@@ -28,7 +28,7 @@ from fibws.interfaces.definition import Field as DefinedField
 from fibws.values import csv_rows, parsing
 from fibws.values import rates as windows
 from fibws.values.field_paths import Path as FieldPath
-from fibws.values.rates import Rate, poll, rates_text
+from fibws.values.rates import Bandwidth, Rate, bandwidth_text, delay_text, poll, rates_text
 from fibws.values.typedefs import Field, Typedefs
 from fibws.values.yaml_text import Style, message_text, value_text
 

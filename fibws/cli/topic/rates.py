@@ -16,12 +16,15 @@ from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.topic.topic_argument import FoundTopic, global_name, wait_for_topic
 from fibws.client.hub_client import HubClient, OnMessage, RawMessage
 from fibws.values.rates import (
+    BANDWIDTH_WINDOW,
     MAX_WINDOW,
+    Bandwidth,
     Rate,
     Summary,
     Window,
     as_object,
-    in_seconds,
+    bandwidth_text,
+    delay_text,
     poll,
     rates_text,
 )
@@ -123,42 +126,6 @@ def _counter(rate: Rate) -> OnMessage:
     return count
 
 
-BANDWIDTH_WINDOW = 100
-BYTES = ((1_000_000, "MB"), (1_000, "KB"), (1, "B"))
-"""Units in bytes, the largest first; a report has one unit for all its numbers."""
-
-
-class Bandwidth:
-    """The bandwidth of a topic.
-
-    Args:
-        window: number of latest messages to measure.
-    """
-
-    def __init__(self, window: int = BANDWIDTH_WINDOW) -> None:
-        self._sizes = Window(window)
-        self._times = Window(window)
-
-    def receive(self, message: RawMessage) -> None:
-        """Count a message that is received now."""
-        self.add(len(message.data), time.perf_counter())
-
-    def add(self, size: int, now: float) -> None:
-        """Count a message of ``size`` bytes, received at ``now`` in seconds."""
-        self._sizes.add(size)
-        self._times.add(now)
-
-    def at(self, now: float) -> tuple[float, Summary, int] | None:
-        """Return the bytes per second until ``now``, the messages' sizes, and their number.
-
-        Return None for fewer than two messages.
-        """
-        if len(self._sizes) < 2 or now <= self._times.oldest:
-            return None
-        rate = self._sizes.total / (now - self._times.oldest)
-        return rate, self._sizes.summary(), len(self._sizes)
-
-
 @click.command()
 @_topic_argument
 @_window_option(BANDWIDTH_WINDOW, least=2)
@@ -173,7 +140,11 @@ def bw(client: HubClient, topic: str, window: int, count: int | None, as_json: b
     """
     bandwidth = Bandwidth(window)
     name = global_name(client, topic)
-    subscribe(client, name, bandwidth.receive, quiet=as_json)
+
+    def receive(message: RawMessage) -> None:
+        bandwidth.add(len(message.data), time.perf_counter())
+
+    subscribe(client, name, receive, quiet=as_json)
 
     def show() -> None:
         measured = bandwidth.at(time.perf_counter())
@@ -185,15 +156,6 @@ def bw(client: HubClient, topic: str, window: int, count: int | None, as_json: b
             output.line(bandwidth_text(*measured))
 
     report(client, show, count)
-
-
-def bandwidth_text(rate: float, sizes: Summary, number: int) -> str:
-    """Return a rate in bytes per second and message sizes in the format of rostopic bw."""
-    factor, unit = next((each for each in BYTES if rate >= each[0]), BYTES[-1])
-    average, mean, least, most = (
-        f"{each / factor:.2f}{unit}" for each in (rate, sizes.mean, sizes.least, sizes.most)
-    )
-    return f"average: {average}/s\n\tmean: {mean} min: {least} max: {most} window: {number}"
 
 
 _SERIALIZED_STAMP = struct.Struct("<III")
@@ -301,8 +263,3 @@ def delay(client: HubClient, topic: str, window: int, count: int | None, as_json
             output.line(delay_text(*polled))
 
     report(client, show, count)
-
-
-def delay_text(delays: Summary, number: int) -> str:
-    """Return the delays of ``number`` messages in the format of rostopic delay."""
-    return f"average delay: {delays.mean:.3f}\n\t{in_seconds(delays)} window: {number}"

@@ -18,10 +18,10 @@ from running_programs import Start
 from websockets.sync.server import ServerConnection
 
 from fibws.cli.topic import rates
-from fibws.cli.topic.rates import Bandwidth, Delay, json_stamp, serialized_stamp
+from fibws.cli.topic.rates import Delay, json_stamp, serialized_stamp
 from fibws.client.hub_client import HubClient, RawMessage
 from fibws.errors import OperationRejected
-from fibws.values.rates import Summary
+from fibws.values.rates import Bandwidth, Summary, bandwidth_text
 
 
 def test_messages_are_received_between_reports(
@@ -146,7 +146,7 @@ def test_bandwidth_is_bytes_divided_by_the_time_since_the_oldest() -> None:
 
 def test_one_message_has_no_bandwidth() -> None:
     bandwidth = Bandwidth()
-    bandwidth.receive(RawMessage(b"{}", None))
+    bandwidth.add(2, 0.0)
     assert bandwidth.at(1e9) is None
 
 
@@ -168,7 +168,7 @@ def test_only_the_latest_sizes_are_measured() -> None:
     ],
 )
 def test_all_numbers_have_the_same_unit(rate: float, printed: str) -> None:
-    assert rates.bandwidth_text(rate, Summary(1500, 1000, 2000, 500), 2) == printed
+    assert bandwidth_text(rate, Summary(1500, 1000, 2000, 500), 2) == printed
 
 
 def test_bytes_of_serialized_messages_are_counted(run: Run, publish: Publish) -> None:

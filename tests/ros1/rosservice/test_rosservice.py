@@ -45,6 +45,18 @@ async def test_service_is_found_by_name() -> None:
     assert await ask(rosservice.has_service_args, "/robot/light/switch")
 
 
+async def test_headers_of_a_service_have_its_type() -> None:
+    headers = await ask(rosservice.get_service_headers, "/robot/light/switch", "")
+    assert headers == {
+        "callerid": "/robot/light",
+        "md5sum": "09fb03525b03e7ea1fd3992bafd87e16",
+        "service": "/robot/light/switch",
+        "type": "std_srvs/SetBool",
+    }
+    with pytest.raises(rosservice.ROSServiceException, match="/nothing"):
+        await ask(rosservice.get_service_headers, "/nothing", "")
+
+
 async def test_unknown_service_gives_none() -> None:
     for function in (
         rosservice.get_service_type,

@@ -6,7 +6,9 @@ import math
 
 import pytest
 import rospy
-from rostopic import ROSTopicHz
+from geometry_msgs.msg import PointStamped
+from rostopic import ROSTopicBandwidth, ROSTopicDelay, ROSTopicHz
+from std_msgs.msg import Header
 
 
 class Clock:
@@ -56,3 +58,31 @@ def test_wall_time_can_be_used(clock: Clock) -> None:
     rate.callback_hz(None)
     rate.callback_hz(None)
     assert rate.get_hz() is not None
+
+
+def test_delays_are_computed_from_stamps(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
+    delay = ROSTopicDelay(-1)
+    delay.print_delay()
+    for clock.seconds, stamp in ((2.0, 1.5), (3.0, 2.75), (4.0, 3.75)):
+        delay.callback_delay(PointStamped(header=Header(stamp=rospy.Time.from_sec(stamp))))
+    delay.print_delay()
+    delay.print_delay()
+    assert capsys.readouterr().out == (
+        "no new messages\n"
+        "average delay: 0.333\n\tmin: 0.250s max: 0.500s std dev: 0.11785s window: 3\n"
+        "no new messages\n"
+    )
+
+
+def test_bandwidth_is_computed_from_sizes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    moments = iter((1.0, 1.5, 2.0, 3.0))
+    monkeypatch.setattr("rostopic.time", lambda: next(moments))
+    bandwidth = ROSTopicBandwidth(2)
+    for size in (99, 1000, 3000):
+        bandwidth.callback(rospy.AnyMsg().deserialize(bytes(size)))
+    bandwidth.print_bw()
+    assert capsys.readouterr().out == (
+        "average: 2.67KB/s\n\tmean: 2.00KB min: 1.00KB max: 3.00KB window: 2\n"
+    )

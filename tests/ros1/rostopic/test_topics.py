@@ -77,3 +77,11 @@ async def test_missing_hub_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
     with pytest.raises(rostopic.ROSTopicIOException, match=r"master! .*127\.0\.0\.1:1"):
         await ask(rostopic.get_topic_list)
+
+
+async def test_topic_is_described() -> None:
+    text = await ask(rostopic.get_info_text, "/header")
+    assert text.startswith("Type: std_msgs/Header\n\nPublishers: \n * /talker (http://127.0.0.1:")
+    assert text.endswith("/)\n\nSubscribers: None\n\n")
+    with pytest.raises(rostopic.ROSTopicException, match="Unknown topic /nothing"):
+        await ask(rostopic.get_info_text, "/nothing")

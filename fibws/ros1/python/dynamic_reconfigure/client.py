@@ -163,6 +163,22 @@ class Client:
         if value is not None:
             value(self.param_description)
 
+    def get_config_callback(self) -> ConfigCallback | None:
+        """Return `config_callback`."""
+        return self.config_callback
+
+    def set_config_callback(self, value: ConfigCallback | None) -> None:
+        """Set `config_callback`."""
+        self.config_callback = value
+
+    def get_description_callback(self) -> ConfigCallback | None:
+        """Return `description_callback`."""
+        return self.description_callback
+
+    def set_description_callback(self, value: ConfigCallback | None) -> None:
+        """Set `description_callback`."""
+        self.description_callback = value
+
     def _wait_for_service(self, service: str, timeout: float | None) -> None:
         if not timeout:
             try:

@@ -14,6 +14,7 @@ __all__ = [
     "call_service",
     "get_service_args",
     "get_service_class_by_name",
+    "get_service_headers",
     "get_service_list",
     "get_service_node",
     "get_service_type",
@@ -118,6 +119,26 @@ def get_service_class_by_name(service_name: str) -> Any:
             "and sourced its devel/setup.bash?"
         )
     return service_class
+
+
+def get_service_headers(service_name: str, service_uri: str) -> dict[str, str]:
+    """Return what a service tells its callers: its node, its type, and the md5 sum of that.
+
+    Args:
+        service_name: its name.
+        service_uri: ignored.
+
+    Raises:
+        ROSServiceException: the service is unknown, or its type is not defined here.
+        ROSServiceIOException: the hub cannot be reached.
+    """
+    service_class = get_service_class_by_name(service_name)
+    return {
+        "callerid": get_service_node(service_name) or "",
+        "md5sum": service_class._md5sum,
+        "service": _global(service_name),
+        "type": service_class._type,
+    }
 
 
 def call_service(

@@ -17,10 +17,13 @@ from fibws.values import rates
 from fibws.values.field_paths import Path, Step
 
 __all__ = [
+    "ROSTopicBandwidth",
+    "ROSTopicDelay",
     "ROSTopicException",
     "ROSTopicHz",
     "ROSTopicIOException",
     "find_by_type",
+    "get_info_text",
     "get_topic_class",
     "get_topic_list",
     "get_topic_type",
@@ -124,6 +127,34 @@ def find_by_type(topic_type: str) -> list[str]:
     """
     with reporting_no_master(ROSTopicIOException):
         return [name for name, type_ in _master().getTopicTypes() if type_ == topic_type]
+
+
+def get_info_text(topic: str) -> str:
+    """Return a topic's type and nodes, in the format of ``rostopic info``.
+
+    Raises:
+        ROSTopicException: the topic is unknown.
+        ROSTopicIOException: the hub cannot be reached.
+    """
+    published, subscribed = get_topic_list()
+    found = [each for each in [*published, *subscribed] if each[0] == topic]
+    if not found:
+        raise ROSTopicException(f"Unknown topic {topic}")
+    lines = [f"Type: {found[0][1]}", ""]
+    for head, topics in (("Publishers", published), ("Subscribers", subscribed)):
+        nodes = [node for name, _, names in topics if name == topic for node in names]
+        lines.append(f"{head}: " if nodes else f"{head}: None")
+        lines += [f" * {node} ({_uri(node)})" for node in nodes]
+        lines.append("")
+    return "\n".join([*lines, ""])
+
+
+def _uri(node: str) -> str:
+    with reporting_no_master(ROSTopicIOException):
+        try:
+            return _master().lookupNode(node)
+        except rosgraph.MasterError:
+            return f"unknown address {node}"
 
 
 def _find(name: str) -> tuple[str, str] | None:
@@ -258,3 +289,73 @@ class ROSTopicHz:
         if topic not in self._rates:
             self._rates[topic] = rates.Rate(self._window_size)
         return self._rates[topic]
+
+
+class ROSTopicBandwidth:
+    """Measures the bandwidth of a topic by calls of `callback` with messages as `rospy.AnyMsg`.
+
+    Args:
+        window_size: number of latest messages to measure.
+    """
+
+    def __init__(self, window_size: int = rates.BANDWIDTH_WINDOW) -> None:
+        self.lock = threading.Lock()
+        self._bandwidth = rates.Bandwidth(window_size or rates.BANDWIDTH_WINDOW)
+
+    def callback(self, data: Any) -> None:
+        """Count a message that is received now."""
+        with self.lock:
+            self._bandwidth.add(len(data._buff), time())
+
+    def print_bw(self) -> None:
+        """Print the bandwidth until now, unless there are fewer than two messages."""
+        with self.lock:
+            measured = self._bandwidth.at(time())
+        if measured is not None:
+            print(rates.bandwidth_text(*measured))
+
+
+class ROSTopicDelay:
+    """Measures the delays of a topic, from stamps until calls of `callback_delay`.
+
+    Args:
+        window_size: number of latest messages to measure; 50 000 if it is negative.
+    """
+
+    def __init__(self, window_size: int) -> None:
+        self.lock = threading.Lock()
+        self._delays = rates.Window(window_size if window_size > 0 else rates.MAX_WINDOW)
+        self._is_reported = True
+
+    def callback_delay(self, msg: Any) -> None:
+        """Count a message that is received now."""
+        import rospy
+
+        if not msg._has_header:
+            rospy.logerr("msg does not have header")
+            return
+        now = rospy.get_rostime().to_sec()
+        if now:  # Simulated time has begun, if it is used.
+            with self.lock:
+                self._delays.add(now - msg.header.stamp.to_sec())
+                self._is_reported = False
+
+    def get_delay(self) -> tuple[float, float, float, float, int] | None:
+        """Return the mean, min, max and deviation of the delays in seconds, and their number.
+
+        Return None if there is no new message since the last call.
+        """
+        with self.lock:
+            if self._is_reported:
+                return None
+            self._is_reported = True
+            delays = self._delays.summary()
+            return delays.mean, delays.least, delays.most, delays.deviation, len(self._delays)
+
+    def print_delay(self) -> None:
+        """Print the delays."""
+        found = self.get_delay()
+        if found is None:
+            print("no new messages")
+        else:
+            print(rates.delay_text(rates.Summary(*found[:4]), found[4]))

@@ -78,6 +78,9 @@ if __name__ == '__main__':
     print(rosservice.get_service_class_by_name('/tools/switch') is SetBool)
     attempt(rosservice.get_service_class_by_name, '/nothing')
     print(rosservice.get_service_args('/tools/switch'), rosservice.has_service_args('/tools/switch'))
+    uri = rosservice.get_service_uri('/tools/switch')
+    print(sorted(rosservice.get_service_headers('/tools/switch', uri).items()))
+    attempt(rostopic.get_info_text, '/nothing')
 
     print('parameters')
     path = os.path.join(tempfile.mkdtemp(), 'robot.yaml')
