@@ -78,6 +78,21 @@ _EXPRESSIONS = _PYTHON / "topic_tools" / "expressions.py"
 _EXPRESSION_PROGRAMS = ["relay_field", "transform"]
 """Those that compute topics are in another one."""
 
+_WINDOWS = [
+    *("image_view", "rviz"),
+    *("rqt_bag", "rqt_image_view", "rqt_launch", "rqt_logger_level", "rqt_msg", "rqt_publisher"),
+    *("rqt_robot_monitor", "rqt_robot_steering", "rqt_runtime_monitor", "rqt_service_caller"),
+    *("rqt_tf_tree", "rqt_top"),
+]
+"""Packages whose programs open windows."""
+_IN_CPP = [
+    *("amcl", "cartographer_ros", "depthimage_to_laserscan", "gmapping", "hector_mapping"),
+    *("image_proc", "joy", "laser_filters", "move_base", "nodelet", "pointcloud_to_laserscan"),
+    *("robot_localization", "rplidar_ros", "slam_gmapping", "stereo_image_proc", "urg_node"),
+    *("usb_cam", "velodyne_pointcloud"),
+]
+"""Packages in C++ that many robots run."""
+
 
 def command_line(package: str, program: str, arguments: Sequence[str]) -> list[str] | None:
     """Return the command to run instead of a program of ROS's own; None for other programs.
@@ -118,12 +133,12 @@ def _unsupported() -> dict[str, str]:
     page = f"opens a window, which fibws cannot; see the hub's page instead: {command_name('open')}"
     built_in = "is part of the hub and needs no start"
     talker = command_name("run rospy_tutorials talker")
+    cpp = "is in C++, which fibws does not build; nodes of an installed ROS join a hub with --ros1"
     return {
+        **dict.fromkeys(_WINDOWS, page),
+        **dict.fromkeys(_IN_CPP, cpp),
         "joint_state_publisher_gui": "opens a window, which fibws cannot; publish joint_states, or "
         "start joint_state_publisher with ~source_list",
-        "rviz": page,
-        "rqt_image_view": page,
-        "rqt_tf_tree": page,
         "gazebo_ros": "is not supported: fibws does not simulate robots",
         "roscpp_tutorials": f"is in C++, which fibws does not build; in Python: {talker}",
         "rosbridge_server": built_in,

@@ -101,6 +101,15 @@ def test_unknown_package_is_an_error() -> None:
     assert error.value.name == "qwertz"
 
 
+def test_common_package_that_is_missing_is_an_error_with_the_way_out() -> None:
+    with pytest.raises(PackageNotFound, match="github.com/ros-teleop/teleop_twist_keyboard into"):
+        rosrun_command(Packages([]), "teleop_twist_keyboard", "teleop_twist_keyboard.py", [])
+    with pytest.raises(WorkspaceError, match=r"move_base is in C\+\+.* --ros1"):
+        rosrun_command(Packages([]), "move_base", "move_base", [])
+    with pytest.raises(WorkspaceError, match="page"):
+        rosrun_command(Packages([]), "rqt_robot_steering", "rqt_robot_steering", [])
+
+
 def test_rosrun_starts_a_program_in_its_folder(layout: Layout) -> None:
     folder = layout.package("robot", programs={"scripts/run.sh": "#!/bin/sh\n"}) / "scripts"
     found = rosrun_command(known(layout), "robot", "run.sh", ["x", "a:=b"])
