@@ -102,7 +102,7 @@ def test_unknown_package_is_an_error() -> None:
 
 
 def test_common_package_that_is_missing_is_an_error_with_the_way_out() -> None:
-    with pytest.raises(PackageNotFound, match="github.com/ros-teleop/teleop_twist_keyboard into"):
+    with pytest.raises(PackageNotFound, match="ros-teleop/teleop_twist_keyboard into"):
         rosrun_command(Packages([]), "teleop_twist_keyboard", "teleop_twist_keyboard.py", [])
     with pytest.raises(WorkspaceError, match=r"move_base is in C\+\+.* --ros1"):
         rosrun_command(Packages([]), "move_base", "move_base", [])
