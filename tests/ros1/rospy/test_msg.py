@@ -6,10 +6,16 @@ from io import BytesIO
 from typing import Any
 
 import pytest
-from genpy.message import get_message_class
+from genpy.message import DeserializationError, get_message_class
 from rospy.exceptions import ROSException
-from rospy.msg import AnyMsg, args_kwds_to_message, serialized
-from std_msgs.msg import Empty, Int32, String
+from rospy.msg import (
+    AnyMsg,
+    args_kwds_to_message,
+    deserialize_messages,
+    serialize_message,
+    serialized,
+)
+from std_msgs.msg import Empty, Header, Int32, String
 
 Point: Any = get_message_class("geometry_msgs/Point")
 Pose: Any = get_message_class("geometry_msgs/Pose")
@@ -83,3 +89,21 @@ def test_invalid_arguments_are_refused(
 
 def test_message_is_serialized() -> None:
     assert serialized(String("hi")) == b"\x02\0\0\0hi"
+
+
+def test_messages_follow_their_lengths() -> None:
+    buffer = BytesIO()
+    for number in range(4):
+        serialize_message(buffer, number, Header(frame_id=None))
+    buffer.write(b"\x07\0\0\0ab")
+    found: list[Any] = []
+    deserialize_messages(buffer, found, Header, max_msgs=2)
+    assert [(each.seq, each.frame_id) for each in found] == [(0, "0"), (1, "0")]
+    deserialize_messages(buffer, found, Header, queue_size=1)
+    assert [each.seq for each in found] == [3]
+    assert buffer.getvalue() == b"\x07\0\0\0ab"
+    buffer.write(b"cdefg")
+    with pytest.raises(DeserializationError):
+        deserialize_messages(buffer, found, Header)
+    deserialize_messages(BytesIO(), found, Header)
+    assert len(found) == 1

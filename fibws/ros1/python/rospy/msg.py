@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Self, TypeVar
 
 from genpy.classes import message_class
-from genpy.message import Message
+from genpy.message import DeserializationError, Message
 
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.message import ObjectStyle
@@ -19,7 +20,18 @@ if TYPE_CHECKING:
 else:
     Header = message_class("std_msgs/Header")
 
-__all__ = ["AnyMsg", "Header", "Message", "args_kwds_to_message", "serialized"]
+__all__ = [
+    "AnyMsg",
+    "Header",
+    "Message",
+    "args_kwds_to_message",
+    "deserialize_messages",
+    "serialize_message",
+    "serialized",
+]
+
+_LENGTH = struct.Struct("<I")
+"""Bytes of a message, which precede it on a TCPROS connection."""
 
 
 class AnyMsg(Message):
@@ -120,3 +132,67 @@ def serialized(message: Message) -> bytes:
     buffer = BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()
+
+
+def serialize_message(b: BinaryIO, seq: int, msg: Message) -> None:
+    """Append a message to a buffer, after its length, as TCPROS does.
+
+    Args:
+        b: the buffer.
+        seq: the sequence number for the message's header, if it has one.
+        msg: the message.
+
+    Raises:
+        genpy.SerializationError: a value does not fit its field.
+    """
+    if msg._has_header:
+        msg.header.seq = seq
+        if msg.header.frame_id is None:
+            msg.header.frame_id = "0"
+    data = serialized(msg)
+    b.write(_LENGTH.pack(len(data)) + data)
+
+
+def deserialize_messages(
+    b: BytesIO,
+    msg_queue: list[Any],
+    data_class: type[Message],
+    queue_size: int | None = None,
+    max_msgs: int | None = None,
+    start: int = 0,
+) -> None:
+    """Move the messages in a buffer, each after its length, to a list.
+
+    What is left of the buffer, a part of a message, moves to its begin.
+
+    Args:
+        b: the buffer; what was written to it ends at its position.
+        msg_queue: the list.
+        data_class: the class of the messages.
+        queue_size: how many messages the list keeps, the newest ones.
+        max_msgs: how many messages to read at most.
+        start: where the buffer begins.
+
+    Raises:
+        genpy.DeserializationError: a message is invalid.
+    """
+    end, at = b.tell(), start
+    data = b.getbuffer()[:end].tobytes()
+    found: list[bytes] = []
+    while (not max_msgs or len(found) < max_msgs) and end - at >= _LENGTH.size:
+        (size,) = _LENGTH.unpack_from(data, at)
+        if end - at - _LENGTH.size < size:
+            break
+        at += _LENGTH.size + size
+        found.append(data[at - size : at])
+    if queue_size is not None:
+        del found[: max(0, len(found) - queue_size)]
+    try:
+        msg_queue += [data_class().deserialize(each) for each in found]
+    except Exception as error:
+        raise DeserializationError(f"cannot deserialize: {error}") from error
+    if queue_size is not None:
+        del msg_queue[: max(0, len(msg_queue) - queue_size)]
+    b.seek(start)
+    b.truncate()
+    b.write(data[at:])

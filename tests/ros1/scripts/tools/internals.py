@@ -12,6 +12,7 @@ import roslib.msgs
 import roslib.names
 import roslib.srvs
 import rospy
+from rospy.msg import deserialize_messages, serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
@@ -107,6 +108,22 @@ OWN += "=" * 80 + "\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_
 made = genpy.dynamic.generate_dynamic("own/Whole", OWN)
 print(sorted(made), made["own/Part"].ONE, made["own/Whole"]._md5sum, made["own/Whole"]._has_header)
 print(made["own/Whole"]([made["own/Part"](x=2.5)]))
+
+print("messages after their lengths")
+buffer = io.BytesIO()
+for number in range(4):
+    serialize_message(buffer, number, Header())
+print(buffer.tell(), buffer.getvalue()[:12])
+buffer.write(b"\x07\0\0\0ab")
+found = []
+deserialize_messages(buffer, found, Header, max_msgs=2)
+print([each.seq for each in found], buffer.tell())
+deserialize_messages(buffer, found, Header, queue_size=1)
+print([each.seq for each in found], buffer.getvalue())
+buffer.write(b"cdefg")
+attempt(deserialize_messages, buffer, found, Header)
+deserialize_messages(io.BytesIO(), found, Header)
+print(len(found))
 
 print("logs")
 rosgraph.roslogging.configure_logging("internals", filename="internals-test.log")
