@@ -94,7 +94,9 @@ def test_message_is_serialized() -> None:
 def test_messages_follow_their_lengths() -> None:
     buffer = BytesIO()
     for number in range(4):
-        serialize_message(buffer, number, Header(frame_id=None))
+        header = Header()
+        header.frame_id = None
+        serialize_message(buffer, number, header)
     buffer.write(b"\x07\0\0\0ab")
     found: list[Any] = []
     deserialize_messages(buffer, found, Header, max_msgs=2)
