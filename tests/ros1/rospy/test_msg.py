@@ -15,9 +15,10 @@ from rospy.msg import (
     serialize_message,
     serialized,
 )
-from std_msgs.msg import Empty, Header, Int32, String
+from std_msgs.msg import Empty, Int32, String
 
 Point: Any = get_message_class("geometry_msgs/Point")
+PointStamped: Any = get_message_class("geometry_msgs/PointStamped")
 Pose: Any = get_message_class("geometry_msgs/Pose")
 Quaternion: Any = get_message_class("geometry_msgs/Quaternion")
 
@@ -94,18 +95,18 @@ def test_message_is_serialized() -> None:
 def test_messages_follow_their_lengths() -> None:
     buffer = BytesIO()
     for number in range(4):
-        header = Header()
-        header.frame_id = None
-        serialize_message(buffer, number, header)
+        message = PointStamped()
+        message.header.frame_id = None
+        serialize_message(buffer, number, message)
     buffer.write(b"\x07\0\0\0ab")
     found: list[Any] = []
-    deserialize_messages(buffer, found, Header, max_msgs=2)
-    assert [(each.seq, each.frame_id) for each in found] == [(0, "0"), (1, "0")]
-    deserialize_messages(buffer, found, Header, queue_size=1)
-    assert [each.seq for each in found] == [3]
+    deserialize_messages(buffer, found, PointStamped, max_msgs=2)
+    assert [(each.header.seq, each.header.frame_id) for each in found] == [(0, "0"), (1, "0")]
+    deserialize_messages(buffer, found, PointStamped, queue_size=1)
+    assert [each.header.seq for each in found] == [3]
     assert buffer.getvalue() == b"\x07\0\0\0ab"
     buffer.write(b"cdefg")
     with pytest.raises(DeserializationError):
-        deserialize_messages(buffer, found, Header)
-    deserialize_messages(BytesIO(), found, Header)
+        deserialize_messages(buffer, found, PointStamped)
+    deserialize_messages(BytesIO(), found, PointStamped)
     assert len(found) == 1
