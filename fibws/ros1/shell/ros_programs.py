@@ -24,6 +24,14 @@ _MODULES = {
     ("rqt_plot", "rqt_plot"): ("fibws", "open", "plot"),
     ("rqt_console", "rqt_console"): ("fibws", "open", "console"),
     ("rqt_reconfigure", "rqt_reconfigure"): ("fibws", "open", "reconfigure"),
+    ("rqt_image_view", "rqt_image_view"): ("fibws", "open", "topics"),
+    ("rqt_logger_level", "rqt_logger_level"): ("fibws", "open", "console"),
+    ("rqt_publisher", "rqt_publisher"): ("fibws", "open", "topics"),
+    ("rqt_robot_monitor", "rqt_robot_monitor"): ("fibws", "open", "topics", "/diagnostics"),
+    ("rqt_robot_steering", "rqt_robot_steering"): ("fibws", "open", "topics", "/cmd_vel"),
+    ("rqt_service_caller", "rqt_service_caller"): ("fibws", "open", "services"),
+    ("rqt_tf_tree", "rqt_tf_tree"): ("fibws", "open", "topics", "/tf"),
+    ("actionlib", "axclient"): ("fibws", "open", "actions"),
     **{(name, name): ("fibws.cli", name) for name in COMMANDS},
     ("tf", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
     ("tf2_ros", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
@@ -78,12 +86,7 @@ _EXPRESSIONS = _PYTHON / "topic_tools" / "expressions.py"
 _EXPRESSION_PROGRAMS = ["relay_field", "transform"]
 """Those that compute topics are in another one."""
 
-_WINDOWS = [
-    *("image_view", "rviz"),
-    *("rqt_bag", "rqt_image_view", "rqt_launch", "rqt_logger_level", "rqt_msg", "rqt_publisher"),
-    *("rqt_robot_monitor", "rqt_robot_steering", "rqt_runtime_monitor", "rqt_service_caller"),
-    *("rqt_tf_tree", "rqt_top"),
-]
+_WINDOWS = ["image_view", "rqt_bag", "rqt_launch", "rqt_msg", "rqt_runtime_monitor", "rviz"]
 """Packages whose programs open windows."""
 _IN_CPP = [
     *("amcl", "cartographer_ros", "depthimage_to_laserscan", "gmapping", "hector_mapping"),

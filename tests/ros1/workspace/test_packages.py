@@ -107,7 +107,7 @@ def test_common_package_that_is_missing_is_an_error_with_the_way_out() -> None:
     with pytest.raises(WorkspaceError, match=r"move_base is in C\+\+.* --ros1"):
         rosrun_command(Packages([]), "move_base", "move_base", [])
     with pytest.raises(WorkspaceError, match="page"):
-        rosrun_command(Packages([]), "rqt_robot_steering", "rqt_robot_steering", [])
+        rosrun_command(Packages([]), "rviz", "rviz", [])
 
 
 def test_rosrun_starts_a_program_in_its_folder(layout: Layout) -> None:
