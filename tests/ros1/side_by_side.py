@@ -42,7 +42,7 @@ DEFINITIONS = Path(fibws.__file__).parent / "interfaces" / "definitions"
 MODULES = (
     "numpy, rospy, std_msgs, sensor_msgs, actionlib, message_filters, genpy, dynamic_reconfigure, "
     "tf2_ros, tf2_geometry_msgs, tf2_sensor_msgs, cv_bridge, diagnostic_updater, rosbag, "
-    "interactive_markers.interactive_marker_server"
+    "interactive_markers.interactive_marker_server, roslaunch"
 )
 
 

@@ -29,6 +29,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "checks of a device": (Part("tools/diagnostics.py", errors=False, interrupted=False),),
     "markers that people move": (Part("tools/markers.py", errors=False, interrupted=False),),
     "internal modules": (Part("tools/internals.py", interrupted=False),),
+    "nodes to launch": (Part("tools/launching.py", interrupted=False),),
     "parameters that others change": (
         Part("reconfigure/server.py", until="ready", errors=False),
         Part("reconfigure/client.py", interrupted=False),
