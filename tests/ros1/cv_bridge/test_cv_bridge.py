@@ -75,6 +75,23 @@ def test_invalid_compressed_images_are_errors() -> None:
         bridge.cv2_to_compressed_imgmsg(np.zeros((2, 2, 7), np.uint8))
 
 
+@pytest.mark.parametrize(("encoding", "brightness"), [("yuv422", 1), ("yuv422_yuy2", 0)])
+def test_gray_of_yuv_is_its_brightness(encoding: str, brightness: int) -> None:
+    pixels = np.arange(16, dtype=np.uint8).reshape(2, 4, 2)
+    message = Image(height=2, width=4, encoding=encoding, step=8, data=pixels.tobytes())
+    found = bridge.imgmsg_to_cv2(message, "mono8")
+    assert (found == pixels[..., brightness]).all()
+    assert bridge.imgmsg_to_cv2(message, "mono16")[0, 0] == round(int(found[0, 0]) * 257)
+
+
+def test_gray_of_raw_pixels_is_not_rounded_twice() -> None:
+    cv2 = pytest.importorskip("cv2")
+    pixels = np.random.RandomState(1).randint(0, 255, (8, 8)).astype(np.uint8)
+    message = Image(height=8, width=8, encoding="bayer_rggb8", step=8, data=pixels.tobytes())
+    found = bridge.imgmsg_to_cv2(message, "mono8")
+    assert (found == cv2.cvtColor(pixels, cv2.COLOR_BayerBG2GRAY)).all()
+
+
 def test_without_libraries_the_error_names_both(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
     monkeypatch.setitem(sys.modules, "PIL", None)

@@ -120,6 +120,9 @@ def convert(image: Any, source: str, target: str) -> Any:
         return _with_depth(image, old, new)
     if new.color in ("bayer", "yuv"):
         raise EncodingError(f"Unsupported conversion from [{source}] to [{target}]")
+    if (old.color, new.color) == ("yuv", "mono"):
+        brightness = image[..., 0 if old.name.endswith("yuy2") else 1]
+        return convert(np.ascontiguousarray(brightness), "mono8", new.name)
     if old.color in ("bayer", "yuv"):
         return _by_opencv(image, old, new)
     return _with_depth(_with_color(image, old.color, new.color), old, new)
@@ -160,12 +163,13 @@ def _by_opencv(image: Any, old: Encoding, new: Encoding) -> Any:
         raise EncodingError(
             f"the conversion from [{old.name}] needs OpenCV: pip install opencv-python-headless"
         ) from None
+    made = ("mono", "GRAY") if new.color == "mono" else ("bgr", "BGR")
     if old.color == "yuv":
-        layout = "YUY2" if old.name.endswith("yuy2") else "UYVY"
-        bgr = cv2.cvtColor(image, getattr(cv2, f"COLOR_YUV2BGR_{layout}"))
+        code = f"COLOR_YUV2BGR_{'YUY2' if old.name.endswith('yuy2') else 'UYVY'}"
     else:
-        # OpenCV names the second row and column, sensors the first.
+        # OpenCV names the second row and column, sensors the first. Grey is made at once, as in
+        # cv_bridge, since colors in between would round it twice.
         pattern = {"rggb": "BG", "bggr": "RG", "gbrg": "GR", "grbg": "GB"}[old.name[6:10]]
-        bgr = cv2.cvtColor(image, getattr(cv2, f"COLOR_Bayer{pattern}2BGR"))
-    source = f"bgr{old.depth[:-1]}"
-    return convert(bgr, source, new.name)
+        code = f"COLOR_Bayer{pattern}2{made[1]}"
+    converted = cv2.cvtColor(image, getattr(cv2, code))
+    return convert(converted, f"{made[0]}{old.depth[:-1]}", new.name)
