@@ -9,6 +9,7 @@ from pathlib import Path
 from fibws import processes
 from fibws.command_names import command_name
 from fibws.errors import WorkspaceError
+from fibws.ros1.workspace.packages_outside_fibws import CPP, IN_CPP
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
 _PYTHON = Path(__file__).parents[1] / "python"
@@ -88,13 +89,6 @@ _EXPRESSION_PROGRAMS = ["relay_field", "transform"]
 
 _WINDOWS = ["image_view", "rqt_bag", "rqt_launch", "rqt_msg", "rqt_runtime_monitor", "rviz"]
 """Packages whose programs open windows."""
-_IN_CPP = [
-    *("amcl", "cartographer_ros", "depthimage_to_laserscan", "gmapping", "hector_mapping"),
-    *("image_proc", "joy", "laser_filters", "move_base", "nodelet", "pointcloud_to_laserscan"),
-    *("robot_localization", "rplidar_ros", "slam_gmapping", "stereo_image_proc", "urg_node"),
-    *("usb_cam", "velodyne_pointcloud"),
-]
-"""Packages in C++ that many robots run."""
 
 
 def command_line(package: str, program: str, arguments: Sequence[str]) -> list[str] | None:
@@ -136,13 +130,13 @@ def _unsupported() -> dict[str, str]:
     page = f"opens a window, which fibws cannot; see the hub's page instead: {command_name('open')}"
     built_in = "is part of the hub and needs no start"
     talker = command_name("run rospy_tutorials talker")
-    cpp = "is in C++, which fibws does not build; nodes of an installed ROS join a hub with --ros1"
     return {
         **dict.fromkeys(_WINDOWS, page),
-        **dict.fromkeys(_IN_CPP, cpp),
+        **dict.fromkeys(sorted(IN_CPP), f"is {CPP}"),
         "joint_state_publisher_gui": "opens a window, which fibws cannot; publish joint_states, or "
         "start joint_state_publisher with ~source_list",
-        "gazebo_ros": "is not supported: fibws does not simulate robots",
+        "gazebo_ros": "is not supported: fibws does not simulate robots; an installed Gazebo joins "
+        "a hub with --ros1",
         "roscpp_tutorials": f"is in C++, which fibws does not build; in Python: {talker}",
         "rosbridge_server": built_in,
         "rosapi": built_in,

@@ -59,6 +59,19 @@ REPOSITORIES = {
 }
 """Where the source of common packages is."""
 
+IN_CPP = set(
+    """
+    amcl cartographer_ros controller_manager costmap_2d depthimage_to_laserscan gazebo_plugins
+    gazebo_ros gazebo_ros_pkgs gmapping hector_mapping image_proc joint_state_controller joy
+    joystick_drivers laser_filters move_base moveit_commander moveit_core moveit_ros navigation
+    nodelet pointcloud_to_laserscan robot_localization ros_control ros_controllers rosbag_storage
+    rplidar_ros slam_gmapping stereo_image_proc urg_node usb_cam velodyne_pointcloud
+    """.split()
+)
+"""Packages that many robots use, and that are in C++ or need it."""
+CPP = "in C++, which fibws does not build; nodes of an installed ROS join a hub with --ros1"
+"""What is to be said of them."""
+
 _ROS_ON_PYPI = {"xacro": "xacro", "urdfdom_py": "urdfdom-py", "urdf_parser_py": "urdf-parser-py"}
 _KEYS_ON_PYPI = {
     "dateutil": "python-dateutil",

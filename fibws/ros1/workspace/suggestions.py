@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
 from fibws.ros1.workspace.discovery import find_files, looks_like_program
-from fibws.ros1.workspace.packages_outside_fibws import REPOSITORIES
+from fibws.ros1.workspace.packages_outside_fibws import CPP, IN_CPP, REPOSITORIES
 from fibws.ros1.workspace.paths import DEVEL, is_built, source_command, workspace_around
 from fibws.suggestions import nearest
 
@@ -31,6 +31,8 @@ def suggestion_for_package(name: str, program: str, packages: Packages, here: Pa
         return _run(nearest(name, having) or having[0], program)
     if here is not None and (text := _not_sourced(name, program, packages, here)):
         return text
+    if name in IN_CPP:
+        return f"it is {CPP}"
     if repository := REPOSITORIES.get(name):
         make = command_name("workspace make")
         return f"clone {repository} into the folder src of a workspace and run {make}"

@@ -104,6 +104,8 @@ def test_unknown_package_is_an_error() -> None:
 def test_common_package_that_is_missing_is_an_error_with_the_way_out() -> None:
     with pytest.raises(PackageNotFound, match="ros-teleop/teleop_twist_keyboard into"):
         rosrun_command(Packages([]), "teleop_twist_keyboard", "teleop_twist_keyboard.py", [])
+    with pytest.raises(PackageNotFound, match=r"'gazebo_ros' not found: it is in C\+\+.* --ros1"):
+        Packages([]).find("gazebo_ros")
     with pytest.raises(WorkspaceError, match=r"move_base is in C\+\+.* --ros1"):
         rosrun_command(Packages([]), "move_base", "move_base", [])
     with pytest.raises(WorkspaceError, match="page"):
