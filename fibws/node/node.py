@@ -26,9 +26,9 @@ from fibws.node.log import Console, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
 from fibws.node.services import Handler, HeaderHandler, Services, ServiceServer
 from fibws.node.session import Registration, Session, throw
-from fibws.node.subscription import Subscription, next_message
+from fibws.node.subscription import Subscription, TakeSerialized, next_message
 from fibws.node.topics import Topics
-from fibws.node.types import Types
+from fibws.node.types import ANY_TYPE, Types
 from fibws.protocol.headers import check_headers
 from fibws.tls import File, TlsFiles
 
@@ -270,6 +270,7 @@ class Node:
         latch: bool = False,
         headers: Mapping[str, str] | None = None,
         peers: bool = False,
+        keep_seq: bool = False,
         wait: bool = True,
     ) -> Publisher[Any, ...]:
         """Advertise a topic whose messages are published as bytes in ROS 1's serialization.
@@ -282,6 +283,7 @@ class Node:
             type: the type's name.
             md5sum: the md5 of the type; None if it is not known.
             definition: the type's text (genpy's ``_full_text``), for a hub that lacks it.
+            keep_seq: whether messages keep their ``header.seq``, which the hub sets otherwise.
         """
         check_queue_size(queue_size)
         publisher: Publisher[Any, ...] = self._topics.advertise(
@@ -291,6 +293,7 @@ class Node:
             latch=latch,
             headers=check_headers(headers) if headers else None,
             peers=peers,
+            keep_seq=keep_seq,
         )
         if wait:
             await self._registered(publisher)
@@ -329,6 +332,24 @@ class Node:
             queue_size=queue_size,
             headers=headers,
             peers=peers,
+        )
+
+    def subscribe_serialized(self, topic: str, take: TakeSerialized) -> Subscription[Any]:
+        """Subscribe to a topic of any type, and have a function called with its messages' bytes.
+
+        Nothing is decoded. ``async for`` waits for the end of the subscription; it raises
+        OperationRejected if the hub refuses it. A rosbridge_suite server sends no bytes.
+
+        Args:
+            topic: its name.
+            take: is called in the node's loop, while the socket is read; it must not raise.
+        """
+        return self._topics.subscribe(
+            self.resolve(topic),
+            self._types.serialized(ANY_TYPE, None, None),
+            queue_size=None,
+            headers=True,
+            take_serialized=take,
         )
 
     async def wait_for_message(

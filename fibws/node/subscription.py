@@ -6,7 +6,7 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from pydantic_core import from_json
 
@@ -27,6 +27,20 @@ MOST_HEADERS = 100
 Received: TypeAlias = tuple[Any, bytes | dict[str, str] | None]
 """A message as it arrived: a memoryview of ROS 1's bytes, or JSON values; and its connection
 header, as JSON if it is bytes."""
+
+
+class ReportedType(NamedTuple):
+    """The type of a topic, as the hub knows it."""
+
+    name: str
+    md5sum: str
+    definition: str
+    """Its text with those of the types in it; empty if the hub does not send it."""
+
+
+TakeSerialized: TypeAlias = Callable[[memoryview, bytes, int, ReportedType], object]
+"""Takes a message in ROS 1's serialization; its connection header as JSON; when the hub received
+it, in nanoseconds since 1970; and its type."""
 
 
 class Subscription(Generic[M]):
@@ -71,6 +85,8 @@ class Subscription(Generic[M]):
         self._headers: dict[bytes, dict[str, str]] = {}
         self._md5sum = codec.md5sum
         self._take: Callable[[Received], object] | None = None
+        self._take_serialized: TakeSerialized | None = None
+        self._found = ReportedType(ANY_TYPE, ANY_TYPE, "")
         self.peers = Peers()
         """The nodes that publish the topic, if ``peers=True`` was given."""
 
@@ -127,6 +143,13 @@ class Subscription(Generic[M]):
     def hand_undecoded_to(self, take: Callable[[Received], object]) -> None:
         """Call a function with each message as it arrived, as `hand_to`, for `decode` to decode."""
         self._take = take
+
+    def hand_serialized_to(self, take: TakeSerialized) -> None:
+        """Call a function with the bytes of each message, in the loop, as `hand_to`.
+
+        From a rosbridge_suite server it gets nothing.
+        """
+        self._take_serialized = take
 
     def decode(self, received: Received) -> M | None:
         """Decode a message; return None, and log it, if the message does not fit its type.
@@ -191,23 +214,32 @@ class Subscription(Generic[M]):
                 "compression": ROS1,
                 "definition": self._codec.definition,
                 "md5sum": self._codec.md5sum,
+                "send_definition": True if self._take_serialized is not None else None,
             }
         )
 
-    def found(self, type_: str, md5sum: str) -> None:
-        """Note the topic's type and its md5, as the hub reports them."""
+    def found(self, type_: str, md5sum: str, definition: str | None) -> None:
+        """Note the topic's type, as the hub reports it."""
+        self._found = ReportedType(type_, md5sum, definition or "")
         if self._codec.type == ANY_TYPE:
             self._type = type_
             self._md5sum = md5sum
 
-    def offer(self, message: Any, header: bytes | dict[str, str] | None = None) -> bool:
+    def offer(
+        self, message: Any, header: bytes | dict[str, str] | None = None, received: int = 0
+    ) -> bool:
         """Queue a message; return whether the queue is full now.
 
         Args:
             message: a memoryview of ROS 1's bytes, or JSON values.
             header: its connection header, as JSON if it is bytes.
+            received: when the hub received it, in nanoseconds since 1970; 0 if that is unknown.
         """
         if self._ended:  # A function that had the same message before may have closed it.
+            return False
+        if self._take_serialized is not None:
+            if isinstance(header, bytes):
+                self._take_serialized(message, header, received, self._found)
             return False
         if self._take is not None:
             self._take((message, header))

@@ -12,7 +12,7 @@ from fibws.interfaces import Message
 from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.publisher import Publisher
 from fibws.node.session import OperationHandler, Session
-from fibws.node.subscription import Subscription
+from fibws.node.subscription import Subscription, TakeSerialized
 from fibws.node.types import ANY_TYPE, MessageCodec
 from fibws.protocol.operations import (
     Advertise,
@@ -62,6 +62,7 @@ class Topics(OperationHandler):
         latch: bool = False,
         headers: Mapping[str, str] | None = None,
         peers: bool = False,
+        keep_seq: bool = False,
         refused: Callable[[NodeError], None] | None = None,
     ) -> Publisher[M, ...]:
         """Register a publisher; see `Node.advertise`.
@@ -82,6 +83,7 @@ class Topics(OperationHandler):
             headers=dict(headers) if headers else None,
             peers=peers or None,
             peer_changes=peers or None,
+            keep_seq=keep_seq or None,
         )
         publisher: Publisher[M, ...] = Publisher(
             self._session,
@@ -104,6 +106,7 @@ class Topics(OperationHandler):
         headers: bool = False,
         peers: bool = False,
         take: Callable[[M], object] | None = None,
+        take_serialized: TakeSerialized | None = None,
         refused: Callable[[OperationRejected], None] | None = None,
     ) -> Subscription[M]:
         """Register a subscription; see `Node.subscribe`.
@@ -112,6 +115,7 @@ class Topics(OperationHandler):
             topic: the topic's global name.
             codec: the codec of its messages.
             take: is called with each message instead of queueing it; see `Subscription.hand_to`.
+            take_serialized: as ``take``; see `Subscription.hand_serialized_to`.
             refused: is called if the hub refuses the subscription.
         """
         self._session.check()
@@ -129,6 +133,8 @@ class Topics(OperationHandler):
         )
         if take is not None:
             subscription.hand_to(take)
+        if take_serialized is not None:
+            subscription.hand_serialized_to(take_serialized)
         self._subscriptions[subscription.id] = subscription
         self._readers[topic] = [*self._readers.get(topic, ()), subscription]
         self._session.send(subscription.registration(serialized=self._session.serialized))
@@ -173,7 +179,7 @@ class Topics(OperationHandler):
             case Subscribed():
                 subscription = self._subscriptions.get(str(reply.id))
                 if subscription is not None:
-                    subscription.found(reply.type, reply.md5sum)
+                    subscription.found(reply.type, reply.md5sum, reply.definition)
                     self._topics[reply.topic_id] = subscription.topic
             case Peers():
                 id_ = str(reply.id)
@@ -216,12 +222,12 @@ class Topics(OperationHandler):
     def _on_binary(self, data: Payload) -> None:
         """Queue a serialized message for its readers."""
         try:
-            number, _, header, message = read_delivery(data)
+            number, received, header, message = read_delivery(data)
         except OperationError as error:
             self._session.log.warning("The hub sent an %s", error)
             return
         for subscription in self._readers.get(self._topics.get(number, ""), ()):
-            if subscription.offer(message, header):
+            if subscription.offer(message, header, received):
                 self._session.give_readers_a_turn()
 
     def _on_json(self, topic: str, message: Any, header: dict[str, str] | None) -> bool:

@@ -71,6 +71,9 @@ class Advertise(Operation):
     md5sum: str | None = None
     """The md5 of the type as the client knows it; the hub refuses another one (an addition of
     fibws)."""
+    keep_seq: Asked = None
+    """Whether messages keep their ``header.seq``, as those of a recording should; else the hub
+    counts them, as rospy's publishers do (an addition of fibws)."""
 
 
 class Unadvertise(Operation):
@@ -116,6 +119,8 @@ class Subscribe(Operation):
     first node that uses the type (an addition of fibws)."""
     md5sum: str | None = None
     """As in `Advertise`."""
+    send_definition: Asked = None
+    """Whether `Subscribed` has the text of the type (an addition of fibws)."""
     int64: Literal["string"] | None = None
     """Whether all fields of int64 and uint64 are decimal strings in JSON, small values too:
     numbers in JavaScript hold no integers beyond 2**53 (an addition of fibws)."""
@@ -334,6 +339,8 @@ class Subscribed(Operation):
     md5sum: str
     credit: int | None = None
     """As in the request: messages are to be acknowledged."""
+    definition: str | None = None
+    """The text of the type with those of the types in it, if ``send_definition`` asked for it."""
 
 
 class Peers(Operation):

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import math
+import time
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import StartHub
@@ -77,6 +80,25 @@ async def test_every_message_arrives_once_and_in_order(real_hub: Hub) -> None:
             tasks.create_task(publish())
             for number in range(count):
                 assert (await anext(numbers)).data == number
+
+
+async def test_serialized_messages_arrive_with_their_publisher_time_and_type(
+    real_hub: Hub,
+) -> None:
+    url = real_hub.url
+    arrived: asyncio.Queue[Any] = asyncio.Queue()
+    async with fibws.Node("talker", hub=url) as talker, fibws.Node("recorder", hub=url) as node:
+        node.subscribe_serialized("image", lambda *message: arrived.put_nowait(message))
+        publisher = await talker.advertise_serialized(
+            "image", Image._type, latch=True, keep_seq=True
+        )
+        publisher.send(publisher.encode_serialized(b"\x09\0\0\0" + bytes(33)))
+        message, header, received, type_ = await arrived.get()
+    assert bytes(message) == b"\x09\0\0\0" + bytes(33)
+    assert json.loads(header) == {"callerid": "/talker", "latching": "1"}
+    assert 0 <= time.time_ns() - received < 60e9
+    assert type_.name == Image._type
+    assert "uint32 height" in type_.definition
 
 
 async def test_large_messages_arrive(real_hub: Hub) -> None:

@@ -298,6 +298,7 @@ class Source:
         "_sequence",
         "bytes",
         "header",
+        "keeps_sequence",
         "latch",
         "make_latest",
         "messages",
@@ -323,6 +324,8 @@ class Source:
         self.type = type_
         self.latch = latch
         self.queue_size = queue_size
+        self.keeps_sequence = False
+        """Whether messages keep their ``header.seq``, as those of a recording do."""
         self.header = b""
         """The connection header of its messages, as JSON."""
         self.set_headers({})
@@ -356,7 +359,7 @@ class Source:
         """
         type_ = self.type
         values = type_.validate({} if msg is None else msg)
-        if type_.sequenced:
+        if type_.sequenced and not self.keeps_sequence:
             self._sequence += 1
             values["header"]["seq"] = self._sequence & 0xFFFFFFFF
         publication = Publication(type_, self.node, self.header, self._now(), values)
@@ -377,7 +380,7 @@ class Source:
             to: as in `publish`.
         """
         self.type.check(data)
-        if self.type.sequenced:
+        if self.type.sequenced and not self.keeps_sequence:
             self._sequence += 1
             data = _numbered(data, self._sequence & 0xFFFFFFFF)
         self._deliver_serialized(data, to)

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Iterable
 from functools import partial
 
-from fibws.errors import LimitReached, OperationError
+from fibws.errors import InterfaceError, LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.cohort import Cohort, Throttling
 from fibws.hub.delivery.fan_out import FanOut
@@ -355,8 +355,15 @@ class Subscription:
             type=type_.name,
             md5sum=type_.md5sum or "",
             credit=request.credit,
+            definition=self._definition(type_) if request.send_definition else None,
         )
         self.queue.reply(text_frame(encode(answer)))
+
+    def _definition(self, type_: MessageType) -> str | None:
+        try:
+            return self._graph.definitions.full_text(type_.name)
+        except InterfaceError:
+            return None
 
 
 def _names_fields(request: Subscribe) -> bool:

@@ -122,6 +122,8 @@ class Topics:
         if request.headers is not None:
             headers = self._client.graph.header(self._client.node, request.headers)
             source.set_headers(headers)
+        if request.keep_seq:
+            source.keeps_sequence = True
         name, type_ = source.topic.name, source.type
         statuses = self._client.statuses
         if not type_.checked:

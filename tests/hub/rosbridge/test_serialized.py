@@ -245,6 +245,25 @@ def test_header_seq_is_counted_for_types_with_a_header() -> None:
     assert messages(client) == [int32(1) + data[4:], int32(2) + data[4:]]
 
 
+def test_header_seq_is_kept_if_the_publisher_asks_for_it() -> None:
+    hub = FakeHub()
+    publisher = talker(hub, type_=IMAGE, keep_seq=True)
+    client, _ = listener(hub, type_=None)
+    data = serialized(IMAGE, {"header": {"seq": 99}})
+    for _ in range(2):
+        publish(publisher, data)
+    assert messages(client) == [int32(99) + data[4:]] * 2
+
+
+def test_subscribed_has_the_definition_if_the_request_asks_for_it() -> None:
+    hub = FakeHub()
+    talker(hub, type_=IMAGE)
+    client = hub.client(serialized=True)
+    client.send("subscribe", "/n", compression="ros1", send_definition=True)
+    answer = client.receive_one("subscribed")
+    assert answer["definition"] == Interfaces().full_text(IMAGE)
+
+
 # Advertisements and their numbers.
 
 
