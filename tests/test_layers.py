@@ -39,12 +39,13 @@ BELOW = {
     "definition_folders": set[str](),
     "processes": set[str](),
     "access": {"errors", "files", "suggestions"},
+    "bag_recorder": {"bags", "command_names", "errors"},
     "interfaces": {"errors", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "bags": {"errors", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
-    | {"hub_address", "credentials", "tls"},
+    | {"hub_address", "credentials", "tls", "bag_recorder"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
@@ -65,7 +66,8 @@ BELOW = {
     "demo_robot": {*NODE, *CLASSES, "cli"},
     "web_video_server": {*NODE, "cli", "suggestions"},
     "cli": {*NODE, *LOWEST, "bags", "values", "client", "interfaces", "node", "msg", "ros1"}
-    | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
+    | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"}
+    | {"bag_recorder", "srv"},
 }
 """The parts of fibws that each part may import, besides itself."""
 
@@ -131,6 +133,7 @@ SLOW = {
     "fibws.interfaces",
 }
 NODES = {"cli/launch/run.py", "cli/rostest/run.py", "cli/node_program.py"}
+NODES |= {"cli/keyboard.py", *(f"cli/bag/{name}.py" for name in ("play", "playback", "record"))}
 """Commands that are nodes themselves, or run some."""
 
 

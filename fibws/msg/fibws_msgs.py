@@ -14,8 +14,10 @@ __all__ = [
     "HubInfo",
     "HubLink",
     "NodeInfo",
+    "PlaybackState",
     "PublisherInfo",
     "PublisherStatistics",
+    "RecordingState",
     "ServiceInfo",
     "SubscriptionInfo",
     "SubscriptionStatistics",
@@ -124,6 +126,24 @@ class NodeInfo(ros.Message):
 
 
 @dataclass(slots=True, eq=False, repr=False)
+class PlaybackState(ros.Message):
+    """fibws_msgs/PlaybackState"""
+
+    _type: ClassVar[str] = "fibws_msgs/PlaybackState"
+    PLAYING: ClassVar[int] = 1
+    PAUSED: ClassVar[int] = 2
+    DELAYED: ClassVar[int] = 3
+    ENDED: ClassVar[int] = 4
+
+    status: int = 0
+    start: ros.Time = field(default_factory=ros.Time)
+    end: ros.Time = field(default_factory=ros.Time)
+    position: ros.Time = field(default_factory=ros.Time)
+    rate: float = 0.0
+    bags: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False, repr=False)
 class PublisherInfo(ros.Message):
     """fibws_msgs/PublisherInfo"""
 
@@ -142,6 +162,23 @@ class PublisherStatistics(ros.Message):
     node: str = ""
     messages: int = 0
     bytes_: int = 0
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class RecordingState(ros.Message):
+    """fibws_msgs/RecordingState"""
+
+    _type: ClassVar[str] = "fibws_msgs/RecordingState"
+
+    recording: bool = False
+    since: ros.Time = field(default_factory=ros.Time)
+    file: str = ""
+    files: int = 0
+    messages: int = 0
+    bytes_: int = 0
+    buffered: int = 0
+    dropped: int = 0
+    fault: str = ""
 
 
 @dataclass(slots=True, eq=False, repr=False)

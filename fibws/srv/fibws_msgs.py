@@ -9,12 +9,18 @@ import fibws.interfaces as ros
 from fibws.msg import fibws_msgs
 
 __all__ = [
+    "ControlPlayback",
+    "ControlPlaybackRequest",
+    "ControlPlaybackResponse",
     "GetGraph",
     "GetGraphRequest",
     "GetGraphResponse",
     "GetHubs",
     "GetHubsRequest",
     "GetHubsResponse",
+    "GetRecording",
+    "GetRecordingRequest",
+    "GetRecordingResponse",
     "GetStatistics",
     "GetStatisticsRequest",
     "GetStatisticsResponse",
@@ -28,6 +34,36 @@ __all__ = [
     "UnregisterNodeRequest",
     "UnregisterNodeResponse",
 ]
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class ControlPlaybackRequest(ros.Message):
+    """fibws_msgs/ControlPlaybackRequest"""
+
+    _type: ClassVar[str] = "fibws_msgs/ControlPlaybackRequest"
+
+    command: str = ""
+    position: ros.Time = field(default_factory=ros.Time)
+    rate: float = 0.0
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class ControlPlaybackResponse(ros.Message):
+    """fibws_msgs/ControlPlaybackResponse"""
+
+    _type: ClassVar[str] = "fibws_msgs/ControlPlaybackResponse"
+
+    success: bool = False
+    message: str = ""
+    state: fibws_msgs.PlaybackState = field(default_factory=lambda: fibws_msgs.PlaybackState())
+
+
+class ControlPlayback(ros.Service[ControlPlaybackRequest, ControlPlaybackResponse]):
+    """fibws_msgs/ControlPlayback"""
+
+    _type = "fibws_msgs/ControlPlayback"
+    Request: TypeAlias = ControlPlaybackRequest
+    Response: TypeAlias = ControlPlaybackResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -83,6 +119,32 @@ class GetHubs(ros.Service[GetHubsRequest, GetHubsResponse]):
     _type = "fibws_msgs/GetHubs"
     Request: TypeAlias = GetHubsRequest
     Response: TypeAlias = GetHubsResponse
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class GetRecordingRequest(ros.Message):
+    """fibws_msgs/GetRecordingRequest"""
+
+    _type: ClassVar[str] = "fibws_msgs/GetRecordingRequest"
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class GetRecordingResponse(ros.Message):
+    """fibws_msgs/GetRecordingResponse"""
+
+    _type: ClassVar[str] = "fibws_msgs/GetRecordingResponse"
+
+    success: bool = False
+    message: str = ""
+    state: fibws_msgs.RecordingState = field(default_factory=lambda: fibws_msgs.RecordingState())
+
+
+class GetRecording(ros.Service[GetRecordingRequest, GetRecordingResponse]):
+    """fibws_msgs/GetRecording"""
+
+    _type = "fibws_msgs/GetRecording"
+    Request: TypeAlias = GetRecordingRequest
+    Response: TypeAlias = GetRecordingResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)

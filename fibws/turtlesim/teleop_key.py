@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from threading import Thread
+from collections.abc import Iterator
 
 import click
 
 import fibws
 from fibws.cli import node_program
+from fibws.cli.keyboard import reading_keys
 from fibws.msg.geometry_msgs import Twist, Vector3
 
 HELP = """Reading from keyboard
@@ -51,7 +50,7 @@ async def drive(node: fibws.Node) -> None:
     angular = float(await node.params.get("scale_angular", ANGULAR))
     velocities = await node.advertise("turtle1/cmd_vel", Twist, queue_size=1)
     typed: asyncio.Queue[str | None] = asyncio.Queue()
-    with _reading(typed.put_nowait):
+    with reading_keys(typed.put_nowait):
         click.echo(HELP)
         while (text := await typed.get()) is not None:
             for key in keys(text):
@@ -61,44 +60,6 @@ async def drive(node: fibws.Node) -> None:
                     forwards, left = DIRECTIONS[key]
                     twist = Twist(Vector3(x=linear * forwards), Vector3(z=angular * left))
                     await velocities.publish(twist)
-
-
-@contextmanager
-def _reading(received: Callable[[str | None], None]) -> Iterator[None]:
-    """Pass on what is typed, at once and without an echo; None at the end of the input."""
-    loop = asyncio.get_running_loop()
-    if sys.platform == "win32":
-        import msvcrt
-
-        def read_keys() -> None:
-            while True:
-                first = msvcrt.getwch()
-                text = first + msvcrt.getwch() if first in "\x00\xe0" else first
-                loop.call_soon_threadsafe(received, text)
-
-        Thread(target=read_keys, daemon=True, name="keyboard").start()
-        yield
-        return
-    import os
-    import termios
-    import tty
-
-    descriptor = sys.stdin.fileno()
-    before = termios.tcgetattr(descriptor)
-
-    def read() -> None:
-        data = os.read(descriptor, 1024)
-        if not data:
-            loop.remove_reader(descriptor)
-        received(data.decode(errors="replace") or None)
-
-    tty.setcbreak(descriptor)
-    loop.add_reader(descriptor, read)
-    try:
-        yield
-    finally:
-        loop.remove_reader(descriptor)
-        termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
 
 
 @click.command(context_settings=node_program.SETTINGS)

@@ -9,6 +9,8 @@ from fibws.cli.lazy import Command, LazyGroup
 INSPECTION = "fibws.cli.bag.inspection"
 REWRITING = "fibws.cli.bag.rewriting"
 COMMANDS = {
+    "record": Command("fibws.cli.bag.record", "Record topics in a bag."),
+    "play": Command("fibws.cli.bag.play", "Publish the messages of bags."),
     "info": Command(INSPECTION, "Show what is in bags.", attribute="info"),
     "check": Command(INSPECTION, "Compare a bag's types with the installed.", attribute="check"),
     "filter": Command("fibws.cli.bag.filtering", "Copy some of a bag's messages."),
@@ -22,7 +24,7 @@ COMMANDS = {
 
 @click.group(cls=LazyGroup, modules=COMMANDS)
 def command() -> None:
-    """Inspect, filter, compress and restore bags: files of recorded messages.
+    """Record, play, inspect, filter and restore bags: files of recorded messages.
 
     Bags are .bag files of ROS 1 and, with pip install 'fibws[mcap]', .mcap files. LZ4 compression
     needs pip install 'fibws[bags]'.

@@ -1,0 +1,511 @@
+"""Recording: messages wait in a bounded buffer, and a thread writes them to bags.
+
+`Recorder.put` never waits: if the disk is too slow, or hangs, the oldest messages are dropped and
+counted. The thread compresses and writes. It hands everything to the system at least once a second,
+so that a crash of the process loses no more than the last second.
+"""
+
+from __future__ import annotations
+
+import logging
+import shutil
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple, TypeAlias
+
+from fibws.bags import Connection, Writer, open_writer
+from fibws.command_names import command_name
+from fibws.errors import BagError
+
+Buffer: TypeAlias = bytes | bytearray | memoryview
+Compression: TypeAlias = Literal["none", "bz2", "lz4"]
+
+MIB = 2**20
+MESSAGE_COST = 160
+"""Bytes that a message in the buffer takes besides its own."""
+WRITE_INTERVAL = 0.05
+"""Seconds between two looks of the thread into the buffer."""
+FLUSH_INTERVAL = 0.5
+"""Seconds after which what was written is handed to the system."""
+DISK_INTERVAL = 1.0
+"""Seconds between two looks at the free space of the disk."""
+WARNING_INTERVAL = 5.0
+"""Seconds between two warnings of the same kind."""
+TURN = 256 * 1024
+"""Bytes that the thread writes before other threads of the process get their turn."""
+TURN_COST = 4096
+"""Bytes that a message counts for in a turn besides its own."""
+PAUSE = 1e-5
+"""Seconds between two turns: without a pause, another thread would get the interpreter only after
+5 ms."""
+SUFFIXES = (".bag", ".mcap")
+ACTIVE = ".active"
+"""The end of a file's name while it is written."""
+
+
+class Origin(NamedTuple):
+    """Where messages come from: a publisher of a topic, with the type of its messages."""
+
+    topic: str
+    type: str
+    md5sum: str
+    definition: str
+    callerid: str
+    latching: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingOptions:
+    """What a recording is like.
+
+    Attributes:
+        path: the file, or with ``dated`` what its name begins with: a folder, if it ends with a
+            slash. The suffix chooses the format: ``.mcap``, else ``.bag``.
+        dated: whether the date and time of the beginning are added to the name.
+        compression: of the chunks.
+        chunk_size: bytes of a chunk before compression.
+        buffer_size: bytes of messages that may wait for the disk; 0 for no limit.
+        split: whether to begin another file when one is full or has lasted long enough; else the
+            recording ends.
+        max_size: bytes of a file; 0 for no limit.
+        max_duration: nanoseconds that a file may last; 0 for no limit.
+        max_splits: files that are kept, the newest ones; 0 for all.
+        limit: messages to record of each topic; 0 for no limit.
+        min_space: bytes of free disk space below which nothing is recorded.
+        repeat_latched: whether each file of a split begins with the last latched messages.
+    """
+
+    path: str = ""
+    dated: bool = True
+    compression: Compression = "none"
+    chunk_size: int = 768 * 1024
+    buffer_size: int = 256 * MIB
+    split: bool = False
+    max_size: int = 0
+    max_duration: int = 0
+    max_splits: int = 0
+    limit: int = 0
+    min_space: int = 1024 * MIB
+    repeat_latched: bool = False
+
+    def file(self, number: int, began: float) -> Path:
+        """Return the path of a file of the recording, named as rosbag names them.
+
+        Args:
+            number: counts the files of a split from 0.
+            began: when the file begins, in seconds since 1970, for the date in the name.
+        """
+        stem, suffix = self.path, ".bag"
+        for each in SUFFIXES:
+            if stem.endswith(each):
+                stem, suffix = stem.removesuffix(each), each
+        parts = [stem] if stem and not stem.endswith("/") else []
+        if self.dated:
+            parts.append(time.strftime("%Y-%m-%d-%H-%M-%S", time.localtime(began)))
+        if self.split:
+            parts.append(str(number))
+        folder = stem if stem.endswith("/") else ""
+        return Path(f"{folder}{'_'.join(parts)}{suffix}")
+
+
+class RecordingState(NamedTuple):
+    """How far a recording has come."""
+
+    is_recording: bool
+    began: int
+    """When it began, in nanoseconds since 1970."""
+    file: str
+    """The path of the current or the last file, without `ACTIVE`."""
+    files: int
+    """The files so far."""
+    messages: int
+    """The messages that were written."""
+    bytes: int
+    """The sizes of all files so far."""
+    buffered: int
+    """The bytes that wait for the disk."""
+    dropped: int
+    """The messages that were not written: the disk was too slow or full."""
+    fault: str
+    """Why it ended, or records nothing; usually empty."""
+
+
+class Stream:
+    """The messages of one origin in a recording; `Recorder.stream` returns it."""
+
+    __slots__ = ("_connection", "_file", "_last", "left", "origin")
+
+    def __init__(self, origin: Origin, left: list[int] | None) -> None:
+        self.origin = origin
+        self.left = left
+        """How many messages of the topic are still to be recorded, if there is a limit."""
+        self._file = -1
+        """The number of the file that `_connection` belongs to."""
+        self._connection: Connection
+        self._last: Buffer | None = None
+        """The last message, if it is latched and to be repeated."""
+
+
+class Recorder:
+    """A recording, from `start` to `stop`.
+
+    `stream`, `put` and `drop` are for one thread; the others for any.
+
+    Args:
+        now: returns the time in nanoseconds since 1970, simulated if the messages' times are.
+        log: logs what users should know.
+        on_file: called, by the writing thread, with the path of each file that begins.
+        on_end: called, by the writing thread, when the recording ends by itself: it is complete, or
+            has failed (`RecordingState.fault`).
+        open_: opens a bag for writing, as `fibws.bags.open_writer`.
+    """
+
+    def __init__(
+        self,
+        options: RecordingOptions,
+        now: Callable[[], int],
+        log: logging.Logger,
+        *,
+        on_file: Callable[[Path], object] = lambda path: None,
+        on_end: Callable[[], object] = lambda: None,
+        open_: Callable[..., Writer] = open_writer,
+    ) -> None:
+        self.options = options
+        self._now = now
+        self._log = log
+        self._on_file = on_file
+        self._on_end = on_end
+        self._open = open_
+        self._queue: deque[tuple[Stream, int, Buffer]] = deque()
+        self._room = options.buffer_size or float("inf")
+        self._put = 0
+        """Bytes that were put into the buffer, and with `_taken` those that were taken out: each
+        is counted by one thread, so that neither waits for the other."""
+        self._taken = 0
+        self._dropped = 0
+        """Messages that the buffer had no room for."""
+        self._dropped_bytes = 0
+        self._discarded = 0
+        """Messages that the disk had no room for."""
+        self._written = 0
+        self._streams: dict[Origin, Stream] = {}
+        self._left: dict[str, list[int]] = {}
+        self._latched: dict[Stream, None] = {}
+        self._began = 0
+        self._file_ends = 0
+        """The time at which the current file has lasted long enough; 0 for never."""
+        self._writer: Writer | None = None
+        self._path = Path()
+        self._number = -1
+        self._kept: deque[Path] = deque()
+        self._bytes = 0
+        self._has_space = True
+        self._flushed = 0
+        """Messages that were handed to the system."""
+        self._is_full = False
+        self._fault = ""
+        self._next_flush = self._next_disk = 0.0
+        self._warned: dict[str, float] = {}
+        self._reported = 0
+        self._stopping = threading.Event()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
+
+    # For the thread of messages
+
+    def stream(self, origin: Origin) -> Stream:
+        """Return the stream of a publisher of a topic."""
+        found = self._streams.get(origin)
+        if found is None:
+            left = None
+            if self.options.limit:
+                left = self._left.setdefault(origin.topic, [self.options.limit])
+            found = self._streams[origin] = Stream(origin, left)
+        return found
+
+    def put(self, stream: Stream, received: int, data: Buffer) -> None:
+        """Record a message.
+
+        Args:
+            received: its time in nanoseconds since 1970.
+            data: ROS 1's serialization, which must not change any more.
+        """
+        left = stream.left
+        if left is not None:
+            if not left[0]:
+                return
+            left[0] -= 1
+        self._queue.append((stream, received, data))
+        self._put += len(data) + MESSAGE_COST
+        if self._put - self._taken - self._dropped_bytes > self._room:
+            self._drop_oldest()
+
+    def is_complete(self, topic: str) -> bool:
+        """Return whether as many messages of a topic were put as there are to be recorded."""
+        left = self._left.get(topic)
+        return left is not None and not left[0]
+
+    def _drop_oldest(self) -> None:
+        while self._put - self._taken - self._dropped_bytes > self._room:
+            try:
+                _, _, data = self._queue.popleft()
+            except IndexError:  # The writing thread has taken them all meanwhile.
+                return
+            self._dropped += 1
+            self._dropped_bytes += len(data) + MESSAGE_COST
+
+    # For any thread
+
+    def start(self) -> None:
+        """Create the first file and begin.
+
+        Raises:
+            BagError: the file cannot be created, or the disk has too little space.
+        """
+        self._began = time.time_ns()
+        self._check_disk(Path(self.options.file(0, time.time())))
+        if not self._has_space:
+            raise BagError(self._fault)
+        self._begin_file()
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Write everything that waits, and complete the file. Does nothing when called again."""
+        self._stopping.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def state(self) -> RecordingState:
+        """Return how far the recording has come."""
+        writer = self._writer
+        return RecordingState(
+            is_recording=self._thread.is_alive() and not self._ended.is_set(),
+            began=self._began,
+            file=str(self._path),
+            files=self._number + 1,
+            messages=self._written,
+            bytes=self._bytes + (writer.size if writer is not None else 0),
+            buffered=max(0, self._put - self._taken - self._dropped_bytes),
+            dropped=self._dropped + self._discarded,
+            fault=self._fault,
+        )
+
+    # In the writing thread
+
+    def _run(self) -> None:
+        try:
+            while not self._stopping.wait(WRITE_INTERVAL) and not self._is_full:
+                self._write_waiting()
+                self._look_at_the_clock()
+            if not self._is_full:
+                self._write_waiting()
+            self._end_file()
+        except (OSError, BagError) as error:
+            self._fail(str(error))
+        except Exception as error:
+            self._log.exception("The recording failed.")
+            self._fail(f"{type(error).__name__}: {error}")
+        self._discard()
+        self._report_drops(final=True)
+        self._ended.set()
+        if not self._stopping.is_set():
+            self._on_end()
+
+    def _write_waiting(self) -> None:
+        """Write the messages that wait."""
+        queue = self._queue
+        if self._writer is None or not self._has_space:
+            self._discard()
+            return
+        left = TURN
+        for _ in range(len(queue)):
+            try:
+                stream, received, data = queue.popleft()
+            except IndexError:  # The other thread has dropped the rest.
+                return
+            self._taken += len(data) + MESSAGE_COST
+            self._write(stream, received, data)
+            if self._is_full:
+                return
+            left -= len(data) + TURN_COST
+            if left < 0:
+                left = TURN
+                time.sleep(PAUSE)
+
+    def _write(self, stream: Stream, received: int, data: Buffer) -> None:
+        options, writer = self.options, self._writer
+        if self._file_ends and received > self._file_ends:
+            if not options.split:
+                self._is_full = True
+                return
+            self._end_file()
+            while self._file_ends < received:
+                self._file_ends += options.max_duration
+            writer = self._begin_file()
+        assert writer is not None
+        if stream._file != self._number:
+            self._join(stream)
+        writer.write(stream._connection, received, data)
+        self._written += 1
+        if options.repeat_latched and stream.origin.latching:
+            stream._last = data
+            self._latched[stream] = None
+        if options.max_size and writer.size > options.max_size:
+            self._end_file()
+            if options.split:
+                self._begin_file()
+            else:
+                self._is_full = True
+
+    def _join(self, stream: Stream) -> None:
+        """Make the stream's connection in the current file."""
+        assert self._writer is not None
+        topic, type_, md5sum, definition, callerid, latching = stream.origin
+        stream._connection = self._writer.connection(
+            topic, type_, md5sum, definition, callerid=callerid, latching=latching
+        )
+        stream._file = self._number
+
+    def _look_at_the_clock(self) -> None:
+        """Do what is due: flush, look at the disk, end by the clock, warn."""
+        options, now = self.options, self._now()
+        if options.max_duration and not self._file_ends and now:
+            self._file_ends = now + options.max_duration  # Simulated time has begun.
+        if self._file_ends and now > self._file_ends and not options.split:
+            self._is_full = True
+        ticks = time.monotonic()
+        if self._flushed < self._written and ticks >= self._next_flush and self._writer is not None:
+            self._writer.flush()
+            self._flushed = self._written
+            self._next_flush = ticks + FLUSH_INTERVAL
+        if ticks >= self._next_disk:
+            self._next_disk = ticks + DISK_INTERVAL
+            self._check_disk(self._path)
+        self._report_drops()
+
+    def _begin_file(self) -> Writer:
+        """Begin the next file; with the last latched messages, if they are to be repeated."""
+        options = self.options
+        self._path = options.file(self._number + 1, time.time())
+        active = self._path.with_name(self._path.name + ACTIVE)
+        try:
+            active.parent.mkdir(parents=True, exist_ok=True)
+            writer = self._open(
+                active, compression=options.compression, chunk_size=options.chunk_size
+            )
+        except OSError as error:
+            raise BagError(f"cannot write {active}: {error.strerror or error}") from None
+        self._writer = writer
+        self._number += 1
+        now = self._now()
+        if options.max_duration and not self._file_ends and now:
+            self._file_ends = now + options.max_duration
+        self._log.info("Recording to '%s'.", self._path)
+        self._on_file(self._path)
+        for stream in self._latched:
+            self._join(stream)
+            assert stream._last is not None
+            writer.write(stream._connection, now, stream._last)
+        return writer
+
+    def _end_file(self) -> None:
+        """Complete the current file, and remove the oldest ones if there are too many."""
+        writer, self._writer = self._writer, None
+        if writer is None:
+            return
+        size = writer.size
+        writer.close()
+        self._flushed = self._written
+        self._bytes += size
+        self._path.with_name(self._path.name + ACTIVE).replace(self._path)
+        self._kept.append(self._path)
+        if self.options.split and self.options.max_splits:
+            # The file that begins next is one of them.
+            most = max(0, self.options.max_splits - (0 if self._is_ending else 1))
+            while len(self._kept) > most:
+                self._kept.popleft().unlink(missing_ok=True)
+
+    @property
+    def _is_ending(self) -> bool:
+        return self._stopping.is_set() or self._is_full
+
+    def _check_disk(self, path: Path) -> None:
+        """Look whether the disk has space for more."""
+        least = self.options.min_space
+        if not least:
+            return
+        folder = path.absolute().parent
+        while not folder.exists():
+            folder = folder.parent
+        free = shutil.disk_usage(folder).free
+        had, self._has_space = self._has_space, free >= least
+        if not self._has_space:
+            self._fault = (
+                f"less than {size_text(least)} of space free on disk with '{path}'; "
+                "recording is disabled (--min-space)"
+            )
+            if had:
+                self._log.error("%s", self._fault)
+        elif not had:
+            self._fault = ""
+            self._log.info("Recording to '%s' again: the disk has space.", path)
+        elif free < 5 * least:
+            self._warn(f"Less than 5 x {size_text(least)} of space free on disk with '{path}'.")
+
+    def _discard(self) -> None:
+        """Drop the messages that wait: there is nowhere to write them."""
+        while self._queue:
+            try:
+                _, _, data = self._queue.popleft()
+            except IndexError:
+                return
+            self._taken += len(data) + MESSAGE_COST
+            if not self._is_full:
+                self._discarded += 1
+
+    def _fail(self, reason: str) -> None:
+        """End after an error of the disk; the file keeps its name for ``reindex``."""
+        active = f"{self._path}{ACTIVE}"
+        self._fault = f"cannot write {active}: {reason}"
+        repair = f"{command_name('bag reindex')} {active}"
+        self._log.error("The recording ended: %s; to repair the file: %s", self._fault, repair)
+        self._discarded += self._written - self._flushed
+        self._written = self._flushed
+        writer, self._writer = self._writer, None
+        if writer is not None:
+            with suppress(OSError, BagError):  # The index may fit where the messages did not.
+                writer.close()
+
+    def _report_drops(self, *, final: bool = False) -> None:
+        dropped = self._dropped + self._discarded
+        if dropped > self._reported and (final or self._is_time_to_warn("drops")):
+            self._reported = dropped
+            self._log.warning(
+                "The recording has dropped %d messages so far: %s.",
+                dropped,
+                "the buffer was exceeded" if self._dropped else "the disk is full",
+            )
+
+    def _warn(self, text: str) -> None:
+        if self._is_time_to_warn(text):
+            self._log.warning("%s", text)
+
+    def _is_time_to_warn(self, kind: str) -> bool:
+        now = time.monotonic()
+        if now < self._warned.get(kind, 0.0):
+            return False
+        self._warned[kind] = now + WARNING_INTERVAL
+        return True
+
+
+def size_text(size: float) -> str:
+    """Return a number of bytes as people write it: ``1G``, ``1.5M``."""
+    for factor, unit in ((2**30, "G"), (MIB, "M"), (1024, "k")):
+        if size >= factor:
+            return f"{size / factor:.4g}{unit}"
+    return f"{size:.0f}"
