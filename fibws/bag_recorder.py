@@ -160,8 +160,8 @@ class Recorder:
         now: returns the time in nanoseconds since 1970, simulated if the messages' times are.
         log: logs what users should know.
         on_file: called, by the writing thread, with the path of each file that begins.
-        on_end: called, by the writing thread, when the recording ends by itself: it is complete, or
-            has failed (`RecordingState.fault`).
+        on_end: called, by the writing thread, when the recording has ended: it is complete, was
+            stopped, or has failed (`RecordingState.fault`).
         open_: opens a bag for writing, as `fibws.bags.open_writer`.
     """
 
@@ -262,23 +262,24 @@ class Recorder:
     # For any thread
 
     def start(self) -> None:
-        """Create the first file and begin.
-
-        Raises:
-            BagError: the file cannot be created, or the disk has too little space.
-        """
+        """Begin; if there cannot be a file, the recording ends at once."""
         self._began = time.time_ns()
-        self._check_disk(Path(self.options.file(0, time.time())))
-        if not self._has_space:
-            raise BagError(self._fault)
-        self._begin_file()
         self._thread.start()
 
-    def stop(self) -> None:
-        """Write everything that waits, and complete the file. Does nothing when called again."""
+    def finish(self) -> None:
+        """Have everything written that waits, and the file completed; `on_end` is called then."""
         self._stopping.set()
+
+    def stop(self) -> None:
+        """Finish, and wait for that. Does nothing when called again."""
+        self.finish()
         if self._thread.ident is not None:
             self._thread.join()
+
+    @property
+    def is_finishing(self) -> bool:
+        """Whether `finish` was called."""
+        return self._stopping.is_set()
 
     def state(self) -> RecordingState:
         """Return how far the recording has come."""
@@ -299,13 +300,16 @@ class Recorder:
 
     def _run(self) -> None:
         try:
+            self._begin()
             while not self._stopping.wait(WRITE_INTERVAL) and not self._is_full:
                 self._write_waiting()
                 self._look_at_the_clock()
             if not self._is_full:
                 self._write_waiting()
             self._end_file()
-        except (OSError, BagError) as error:
+        except OSError as error:
+            self._fail(f"cannot write {self._path}{ACTIVE}: {error.strerror or error}")
+        except BagError as error:
             self._fail(str(error))
         except Exception as error:
             self._log.exception("The recording failed.")
@@ -313,8 +317,14 @@ class Recorder:
         self._discard()
         self._report_drops(final=True)
         self._ended.set()
-        if not self._stopping.is_set():
-            self._on_end()
+        self._on_end()
+
+    def _begin(self) -> None:
+        self._path = self.options.file(0, time.time())
+        self._check_disk()
+        if not self._has_space:
+            raise BagError(self._fault)
+        self._begin_file()
 
     def _write_waiting(self) -> None:
         """Write the messages that wait."""
@@ -385,22 +395,18 @@ class Recorder:
             self._next_flush = ticks + FLUSH_INTERVAL
         if ticks >= self._next_disk:
             self._next_disk = ticks + DISK_INTERVAL
-            self._check_disk(self._path)
+            self._check_disk()
         self._report_drops()
 
     def _begin_file(self) -> Writer:
         """Begin the next file; with the last latched messages, if they are to be repeated."""
         options = self.options
-        self._path = options.file(self._number + 1, time.time())
+        self._path = self._unused_path()
         active = self._path.with_name(self._path.name + ACTIVE)
-        try:
-            active.parent.mkdir(parents=True, exist_ok=True)
-            writer = self._open(
-                active, compression=options.compression, chunk_size=options.chunk_size
-            )
-        except OSError as error:
-            raise BagError(f"cannot write {active}: {error.strerror or error}") from None
-        self._writer = writer
+        active.parent.mkdir(parents=True, exist_ok=True)
+        self._writer = writer = self._open(
+            active, compression=options.compression, chunk_size=options.chunk_size
+        )
         self._number += 1
         now = self._now()
         if options.max_duration and not self._file_ends and now:
@@ -412,6 +418,16 @@ class Recorder:
             assert stream._last is not None
             writer.write(stream._connection, now, stream._last)
         return writer
+
+    def _unused_path(self) -> Path:
+        """Return the path of the next file; a file that has the same date is not replaced."""
+        began = time.time()
+        while True:
+            path = self.options.file(self._number + 1, began)
+            is_used = path.exists() or path.with_name(path.name + ACTIVE).exists()
+            if not self.options.dated or not is_used:
+                return path
+            began += 1
 
     def _end_file(self) -> None:
         """Complete the current file, and remove the oldest ones if there are too many."""
@@ -434,9 +450,9 @@ class Recorder:
     def _is_ending(self) -> bool:
         return self._stopping.is_set() or self._is_full
 
-    def _check_disk(self, path: Path) -> None:
+    def _check_disk(self) -> None:
         """Look whether the disk has space for more."""
-        least = self.options.min_space
+        least, path = self.options.min_space, self._path
         if not least:
             return
         folder = path.absolute().parent
@@ -446,11 +462,10 @@ class Recorder:
         had, self._has_space = self._has_space, free >= least
         if not self._has_space:
             self._fault = (
-                f"less than {size_text(least)} of space free on disk with '{path}'; "
-                "recording is disabled (--min-space)"
+                f"Less than {size_text(least)} of space free on disk with '{path}' (--min-space)"
             )
-            if had:
-                self._log.error("%s", self._fault)
+            if had and self._writer is not None:
+                self._log.error("%s: recording is disabled.", self._fault)
         elif not had:
             self._fault = ""
             self._log.info("Recording to '%s' again: the disk has space.", path)
@@ -469,17 +484,18 @@ class Recorder:
                 self._discarded += 1
 
     def _fail(self, reason: str) -> None:
-        """End after an error of the disk; the file keeps its name for ``reindex``."""
-        active = f"{self._path}{ACTIVE}"
-        self._fault = f"cannot write {active}: {reason}"
-        repair = f"{command_name('bag reindex')} {active}"
-        self._log.error("The recording ended: %s; to repair the file: %s", self._fault, repair)
+        """End after an error; the file keeps its name for ``reindex``."""
+        writer, self._writer = self._writer, None
+        self._fault = reason
+        self._log.error("The recording has ended: %s.", reason)
+        if writer is None:
+            return
         self._discarded += self._written - self._flushed
         self._written = self._flushed
-        writer, self._writer = self._writer, None
-        if writer is not None:
-            with suppress(OSError, BagError):  # The index may fit where the messages did not.
-                writer.close()
+        with suppress(OSError, BagError):  # The index may fit where the messages did not.
+            writer.close()
+        active = f"{self._path}{ACTIVE}"
+        self._log.error("To repair the file: %s %s", command_name("bag reindex"), active)
 
     def _report_drops(self, *, final: bool = False) -> None:
         dropped = self._dropped + self._discarded

@@ -119,6 +119,18 @@ class Audit:
             logging.INFO, "node_unregistered", text, {"unregistered": unregistered, **client}
         )
 
+    def recording_started(self, folder: str, *, node: str) -> None:
+        """Record that a node has had the hub begin to record all topics."""
+        client = self._client(node)
+        text = f"{_named(client)} starts the recording in {printable(folder)}"
+        self._record(logging.INFO, "recording_started", text, {"folder": folder, **client})
+
+    def recording_stopped(self, folder: str, *, node: str) -> None:
+        """Record that a node has ended the hub's recording."""
+        client = self._client(node)
+        text = f"{_named(client)} stops the recording in {printable(folder)}"
+        self._record(logging.INFO, "recording_stopped", text, {"folder": folder, **client})
+
     def name_taken(self, *, node: str, principal: str = "", ip: str = "") -> None:
         """Record that a client has lost its node's name to another client.
 

@@ -55,6 +55,7 @@ from fibws.protocol.websocket import KILLED, RESTART, SHUTDOWN
 
 if TYPE_CHECKING:
     from fibws.hub.federation.zenoh_backplane import ZenohBackplane
+    from fibws.hub.recording import Recording
     from fibws.hub.ros1.server import Ros1Server
     from fibws.hub.ros2.server import Ros2
 
@@ -62,6 +63,8 @@ logger = logging.getLogger("fibws.hub")
 
 ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any]], object]
 
+RECORDING_TIMEOUT = 10.0
+"""Seconds in which the recorder must complete its file when the hub ends."""
 SWEEP_INTERVAL = 1.0
 LEAST_TIMEOUT = 0.001
 """Seconds; asyncio accepts no timeouts of 0 for TLS."""
@@ -139,6 +142,8 @@ class Hub:
         """The master for ROS 1 nodes, once entered, if the settings want one."""
         self.ros2: Ros2 | None = None
         """The ROS 2 nodes, once entered, if the settings want some."""
+        self.recording: Recording | None = None
+        """The recorder of all topics, once entered, if the settings want one."""
         self.stop_requested: Callable[[str], object] = lambda reason: None
         """Called, with a reason, when a ROS 1 program of this machine asks the master to end."""
         self._started = 0.0
@@ -185,6 +190,8 @@ class Hub:
             raise
         if self.settings.ros1 is not None:
             await self._join_ros1()
+        if self.settings.record is not None:
+            self._begin_recording()
         self._threads = WorkerThreads(loop)
         rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
         self.endpoints = Endpoints(rosbridge.open)
@@ -283,6 +290,29 @@ class Hub:
             self._server.close()
             raise
         self.ros1 = ros1
+
+    def _begin_recording(self) -> None:
+        from fibws.hub.recording import Recording  # Most hubs need none of it.
+
+        loop = asyncio.get_running_loop()
+        self.recording = Recording(self.graph, self.settings, self.audit, loop)
+        if self.settings.record_at_start:
+            self.recording.start()
+
+    async def _end_recording(self) -> None:
+        """Wait for the end of the file, unless the disk hangs."""
+        if self.recording is None:
+            return
+        complete = asyncio.Event()
+        self.recording.close(complete.set)
+        try:
+            await asyncio.wait_for(complete.wait(), RECORDING_TIMEOUT)
+        except TimeoutError:
+            logger.error(
+                "The recording is not complete: the disk has not answered for %g s.",
+                RECORDING_TIMEOUT,
+            )
+        self.recording.remove()
 
     def _federate(self) -> None:
         """Let other hubs join this one, and prepare to join others."""
@@ -413,6 +443,7 @@ class Hub:
             await self._empty.wait()
         if self.ros1 is not None:
             await self.ros1.close()
+        await self._end_recording()
         self.federation.close()
         self._own.close()
         await self._threads.close()

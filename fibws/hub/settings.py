@@ -21,6 +21,7 @@ URL_PATH = r"(/[A-Za-z0-9._~!$&'()*+,;=:@%-]+)*/?"
 GLOBAL_NAME = r"(/[A-Za-z]\w*)+"
 
 LOG_FORMATS = ("text", "json")
+COMPRESSIONS = ("none", "bz2", "lz4")
 
 
 def _setting(default: Any, help_: str, flag: str = "") -> Any:
@@ -158,6 +159,29 @@ class Settings:
         "repeated.",
     )
     ros2_domain: int = _setting(0, "ROS_DOMAIN_ID of the ROS 2 nodes.")
+    record: Path | None = _setting(
+        None, "Folder to record all topics in, as bags; the page and services start and stop it."
+    )
+    record_at_start: bool = _setting(True, "Begin to record when the hub starts.")
+    record_mcap: bool = _setting(False, "Record MCAP files (.mcap) rather than ROS 1 bags (.bag).")
+    record_compression: Literal["none", "bz2", "lz4"] = _setting(
+        "none", "Compression of recorded bags: none, bz2 or lz4."
+    )
+    record_size: int = _setting(
+        1024, "Megabytes (MiB) after which the recording continues in another file; 0 for no limit."
+    )
+    record_duration: float = _setting(
+        0.0, "Seconds after which the recording continues in another file; 0 for no limit."
+    )
+    record_files: int = _setting(
+        0, "Files of one recording that are kept, the newest ones; 0 keeps all."
+    )
+    record_min_space: int = _setting(
+        1024, "Megabytes (MiB) of free disk space below which nothing is recorded."
+    )
+    record_buffer: int = _setting(
+        256, "Megabytes (MiB) of messages that may wait for the disk; then the oldest are dropped."
+    )
     interfaces: tuple[Path, ...] = _setting(
         (), "Folder of message definitions (PACKAGE/msg/*.msg); may be repeated."
     )
@@ -282,6 +306,7 @@ class Settings:
             if port > 65535:
                 raise HubError(f"--{flag} must be between 0 and 65535, got {port}")
         self._check_tls()
+        self._check_record()
         self._check_join()
         if not re.fullmatch(URL_PATH, self.url_path):
             raise HubError(f"--url-path must be a path such as /robot, got {self.url_path}")
@@ -295,6 +320,15 @@ class Settings:
                     "--allow-origin must be a scheme, a host and perhaps a port, such as "
                     f"https://lab.example, or null or *; got {origin}"
                 )
+
+    def _check_record(self) -> None:
+        if self.record_compression not in COMPRESSIONS:
+            raise HubError(
+                f"--record-compression must be {', '.join(COMPRESSIONS)}, "
+                f"got {self.record_compression}"
+            )
+        if self.record_mcap and self.record_compression == "bz2":
+            raise HubError("--record-compression bz2 is for .bag files; MCAP files have lz4")
 
     @property
     def ros1_networks(self) -> list[Network]:

@@ -134,8 +134,6 @@ class GetRecordingResponse(ros.Message):
 
     _type: ClassVar[str] = "fibws_msgs/GetRecordingResponse"
 
-    success: bool = False
-    message: str = ""
     state: fibws_msgs.RecordingState = field(default_factory=lambda: fibws_msgs.RecordingState())
 
 

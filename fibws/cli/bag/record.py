@@ -6,6 +6,7 @@ import asyncio
 import json
 import logging
 import re
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -91,10 +92,10 @@ class RecordingNode:
         )
 
     async def run(self) -> None:
-        """Record until the recording is complete, or this is cancelled.
+        """Record until the recording is complete, has failed, or this is cancelled.
 
         Raises:
-            BagError: the recording failed.
+            BagError: the server is no fibws hub.
         """
         node = self._node
         if self._announces:
@@ -121,9 +122,6 @@ class RecordingNode:
                 node.log.warning(
                     "The hub has dropped %d messages, as this recorder read too slowly.", dropped
                 )
-        state = self.recorder.state()
-        if state.fault:
-            raise BagError(state.fault)
 
     def _call(self, function: Callable[..., object], *arguments: Any) -> None:
         """Call a function in the loop, from the recorder's thread."""
@@ -434,4 +432,7 @@ async def _record(
     node: fibws.Node, topics: Topics, options: RecordingOptions, *, announces: bool
 ) -> None:
     async with node:
-        await RecordingNode(node, topics, options, announces=announces).run()
+        recording = RecordingNode(node, topics, options, announces=announces)
+        await recording.run()
+    if recording.recorder.state().fault:  # It has been logged.
+        sys.exit(1)

@@ -1,0 +1,312 @@
+"""Recording within the hub: all topics, in bags (``--record``).
+
+The recorder is a node of the hub's own, with a `Sink` for each topic that has a publisher. Nothing
+is decoded or sent: the bytes of messages go to a `Recorder`, whose thread writes them.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from pydantic_core import from_json
+
+from fibws.bag_recorder import MIB, Origin, Recorder, RecordingOptions, RecordingState, Stream
+from fibws.errors import FibwsError, NotAllowed
+from fibws.hub.audit import Audit
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.service import Deferred, Function, Response
+from fibws.hub.graph.topic import SinkReport, Topic
+from fibws.hub.graph.types import MessageType
+from fibws.hub.settings import Settings
+
+if TYPE_CHECKING:
+    from asyncio import AbstractEventLoop, TimerHandle
+
+logger = logging.getLogger("fibws.hub")
+
+NODE = "/hub_recorder"
+STATE = f"{NODE}/state"
+"""The topic of the recording's state (fibws_msgs/RecordingState)."""
+STATE_INTERVAL = 1.0
+"""Seconds between two messages of the state while something is recorded."""
+
+
+class RecordedTopic:
+    """Takes the messages of one topic; a `Sink`."""
+
+    __slots__ = ("_fault", "_recorder", "_recording", "_streams", "messages", "topic")
+
+    node = NODE
+
+    def __init__(self, topic: Topic, recorder: Recorder, recording: Recording) -> None:
+        self.topic = topic
+        self.messages = 0
+        self._recorder = recorder
+        self._recording = recording
+        self._streams: dict[bytes, tuple[MessageType, Stream]] = {}
+        """By the publishers' connection headers."""
+        self._fault = ""
+
+    def receive(self, publication: Publication) -> None:
+        """Record a message."""
+        self._put(publication, publication.received)
+
+    def replay(self, publication: Publication) -> None:
+        """Record a latched message: now, and not when it was published."""
+        self._put(publication, self._recording.graph.clock.now())
+
+    def report(self) -> SinkReport:
+        """Return the totals."""
+        return SinkReport(messages=self.messages)
+
+    def _put(self, publication: Publication, received: int) -> None:
+        found = self._streams.get(publication.header)
+        if found is None or found[0] is not publication.type:
+            try:
+                stream = self._recorder.stream(self._origin(publication))
+            except FibwsError as error:
+                self._complain(error)
+                return
+            found = self._streams[publication.header] = (publication.type, stream)
+        self.messages += 1
+        self._recorder.put(found[1], received, publication.ros1())
+
+    def _origin(self, publication: Publication) -> Origin:
+        """Return where a message comes from; raise `FibwsError` if its fields are unknown."""
+        type_ = publication.type
+        type_.check_known()
+        header = from_json(publication.header)
+        return Origin(
+            self.topic.name,
+            type_.name,
+            type_.md5sum or "",
+            self._recording.graph.definitions.full_text(type_.name),
+            header.get("callerid", publication.node),
+            header.get("latching") == "1",
+        )
+
+    def _complain(self, error: FibwsError) -> None:
+        if str(error) != self._fault:
+            self._fault = str(error)
+            logger.warning("%s is not recorded: %s.", self.topic.name, error)
+
+
+class Recording:
+    """The hub's node that records, its services, and the topic of its state.
+
+    The hub's own topics are not recorded: other nodes cannot publish them.
+
+    Args:
+        settings: those that begin with ``record``; the folder must be set.
+    """
+
+    def __init__(
+        self, graph: Graph, settings: Settings, audit: Audit, loop: AbstractEventLoop
+    ) -> None:
+        self.graph = graph
+        self._settings = settings
+        self._audit = audit
+        self._loop = loop
+        self._recorder: Recorder | None = None
+        """The current recording, or the last one."""
+        self._topics: dict[str, RecordedTopic] = {}
+        self._is_recording = False
+        self._waiting: list[Callable[[], None]] = []
+        """What waits for the end of the recording."""
+        self._timer: TimerHandle | None = None
+        self._is_closed = False
+        graph.internal.add(NODE)
+        graph.permanent.add(NODE)
+        graph.reserved.add(STATE)
+        for name, (type_, function) in self._services().items():
+            graph.serve_internally(name, type_, NODE, function)
+        self._state = graph.advertise(
+            graph.topic(STATE), NODE, "fibws_msgs/RecordingState", latch=True
+        )
+        graph.enter(self, NODE, internal=True)
+        graph.watch_topics(self._topic_changed)
+        self._publish_state()
+
+    # As a node
+
+    def publishing(self) -> tuple[str, ...]:
+        """Return the topics that it publishes."""
+        return (STATE,)
+
+    def subscribing(self) -> tuple[str, ...]:
+        """Return the topics that are recorded."""
+        return tuple(self._topics)
+
+    def providing(self) -> tuple[str, ...]:
+        """Return its services."""
+        return tuple(self._services())
+
+    def replaced(self) -> None:
+        """Fail: no client can take its name."""
+        raise AssertionError(f"{NODE} is the hub's own")
+
+    # Beginning and ending
+
+    def start(self) -> None:
+        """Record from now on; nothing happens if that is done already."""
+        if self._is_recording or self._is_closed:
+            return
+        settings = self._settings
+        recorder = Recorder(
+            RecordingOptions(
+                path=f"{settings.record}/{'.mcap' if settings.record_mcap else ''}",
+                compression=settings.record_compression,
+                buffer_size=settings.record_buffer * MIB,
+                split=bool(settings.record_size or settings.record_duration),
+                max_size=settings.record_size * MIB,
+                max_duration=round(settings.record_duration * 1e9),
+                max_splits=settings.record_files,
+                min_space=settings.record_min_space * MIB,
+                repeat_latched=True,
+            ),
+            self.graph.clock.now,
+            logger,
+            on_end=lambda: self._loop.call_soon_threadsafe(self._ended),
+        )
+        self._recorder = recorder
+        self._is_recording = True
+        recorder.start()
+        for topic in list(self.graph.topics.values()):
+            self._topic_changed(topic)
+        self._tick()
+
+    def stop(self, done: Callable[[], None]) -> None:
+        """End the recording, and call a function once the file is complete."""
+        if not self._is_recording or self._recorder is None:
+            done()
+            return
+        self._waiting.append(done)
+        self._recorder.finish()
+        self._leave_topics()
+
+    def state(self) -> RecordingState | None:
+        """Return how far the recording has come; None before the first one."""
+        return self._recorder.state() if self._recorder is not None else None
+
+    def close(self, done: Callable[[], None]) -> None:
+        """End, and take everything back; a function is called when the file is complete."""
+        self._is_closed = True
+        self.stop(done)
+
+    def remove(self) -> None:
+        """Take the node, its services and its topic back."""
+        self._is_closed = True
+        self._leave_topics()
+        if self._timer is not None:
+            self._timer.cancel()
+        self.graph.remove_source(self._state)
+        for name in self._services():
+            self.graph.remove_service(self.graph.services[name])
+        self.graph.leave(self, NODE)
+
+    def _ended(self) -> None:
+        """Take note that the recording is complete, or has failed."""
+        self._is_recording = False
+        self._leave_topics()
+        if not self._is_closed:
+            self._publish_state()
+        waiting, self._waiting = self._waiting, []
+        for done in waiting:
+            done()
+
+    # Topics
+
+    def _topic_changed(self, topic: Topic) -> None:
+        """Subscribe to a topic that has a publisher, and leave one that has none any more."""
+        recorder = self._recorder
+        if recorder is None or not self._is_recording or topic.name in self.graph.reserved:
+            return
+        sink = self._topics.get(topic.name)
+        if sink is None and topic.sources and not recorder.is_finishing:
+            sink = self._topics[topic.name] = RecordedTopic(topic, recorder, self)
+            self.graph.subscribe(topic, sink)
+            topic.replay(sink)
+        elif sink is not None and not topic.sources:
+            self._leave(sink)
+
+    def _leave_topics(self) -> None:
+        for sink in list(self._topics.values()):
+            self._leave(sink)
+
+    def _leave(self, sink: RecordedTopic) -> None:
+        del self._topics[sink.topic.name]
+        self.graph.unsubscribe(sink.topic, sink)
+
+    # Services and the state
+
+    def _services(self) -> dict[str, tuple[str, Function]]:
+        return {
+            f"{NODE}/start": ("std_srvs/Trigger", self._handle_start),
+            f"{NODE}/stop": ("std_srvs/Trigger", self._handle_stop),
+            f"{NODE}/status": ("fibws_msgs/GetRecording", self._handle_status),
+        }
+
+    def _handle_start(self, request: dict[str, Any], caller: str) -> Response:
+        self._check_admin(caller, "start")
+        if self._is_recording:
+            return {"success": False, "message": "a recording is in progress"}
+        self.start()
+        self._audit.recording_started(str(self._settings.record), node=caller)
+        return {"success": True, "message": f"recording to {self._settings.record}"}
+
+    def _handle_stop(self, request: dict[str, Any], caller: str) -> Response | Deferred:
+        self._check_admin(caller, "stop")
+        if not self._is_recording:
+            return {"success": False, "message": "nothing is recorded"}
+        self._audit.recording_stopped(str(self._settings.record), node=caller)
+        is_waiting = True
+
+        def cancel() -> None:
+            nonlocal is_waiting
+            is_waiting = False
+
+        response = Deferred(cancel)
+
+        def done() -> None:
+            state = self.state()
+            if is_waiting and state is not None:
+                text = state.fault or f"recorded {state.messages} messages in {state.file}"
+                response.respond({"success": not state.fault, "message": text})
+
+        self._loop.call_soon(self.stop, done)  # The response is asked for when this returns.
+        return response
+
+    def _handle_status(self, request: dict[str, Any], caller: str) -> Response:
+        return {"state": self._values()}
+
+    def _check_admin(self, caller: str, verb: str) -> None:
+        policy = self.graph.policy
+        if not policy.allows_all and not policy.is_admin(caller):
+            raise self.graph.refused(NotAllowed(caller, "admin", f"{NODE}/{verb}"))
+
+    def _values(self) -> dict[str, Any]:
+        """Return the state as fibws_msgs/RecordingState."""
+        state = self.state()
+        if state is None:
+            return {}
+        seconds, nanoseconds = divmod(state.began, 10**9)
+        return {
+            "recording": self._is_recording,
+            "since": {"secs": seconds, "nsecs": nanoseconds},
+            **{name: getattr(state, name) for name in _COUNTS},
+        }
+
+    def _publish_state(self) -> None:
+        self._state.publish(self._values())
+
+    def _tick(self) -> None:
+        """Publish the state every second while something is recorded."""
+        if self._is_recording and not self._is_closed:
+            self._publish_state()
+            self._timer = self._loop.call_later(STATE_INTERVAL, self._tick)
+
+
+_COUNTS = ("file", "files", "messages", "bytes", "buffered", "dropped", "fault")

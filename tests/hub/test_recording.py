@@ -1,0 +1,181 @@
+"""Recording within the hub: which topics, their publishers, the services, the rights."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import fibws
+from fibws.bags import open_reader
+from fibws.errors import ServiceError
+from fibws.hub import Hub, Settings
+from fibws.hub.recording import NODE, STATE
+from fibws.msg.fibws_msgs import RecordingState
+from fibws.msg.geometry_msgs import PointStamped
+from fibws.msg.std_msgs import Int32, String
+from fibws.srv.fibws_msgs import GetRecording
+from fibws.srv.std_srvs import Trigger
+
+from .token_clients import entry
+
+PATIENCE = 60
+
+
+def settings(folder: Path, **others: Any) -> Settings:
+    return Settings(port=0, close_timeout=0.1, record=folder, record_min_space=0, **others)
+
+
+def files(folder: Path) -> list[Path]:
+    return sorted(folder.iterdir())
+
+
+def recorded(folder: Path) -> list[tuple[str, str, str, bool]]:
+    """Return the connections of all bags in a folder, without the hub's log."""
+    found = []
+    for path in files(folder):
+        with open_reader(path) as bag:
+            found += [
+                (each.topic, each.type, each.callerid, each.latching)
+                for each in bag.connections
+                if each.topic != "/rosout"
+            ]
+    return found
+
+
+async def state_when(
+    node: fibws.Node, is_reached: Callable[[RecordingState], bool]
+) -> RecordingState:
+    """Wait for a state of the recording, and return it."""
+    async with asyncio.timeout(PATIENCE):
+        async for state in node.subscribe(STATE, RecordingState, queue_size=None):
+            if is_reached(state):
+                return state
+    raise AssertionError
+
+
+async def test_all_topics_are_recorded_from_their_first_message(tmp_path: Path) -> None:
+    async with Hub(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
+        for number in range(3):
+            numbers = await node.advertise(f"/numbers{number}", Int32)
+            await numbers.publish(number)
+        latched = await node.advertise("/map", String, latch=True)
+        await latched.publish("here")
+        points = await node.advertise("/points", PointStamped)
+        await points.publish()
+    assert recorded(tmp_path) == [
+        *((f"/numbers{number}", "std_msgs/Int32", "/talker", False) for number in range(3)),
+        ("/map", "std_msgs/String", "/talker", True),
+        ("/points", "geometry_msgs/PointStamped", "/talker", False),
+    ]
+    [path] = files(tmp_path)
+    with open_reader(path) as bag:
+        assert [data for _, _, data in bag.messages(["/map"])] == [b"\x04\0\0\0here"]
+        assert bag.connections[-1].definition.startswith("Header header")
+
+
+async def test_topic_is_left_with_its_last_publisher(tmp_path: Path) -> None:
+    async with Hub(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
+        numbers = await node.advertise("/numbers", Int32)
+        assert hub.graph.topics["/numbers"].subscribers() == {NODE}
+        numbers.close()
+        await node.graph.nodes()
+        assert "/numbers" not in hub.graph.topics
+        again = await node.advertise("/numbers", Int32)
+        await again.publish(1)
+        await node.graph.nodes()
+    assert [topic for topic, *_ in recorded(tmp_path)] == ["/numbers"]
+
+
+async def test_services_start_and_stop_the_recording(tmp_path: Path) -> None:
+    async with (
+        Hub(settings(tmp_path, record_at_start=False)) as hub,
+        fibws.Node("talker", hub=hub.url) as node,
+    ):
+        latched = await node.advertise("/map", String, latch=True)
+        await latched.publish("here")
+        assert not (await node.call(f"{NODE}/status", GetRecording)).state.recording
+        assert not (await node.call(f"{NODE}/stop", Trigger)).success
+        assert (await node.call(f"{NODE}/start", Trigger)).success
+        assert not (await node.call(f"{NODE}/start", Trigger)).success
+        await state_when(node, lambda state: state.recording and state.messages > 0)
+        stopped = await node.call(f"{NODE}/stop", Trigger)
+        assert stopped.success
+        assert str(tmp_path) in stopped.message
+        state = (await node.call(f"{NODE}/status", GetRecording)).state
+        assert not state.recording
+        assert [str(each) for each in files(tmp_path)] == [state.file]
+        await latched.publish("not recorded")
+        await node.graph.nodes()
+    [path] = files(tmp_path)
+    with open_reader(path) as bag:
+        [(connection, time, data)] = bag.messages(["/map"])
+    assert (connection.callerid, connection.latching) == ("/talker", True)
+    assert data == b"\x04\0\0\0here"
+    assert time >= state.since.to_nanoseconds()
+
+
+async def test_failure_is_reported_and_the_hub_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    async with (
+        Hub(settings(tmp_path / "file")) as hub,
+        fibws.Node("talker", hub=hub.url) as node,
+    ):
+        state = await state_when(node, lambda state: bool(state.fault) and not state.recording)
+        assert "file" in state.fault
+        numbers = await node.advertise("/numbers", Int32, latch=True)
+        await numbers.publish(1)
+        assert (await node.wait_for_message("/numbers", Int32, timeout=PATIENCE)).data == 1
+
+
+async def test_types_without_known_fields_are_reported_once(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with Hub(settings(tmp_path)) as hub:
+        topic = hub.graph.topic("/odd")
+        source = hub.graph.advertise(topic, "/page", "unknown_msgs/Odd")
+        for _ in range(3):
+            source.publish({"a": 1})
+        assert caplog.text.count("/odd is not recorded") == 1
+        hub.graph.remove_source(source)
+
+
+async def test_files_are_split_and_kept_as_the_settings_say(tmp_path: Path) -> None:
+    async with (
+        Hub(settings(tmp_path, record_size=1, record_files=2, record_mcap=True)) as hub,
+        fibws.Node("talker", hub=hub.url) as node,
+    ):
+        texts = await node.advertise("/texts", String)
+        for _ in range(24):
+            await texts.publish("x" * 200_000)
+        await state_when(node, lambda state: state.messages >= 24)
+    paths = files(tmp_path)
+    assert len(paths) == 2
+    assert {each.suffix for each in paths} == {".mcap"}
+
+
+async def test_only_admins_start_and_stop(tmp_path: Path) -> None:
+    tokens = tmp_path / "tokens.toml"
+    tokens.write_text(entry("boss", "admin = true") + entry("ann", 'allow.call = ["/**"]'))
+    folder = tmp_path / "bags"
+    async with (
+        Hub(settings(folder, tokens=tokens, record_at_start=False)) as hub,
+        fibws.Node("ann", hub=hub.url, token="ann", rosout=False) as ann,
+        fibws.Node("boss", hub=hub.url, token="boss") as boss,
+    ):
+        for verb in ("start", "stop"):
+            with pytest.raises(ServiceError, match="admin"):
+                await ann.call(f"{NODE}/{verb}", Trigger)
+        assert not (await ann.call(f"{NODE}/status", GetRecording)).state.recording
+        assert (await boss.call(f"{NODE}/start", Trigger)).success
+        assert (await boss.call(f"{NODE}/stop", Trigger)).success
+
+
+async def test_nobody_takes_the_recorders_name(tmp_path: Path) -> None:
+    async with Hub(settings(tmp_path)) as hub:
+        with pytest.raises(fibws.FibwsError, match="hub's own"):
+            async with fibws.Node(NODE[1:], hub=hub.url):
+                pass

@@ -1,0 +1,387 @@
+"""Recording: the buffer, the writing thread, files and their splits, faults, crashes."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fibws.bag_recorder import (
+    MESSAGE_COST,
+    Origin,
+    Recorder,
+    RecordingOptions,
+    RecordingState,
+    size_text,
+)
+from fibws.bags import open_reader, open_writer, reindex
+from fibws.bags.bag_writer import BagWriter
+
+SECOND = 10**9
+START = 1_700_000_000 * SECOND
+PATIENCE = 60
+LOG = logging.getLogger("test_bag_recorder")
+
+
+def origin(topic: str = "/n", callerid: str = "/talker", *, latching: bool = False) -> Origin:
+    md5sum = "da5909fbe378aeaf85e547e830cc1bb7"
+    return Origin(topic, "std_msgs/Int32", md5sum, "int32 data\n", callerid, latching)
+
+
+def number(value: int) -> bytes:
+    return value.to_bytes(4, "little")
+
+
+class Recording:
+    """A recorder in a folder, whose clock a test sets."""
+
+    def __init__(self, folder: Path, **options: Any) -> None:
+        self.now = START
+        self.files: list[Path] = []
+        self.ended = threading.Event()
+        open_ = options.pop("open_", open_writer)
+        settings = {"path": str(folder / "a.bag"), "dated": False, "min_space": 0, **options}
+        self.recorder = Recorder(
+            RecordingOptions(**settings),
+            lambda: self.now,
+            LOG,
+            on_file=self.files.append,
+            on_end=self.ended.set,
+            open_=open_,
+        )
+        self.recorder.start()
+
+    def put(self, value: int, seconds: float = 0.0, source: Origin | None = None) -> None:
+        stream = self.recorder.stream(source or origin())
+        self.recorder.put(stream, START + round(seconds * SECOND), number(value))
+
+    def wait_until(self, is_reached: Callable[[RecordingState], bool]) -> RecordingState:
+        deadline = time.monotonic() + PATIENCE
+        while not is_reached(state := self.recorder.state()):
+            assert time.monotonic() < deadline, state
+            time.sleep(0.005)
+        return state
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Iterator[Callable[..., Recording]]:
+    made: list[Recording] = []
+
+    def record(**options: Any) -> Recording:
+        made.append(Recording(tmp_path, **options))
+        return made[-1]
+
+    yield record
+    for each in made:
+        each.recorder.stop()
+
+
+def values(path: Path) -> list[int]:
+    with open_reader(path) as bag:
+        return [int.from_bytes(data, "little") for _, _, data in bag.messages()]
+
+
+# Messages.
+
+
+def test_messages_are_recorded_with_their_publishers(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record()
+    latched = origin("/map", "/map_server", latching=True)
+    recording.put(1)
+    recording.put(2, 1.5, origin(callerid="/other"))
+    recording.put(3, 2.5, latched)
+    recording.recorder.stop()
+    with open_reader(tmp_path / "a.bag") as bag:
+        found = [
+            (each.topic, each.type, each.callerid, each.latching, time - START, data)
+            for each, time, data in bag.messages()
+        ]
+    assert found == [
+        ("/n", "std_msgs/Int32", "/talker", False, 0, number(1)),
+        ("/n", "std_msgs/Int32", "/other", False, 1.5 * SECOND, number(2)),
+        ("/map", "std_msgs/Int32", "/map_server", True, 2.5 * SECOND, number(3)),
+    ]
+    state = recording.recorder.state()
+    assert (state.is_recording, state.messages, state.dropped, state.files) == (False, 3, 0, 1)
+
+
+@pytest.mark.parametrize("suffix", [".bag", ".mcap"])
+@pytest.mark.parametrize("compression", ["none", "lz4"])
+def test_suffix_chooses_the_format(
+    record: Callable[..., Recording], tmp_path: Path, suffix: str, compression: str
+) -> None:
+    path = tmp_path / f"b{suffix}"
+    recording = record(path=str(path), compression=compression)
+    for value in range(100):
+        recording.put(value)
+    recording.recorder.stop()
+    assert values(path) == list(range(100))
+    assert path.read_bytes()[:5] == (b"#ROSB" if suffix == ".bag" else b"\x89MCAP")
+
+
+def test_limit_counts_the_messages_of_each_topic(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(limit=2)
+    for value in range(5):
+        recording.put(value, 0, origin(callerid=f"/talker{value}"))
+    recording.put(9, 1, origin("/m"))
+    assert recording.recorder.is_complete("/n")
+    assert not recording.recorder.is_complete("/m")
+    recording.recorder.stop()
+    assert values(tmp_path / "a.bag") == [0, 1, 9]
+
+
+# The disk.
+
+
+class HangingDisk:
+    """Opens bags whose writing waits while `hangs` is cleared."""
+
+    def __init__(self) -> None:
+        self.works = threading.Event()
+
+    def open(self, *arguments: Any, **options: Any) -> BagWriter:
+        works = self.works
+
+        class Hanging(BagWriter):
+            def write(self, *arguments: Any) -> None:
+                assert works.wait(PATIENCE)
+                super().write(*arguments)
+
+        return Hanging(*arguments, **options)
+
+
+def test_oldest_messages_are_dropped_and_counted_while_the_disk_hangs(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    disk = HangingDisk()
+    size = 10 * (4 + MESSAGE_COST)
+    recording = record(buffer_size=size, open_=disk.open)
+    recording.put(0)
+    recording.wait_until(lambda state: state.buffered == 0)  # The thread hangs with the first.
+    for value in range(1, 101):
+        recording.put(value)
+    state = recording.recorder.state()
+    assert state.dropped == 90
+    assert state.buffered <= size
+    disk.works.set()
+    recording.recorder.stop()
+    assert values(tmp_path / "a.bag") == [0, *range(91, 101)]
+    assert recording.recorder.state().dropped == 90
+
+
+def test_full_disk_ends_the_recording_and_is_reported(
+    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    class Full(BagWriter):
+        def flush(self) -> None:
+            raise OSError(28, "No space left on device")
+
+    recording = record(open_=Full)
+    recording.put(1)
+    assert recording.ended.wait(PATIENCE)
+    recording.put(2)
+    state = recording.recorder.state()
+    assert not state.is_recording
+    assert "No space left on device" in state.fault
+    assert (state.messages, state.dropped) == (0, 1)
+    assert "bag reindex" in caplog.text
+
+
+def test_disk_with_too_little_space_is_not_written_to(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(min_space=2**60)
+    assert recording.ended.wait(PATIENCE)
+    assert "--min-space" in recording.recorder.state().fault
+    assert not list(tmp_path.iterdir())
+
+
+def test_folder_that_cannot_be_created_ends_the_recording(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("")
+    recording = record(path=f"{tmp_path}/file/a.bag")
+    assert recording.ended.wait(PATIENCE)
+    assert "file/a.bag" in recording.recorder.state().fault
+
+
+def test_recording_goes_on_when_the_disk_has_space_again(
+    record: Callable[..., Recording], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fibws.bag_recorder.DISK_INTERVAL", 0.0)
+    free = [2**40]
+    usage = type("Usage", (), {"free": property(lambda self: free[0])})()
+    monkeypatch.setattr("fibws.bag_recorder.shutil.disk_usage", lambda folder: usage)
+    recording = record(min_space=2**30)
+    recording.put(1)
+    recording.wait_until(lambda state: state.messages == 1)
+    free[0] = 0
+    recording.wait_until(lambda state: "space" in state.fault)
+    recording.put(2)
+    recording.wait_until(lambda state: state.dropped == 1)
+    free[0] = 2**40
+    recording.wait_until(lambda state: not state.fault)
+    recording.put(3)
+    recording.recorder.stop()
+    assert values(tmp_path / "a.bag") == [1, 3]
+
+
+# Files.
+
+
+def test_file_is_active_until_it_is_complete(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record()
+    recording.put(1)
+    recording.wait_until(lambda state: state.messages == 1)
+    assert [each.name for each in tmp_path.iterdir()] == ["a.bag.active"]
+    recording.recorder.stop()
+    assert [each.name for each in tmp_path.iterdir()] == ["a.bag"]
+    assert recording.files == [tmp_path / "a.bag"]
+
+
+def test_split_by_duration_begins_files_by_the_times_of_messages(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(split=True, max_duration=10 * SECOND)
+    recording.wait_until(lambda state: state.files == 1)
+    for value, seconds in enumerate((0, 9.9, 10.1, 45, 49)):
+        recording.put(value, seconds)
+    recording.recorder.stop()
+    names = sorted(each.name for each in tmp_path.iterdir())
+    assert names == ["a_0.bag", "a_1.bag", "a_2.bag"]
+    assert [values(tmp_path / name) for name in names] == [[0, 1], [2], [3, 4]]
+
+
+def test_split_by_size_keeps_the_newest_files(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(split=True, max_size=6000, chunk_size=500, max_splits=2)
+    for value in range(300):
+        recording.put(value)
+    recording.recorder.stop()
+    names = sorted((each.name for each in tmp_path.iterdir()), key=lambda name: int(name[2:-4]))
+    assert len(names) == 2
+    assert recording.recorder.state().files > 2
+    assert [each for name in names for each in values(tmp_path / name)][-1] == 299
+
+
+def test_latched_messages_are_repeated_in_each_file(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(split=True, max_duration=10 * SECOND, repeat_latched=True)
+    recording.wait_until(lambda state: state.files == 1)
+    latched = origin("/map", latching=True)
+    recording.put(100, 1, latched)
+    recording.put(101, 2, latched)
+    recording.put(1, 3)
+    recording.put(2, 11)
+    recording.recorder.stop()
+    assert values(tmp_path / "a_0.bag") == [100, 101, 1]
+    assert values(tmp_path / "a_1.bag") == [101, 2]
+
+
+@pytest.mark.parametrize("limits", [{"max_size": 5000}, {"max_duration": SECOND}])
+def test_recording_ends_by_itself_at_its_limit(
+    record: Callable[..., Recording], tmp_path: Path, limits: dict[str, int]
+) -> None:
+    recording = record(**limits)
+    recording.wait_until(lambda state: state.files == 1)
+    for value in range(200):
+        recording.put(value, value / 10)
+    assert recording.ended.wait(PATIENCE)
+    found = values(tmp_path / "a.bag")
+    assert found == list(range(len(found)))
+    assert 10 <= len(found) < 200
+
+
+def test_duration_ends_without_messages(record: Callable[..., Recording], tmp_path: Path) -> None:
+    recording = record(max_duration=SECOND)
+    recording.wait_until(lambda state: state.files == 1)
+    recording.now += 2 * SECOND
+    assert recording.ended.wait(PATIENCE)
+    assert values(tmp_path / "a.bag") == []
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        ({"path": "walk", "dated": False}, "walk.bag"),
+        ({"path": "walk.bag", "dated": False}, "walk.bag"),
+        ({"path": "walk.mcap", "dated": False, "split": True}, "walk_3.mcap"),
+        ({"path": ""}, "{date}.bag"),
+        ({"path": "/data/walk.bag"}, "/data/walk_{date}.bag"),
+        ({"path": "/data/", "split": True}, "/data/{date}_3.bag"),
+        ({"path": "/data/.mcap"}, "/data/{date}.mcap"),
+    ],
+)
+def test_names_are_those_of_rosbag(options: dict[str, Any], name: str) -> None:
+    date = time.strftime("%Y-%m-%d-%H-%M-%S", time.localtime(1_700_000_000))
+    assert RecordingOptions(**options).file(3, 1_700_000_000) == Path(name.format(date=date))
+
+
+def test_recordings_of_one_second_have_different_names(
+    record: Callable[..., Recording], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fibws.bag_recorder.time.time", lambda: 1_700_000_000.0)
+    for _ in range(2):
+        recording = record(path=f"{tmp_path}/", dated=True)
+        recording.recorder.stop()
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_sizes_are_written_with_units() -> None:
+    assert [size_text(each) for each in (512, 2048, 1.5 * 2**20, 2**30)] == [
+        *("512", "2k", "1.5M", "1G")
+    ]
+
+
+# Crashes.
+
+CRASHING = """
+import logging, sys, time
+from fibws.bag_recorder import Origin, Recorder, RecordingOptions
+
+options = RecordingOptions(path=sys.argv[1], dated=False, min_space=0, compression=sys.argv[2])
+recorder = Recorder(options, time.time_ns, logging.getLogger())
+recorder.start()
+stream = recorder.stream(Origin("/n", "std_msgs/Int32", "*", "int32 data", "/n", False))
+while True:
+    now = time.time_ns()
+    recorder.put(stream, now, bytes(4))
+    sys.stdout.write(f"{now}\\n")
+    sys.stdout.flush()
+    time.sleep(0.0005)
+"""
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2"])
+def test_kill_loses_at_most_the_last_second(tmp_path: Path, compression: str) -> None:
+    path = tmp_path / "a.bag"
+    words = (sys.executable, "-c", CRASHING, str(path), compression)
+    with subprocess.Popen(words, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        put = [int(process.stdout.readline())]
+        while put[-1] - put[0] < 1.4 * SECOND:
+            put.append(int(process.stdout.readline()))
+        process.send_signal(signal.SIGKILL)
+        put += map(int, process.stdout.read().splitlines())
+    active = path.with_name("a.bag.active")
+    reindex(active, path)
+    with open_reader(path) as bag:
+        found = [time for _, time, _ in bag.messages()]
+    assert found == put[: len(found)]
+    assert put[-1] - found[-1] < SECOND
