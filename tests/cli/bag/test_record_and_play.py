@@ -1,0 +1,370 @@
+"""``fibws bag record`` and ``fibws bag play`` with a hub and nodes."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hub_in_thread import HubThread, Publish, Run
+from node_in_thread import peer
+
+import fibws
+from fibws.bags import open_reader, open_writer
+from fibws.client.hub_client import HubClient
+from fibws.msg.std_msgs import Int32
+
+from ..terminal import ROOT, Terminal
+from .conftest import SECOND, START, Entry, entries, entry, int32, write
+
+PATIENCE = 60
+QUICK = ("-d", "0", "-i", "--wait-for-subscribers")
+IMAGE = "sensor_msgs/Image"
+
+
+class Recorder:
+    """A ``fibws bag record`` in a process of its own."""
+
+    def __init__(self, url: str, path: Path, *words: str) -> None:
+        self.path = path
+        self.process = subprocess.Popen(
+            (sys.executable, "-m", "fibws", "bag", "record", "-O", str(path), "-L", "0", *words),
+            env={**os.environ, "FIBWS_HUB": url, "PYTHONUNBUFFERED": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=ROOT,
+        )
+        self.output = ""
+
+    def wait_for(self, text: str) -> None:
+        """Wait for a line of its output."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.output += line
+            if text in line:
+                return
+        raise AssertionError(self.output)
+
+    def end(self, number: signal.Signals | None = None) -> list[Entry]:
+        """Wait for its end, which a signal may ask for; return what it has recorded."""
+        if number is not None:
+            self.process.send_signal(number)
+        output, _ = self.process.communicate(timeout=PATIENCE)
+        self.output += output
+        assert self.process.returncode == 0, self.output
+        return entries(self.path)
+
+
+@contextmanager
+def recorder(url: str, path: Path, *words: str) -> Iterator[Recorder]:
+    """Record until the end of the block."""
+    found = Recorder(url, path, *words)
+    try:
+        yield found
+    finally:
+        if found.process.poll() is None:
+            found.process.kill()
+        found.process.communicate()
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    """A bag of three numbers, within 20 ms."""
+    return write(tmp_path / "a.bag", *((each / 100, int32("/n", each)) for each in range(3)))
+
+
+# Both.
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_recording_of_a_playback_is_equal(
+    run: Run, hub: HubThread, tmp_path: Path, compression: str
+) -> None:
+    messages = [
+        (0.0, int32("/n", 1, "/talker")),
+        (0.1, int32("/n", 2, "/other")),
+        (0.2, entry("/image", IMAGE, b"\x07\0\0\0" + bytes(33), "/camera")),
+        (0.3, entry("/image", IMAGE, b"\x09\0\0\0" + bytes(33), "/camera")),
+        (0.4, int32("/map", 3, "/map_server", latching=True)),
+        (0.5, int32("/map", 4, "/other_server", latching=True)),
+    ]
+    source = write(tmp_path / "a.bag", *messages, compression=compression)
+    option = () if compression == "none" else (f"--{compression}",)
+    words = ("-l", "2", *option, "/n", "/image", "/map")
+    with recorder(hub.url, tmp_path / "b.bag", *words) as recording:
+        result = run("bag", "play", str(source), *QUICK)
+        assert result.exit_code == 0, result.output
+        found = recording.end()
+    expected = [each for _, each in messages]
+    assert sorted(found) == sorted(expected)
+    assert [each for each in found if each.callerid == "/camera"] == expected[2:4]
+    with open_reader(tmp_path / "b.bag") as reader:
+        assert reader.compression == compression
+
+
+def test_unknown_types_are_played_and_recorded(run: Run, hub: HubThread, tmp_path: Path) -> None:
+    with open_writer(tmp_path / "a.bag") as bag:
+        definition = "uint8 apples\nHeader header\n"
+        connection = bag.connection("/tree", "orchard/Tree", "*", definition, callerid="/farmer")
+        bag.write(connection, START, bytes(17))
+    with recorder(hub.url, tmp_path / "b.bag", "-l", "1", "/tree") as recording:
+        result = run("bag", "play", str(tmp_path / "a.bag"), *QUICK)
+        assert result.exit_code == 0, result.output
+        [found] = recording.end()
+    assert found[:2] == ("/tree", "orchard/Tree")
+    assert found.data == bytes(17)
+    with open_reader(tmp_path / "b.bag") as reader:
+        assert reader.connections[0].definition.startswith("uint8 apples")
+
+
+# Recording.
+
+
+def test_all_topics_and_new_ones_are_recorded_until_ctrl_c(
+    hub: HubThread, tmp_path: Path, publish: Publish
+) -> None:
+    publish("/map", "std_msgs/Int32", {"data": 1})
+    with recorder(hub.url, tmp_path / "b.bag", "-a", "-x", "/rosout.*") as recording:
+        recording.wait_for("Subscribing to /map")
+        publish("/late", "std_msgs/Int32", {"data": 2})
+        publish("/rosout_not", "std_msgs/Int32", {"data": 3})
+        recording.wait_for("Subscribing to /late")
+        found = recording.end(signal.SIGINT)
+    assert [(each.topic, each.latching, each.data[0]) for each in found if each.latching] == [
+        ("/map", True, 1),
+        ("/late", True, 2),
+    ]
+    assert "/rosout_not" not in {each.topic for each in found}
+
+
+def wait_for_subscriber(url: str, topic: str) -> None:
+    with HubClient("look", url) as client:
+        while not client.call("/rosapi/subscribers", {"topic": topic})["subscribers"]:
+            client.process(0.01)
+
+
+def test_regular_expressions_match_whole_names(
+    hub: HubThread, tmp_path: Path, publish: Publish
+) -> None:
+    for name in ("/camera1/info", "/camera2/info", "/camera1/info/more"):
+        publish(name, "std_msgs/Int32", {"data": 1})
+    with recorder(hub.url, tmp_path / "b.bag", "-e", "/camera./info", "-l", "1") as recording:
+        found = recording.end()
+    assert {each.topic for each in found} == {"/camera1/info", "/camera2/info"}
+
+
+def test_topics_of_a_node_are_recorded(hub: HubThread, tmp_path: Path, publish: Publish) -> None:
+    publish("/n", "std_msgs/Int32", {"data": 1})
+    publish("/m", "std_msgs/Int32", {"data": 1})
+
+    async def listen(node: fibws.Node) -> None:
+        node.subscribe("/n", Int32)
+
+    with (
+        peer(hub.url, "listener", listen),
+        recorder(hub.url, tmp_path / "b.bag", "--node", "/listener") as recording,
+    ):
+        recording.wait_for("Subscribing to /n")
+        found = recording.end(signal.SIGINT)
+    assert [each.topic for each in found] == ["/n"]
+    assert "/m" not in recording.output
+
+
+def test_begin_is_published_and_names_are_remapped(
+    hub: HubThread, tmp_path: Path, client: HubClient
+) -> None:
+    client.subscribe_raw("/begin_write", lambda message: begun.append(bytes(message.data)))
+    begun: list[bytes] = []
+    with recorder(hub.url, tmp_path / "b.bag", "-p", "-q", "chatter", "chatter:=/n") as recording:
+        while not begun:
+            client.process(0.01)
+        assert str(tmp_path / "b.bag").encode() in begun[0]
+        wait_for_subscriber(hub.url, "/n")
+        assert recording.end(signal.SIGTERM) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        ((), "must specify a topic"),
+        (("-o", "a", "-O", "b", "/n"), "both prefix and name"),
+        (("--split", "/n"), "maximum duration or size"),
+        (("--max-splits", "2", "/n"), "--split"),
+        (("-j", "--lz4", "/n"), "one type of compression"),
+        (("-x", "(", "-a"), "regular expression"),
+        (("-e", "("), "regular expression"),
+        (("--duration", "5x", "/n"), "5m"),
+        (("-L", "1T", "/n"), "1G"),
+    ],
+)
+def test_wrong_options_are_explained(run: Run, words: tuple[str, ...], text: str) -> None:
+    result = run("bag", "record", *words)
+    assert result.exit_code == 2
+    assert text in result.output
+
+
+def test_recording_that_cannot_begin_fails(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    result = run("bag", "record", "-O", f"{tmp_path}/file/a.bag", "/n")
+    assert result.exit_code == 1
+    assert "file/a.bag" in result.output
+
+
+# Playing.
+
+
+def test_topics_are_selected_prefixed_and_remapped(
+    run: Run, hub: HubThread, tmp_path: Path
+) -> None:
+    bag = write(tmp_path / "a.bag", (0, int32("/a", 1)), (1, int32("/b", 2)), (2, int32("/c", 3)))
+    with recorder(hub.url, tmp_path / "b.bag", "-l", "1", "/robot/a", "/d") as recording:
+        words = ("--topics", "/a", "b", "--bags", str(bag), "-p", "/robot", "/robot/b:=/d")
+        result = run("bag", "play", *QUICK, *words)
+        assert result.exit_code == 0, result.output
+        found = recording.end()
+    assert sorted((each.topic, each.data[0]) for each in found) == [("/d", 2), ("/robot/a", 1)]
+
+
+def test_clock_is_published_before_the_first_message(
+    run: Run, hub: HubThread, bag: Path, client: HubClient
+) -> None:
+    order: list[str] = []
+    times: list[int] = []
+
+    def clock(message: Any) -> None:
+        order.append("clock")
+        seconds, nanoseconds = (int.from_bytes(message.data[i : i + 4], "little") for i in (0, 4))
+        times.append(seconds * SECOND + nanoseconds)
+
+    client.subscribe_raw("/clock", clock)
+    client.subscribe_raw("/n", lambda message: order.append("n"))
+    client.call("/rosapi/get_time")
+    result = run("bag", "play", str(bag), "--clock", "--hz", "1000", "-d", "0.05")
+    assert result.exit_code == 0, result.output
+    client.call("/rosapi/get_time")
+    assert order[0] == "clock"
+    assert order.count("n") == 3
+    assert times[0] == START
+    assert times == sorted(times)
+    assert times[-1] <= START + SECOND // 50
+
+
+def test_playback_is_controlled_by_services(hub: HubThread, bag: Path) -> None:
+    async def program() -> None:
+        received: asyncio.Queue[int] = asyncio.Queue()
+        async with fibws.Node("page", hub=hub.url, rosout=False) as node, asyncio.timeout(PATIENCE):
+            numbers = node.subscribe("/n", Int32, queue_size=None)
+
+            async def read() -> None:
+                async for message in numbers:
+                    received.put_nowait(message.data)
+
+            reading = asyncio.create_task(read())
+            states = node.subscribe("/player/playback", "fibws_msgs/PlaybackState")
+
+            async def control(command: str, **fields: Any) -> Any:
+                request = {"command": command, **fields}
+                name = "/player/control_playback"
+                return await node.call(name, "fibws_msgs/ControlPlayback", request)
+
+            state = await anext(states)
+            assert (state.status, state.bags) == (state.PAUSED, [str(bag)])
+            assert state.start.to_nanoseconds() == START
+            assert (await control("step")).success
+            assert await received.get() == 0
+            assert (await control("seek", position={"secs": 0, "nsecs": 0})).success
+            assert (await control("step")).success
+            assert await received.get() == 0
+            assert (await control("rate", rate=0.5)).state.rate == 0.5
+            assert not (await control("rate", rate=-1)).success
+            assert not (await control("dance")).success
+            pause = ("/player/pause_playback", "std_srvs/SetBool")
+            assert not (await node.call(*pause, {"data": True})).success
+            assert (await node.call(*pause, {"data": False})).success
+            assert not (await control("step")).success
+            assert [await received.get() for _ in range(2)] == [1, 2]
+            reading.cancel()
+
+    words = ("bag", "play", str(bag), "--pause", "-k", "-d", "0", "--node-name", "player")
+    with subprocess.Popen(
+        (sys.executable, "-m", "fibws", *words),
+        env={**os.environ, "FIBWS_HUB": hub.url},
+        stdout=subprocess.PIPE,
+    ) as player:
+        asyncio.run(program())
+        player.send_signal(signal.SIGINT)
+        player.communicate(timeout=PATIENCE)
+    assert player.returncode == 0
+
+
+def test_keys_control_the_playback(hub: HubThread, tmp_path: Path, client: HubClient) -> None:
+    bag = write(tmp_path / "a.bag", (0, int32("/n", 0)), (1000, int32("/n", 1)))
+    received: list[int] = []
+    client.subscribe_raw("/n", lambda message: received.append(message.data[0]))
+    words = ("bag", "play", str(bag), "--pause", "-d", "0", "-r", "10000")
+    terminal = Terminal(sys.executable, "-m", "fibws", *words, FIBWS_HUB=hub.url)
+    terminal.wait_for("Hit space to toggle paused, or 's' to step.")
+    terminal.wait_for(f" [PAUSED ]  Bag Time: {START // SECOND}.000000   Duration: 0.000000 / 1000")
+    terminal.type("s")
+    while not received:
+        client.process(0.01)
+    terminal.type(" ")
+    terminal.wait_for("Done.")
+    assert terminal.process.wait(PATIENCE) == 0
+    client.call("/rosapi/get_time")
+    assert received == [0, 1]
+    assert re.search(r" \[RUNNING\]  Bag Time: .* Duration: 1000\.000000 / 1000", terminal.output)
+
+
+def test_rate_control_topic_delays_the_playback(
+    hub: HubThread, tmp_path: Path, client: HubClient
+) -> None:
+    bag = write(tmp_path / "a.bag", (0, int32("/n", 0)), (100, int32("/n", 1)))
+    received: list[int] = []
+    client.subscribe_raw("/n", lambda message: received.append(message.data[0]))
+    words = ("bag", "play", str(bag), "-i", "-d", "0", "--rate-control-topic", "/camera/header")
+    terminal = Terminal(sys.executable, "-m", "fibws", *words, FIBWS_HUB=hub.url)
+    terminal.wait_for("[DELAYED]")
+    client.send({"op": "advertise", "topic": "/camera/header", "type": "sensor_msgs/TimeReference"})
+    stamp = {"secs": START // SECOND + 100, "nsecs": 0}
+    while len(received) < 2:
+        message = {"header": {"stamp": stamp}}
+        client.send({"op": "publish", "topic": "/camera/header", "msg": message})
+        client.process(0.02)
+    terminal.wait_for("Done.")
+    assert terminal.process.wait(PATIENCE) == 0
+    assert received == [0, 1]
+
+
+def test_topics_of_the_hub_itself_are_left_out(run: Run, tmp_path: Path) -> None:
+    bag = write(tmp_path / "a.bag", (0, int32("/client_count", 1)), (0, int32("/n", 2)))
+    result = run("bag", "play", str(bag), "-i", "-d", "0")
+    assert result.exit_code == 0
+    assert "/client_count is not played" in result.output
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        ((), 2, "at least one bag"),
+        (("missing.bag",), 1, "missing.bag"),
+        (("{bag}", "-s", "100"), 2, "--start"),
+        (("{bag}", "-r", "0"), 2, "--rate"),
+        (("{bag}", "--topics", "/none"), 1, "none of the topics"),
+    ],
+)
+def test_wrong_arguments_of_play_are_explained(
+    run: Run, bag: Path, words: tuple[str, ...], code: int, text: str
+) -> None:
+    result = run("bag", "play", *(each.format(bag=bag) for each in words))
+    assert result.exit_code == code, result.output
+    assert text in result.output
