@@ -43,6 +43,8 @@ TURN_COST = 4096
 PAUSE = 1e-5
 """Seconds between two turns: without a pause, another thread would get the interpreter only after
 5 ms."""
+NEVER = 2**63
+"""A time later than all others."""
 SUFFIXES = (".bag", ".mcap")
 ACTIVE = ".active"
 """The end of a file's name while it is written."""
@@ -136,19 +138,24 @@ class RecordingState(NamedTuple):
 
 
 class Stream:
-    """The messages of one origin in a recording; `Recorder.stream` returns it."""
+    """The messages of one origin in a recording; `Recorder.stream` returns it.
 
-    __slots__ = ("_connection", "_file", "_last", "left", "origin")
+    Attributes:
+        left: how many messages of the topic are still to be recorded; None without a limit.
+        is_repeated: whether each file of a split begins with the last message.
+        last: that message.
+        connection: that of the file of this number.
+    """
 
-    def __init__(self, origin: Origin, left: list[int] | None) -> None:
+    __slots__ = ("connection", "file", "is_repeated", "last", "left", "origin")
+
+    def __init__(self, origin: Origin, left: list[int] | None, *, is_repeated: bool) -> None:
         self.origin = origin
         self.left = left
-        """How many messages of the topic are still to be recorded, if there is a limit."""
-        self._file = -1
-        """The number of the file that `_connection` belongs to."""
-        self._connection: Connection
-        self._last: Buffer | None = None
-        """The last message, if it is latched and to be repeated."""
+        self.is_repeated = is_repeated
+        self.file = -1
+        self.connection: Connection
+        self.last: Buffer | None = None
 
 
 class Recorder:
@@ -197,8 +204,8 @@ class Recorder:
         self._left: dict[str, list[int]] = {}
         self._latched: dict[Stream, None] = {}
         self._began = 0
-        self._file_ends = 0
-        """The time at which the current file has lasted long enough; 0 for never."""
+        self._file_ends = NEVER
+        """The time at which the current file has lasted long enough."""
         self._writer: Writer | None = None
         self._path = Path()
         self._number = -1
@@ -225,7 +232,8 @@ class Recorder:
             left = None
             if self.options.limit:
                 left = self._left.setdefault(origin.topic, [self.options.limit])
-            found = self._streams[origin] = Stream(origin, left)
+            is_repeated = self.options.repeat_latched and origin.latching
+            found = self._streams[origin] = Stream(origin, left, is_repeated=is_repeated)
         return found
 
     def put(self, stream: Stream, received: int, data: Buffer) -> None:
@@ -337,56 +345,60 @@ class Recorder:
             try:
                 stream, received, data = queue.popleft()
             except IndexError:  # The other thread has dropped the rest.
-                return
-            self._taken += len(data) + MESSAGE_COST
-            self._write(stream, received, data)
-            if self._is_full:
-                return
-            left -= len(data) + TURN_COST
+                break
+            size = len(data)
+            self._taken += size + MESSAGE_COST
+            if received > self._file_ends:
+                if not self._continue():
+                    return
+                while self._file_ends < received:
+                    self._file_ends += self.options.max_duration
+            if stream.file != self._number:
+                self._join(stream)
+            self._writer.write(stream.connection, received, data)
+            self._written += 1
+            if stream.is_repeated:
+                stream.last = data
+                self._latched[stream] = None
+            left -= size + TURN_COST
             if left < 0:
                 left = TURN
+                if self._is_large and not self._continue():
+                    return
                 time.sleep(PAUSE)
+        if self._is_large:
+            self._continue()
 
-    def _write(self, stream: Stream, received: int, data: Buffer) -> None:
-        options, writer = self.options, self._writer
-        if self._file_ends and received > self._file_ends:
-            if not options.split:
-                self._is_full = True
-                return
-            self._end_file()
-            while self._file_ends < received:
-                self._file_ends += options.max_duration
-            writer = self._begin_file()
-        assert writer is not None
-        if stream._file != self._number:
-            self._join(stream)
-        writer.write(stream._connection, received, data)
-        self._written += 1
-        if options.repeat_latched and stream.origin.latching:
-            stream._last = data
-            self._latched[stream] = None
-        if options.max_size and writer.size > options.max_size:
-            self._end_file()
-            if options.split:
-                self._begin_file()
-            else:
-                self._is_full = True
+    @property
+    def _is_large(self) -> bool:
+        """Whether the file has reached its maximum size."""
+        most = self.options.max_size
+        return bool(most) and self._writer is not None and self._writer.size > most
+
+    def _continue(self) -> bool:
+        """Go on with the next file of a split; return False if there is to be none."""
+        if not self.options.split:
+            self._is_full = True
+            return False
+        self._end_file()
+        self._begin_file()
+        return True
 
     def _join(self, stream: Stream) -> None:
         """Make the stream's connection in the current file."""
         assert self._writer is not None
         topic, type_, md5sum, definition, callerid, latching = stream.origin
-        stream._connection = self._writer.connection(
+        stream.connection = self._writer.connection(
             topic, type_, md5sum, definition, callerid=callerid, latching=latching
         )
-        stream._file = self._number
+        stream.file = self._number
 
     def _look_at_the_clock(self) -> None:
         """Do what is due: flush, look at the disk, end by the clock, warn."""
         options, now = self.options, self._now()
-        if options.max_duration and not self._file_ends and now:
+        if options.max_duration and self._file_ends == NEVER and now:
             self._file_ends = now + options.max_duration  # Simulated time has begun.
-        if self._file_ends and now > self._file_ends and not options.split:
+        if now > self._file_ends and not options.split:
             self._is_full = True
         ticks = time.monotonic()
         if self._flushed < self._written and ticks >= self._next_flush and self._writer is not None:
@@ -409,14 +421,14 @@ class Recorder:
         )
         self._number += 1
         now = self._now()
-        if options.max_duration and not self._file_ends and now:
+        if options.max_duration and self._file_ends == NEVER and now:
             self._file_ends = now + options.max_duration
         self._log.info("Recording to '%s'.", self._path)
         self._on_file(self._path)
         for stream in self._latched:
             self._join(stream)
-            assert stream._last is not None
-            writer.write(stream._connection, now, stream._last)
+            assert stream.last is not None
+            writer.write(stream.connection, now, stream.last)
         return writer
 
     def _unused_path(self) -> Path:

@@ -37,7 +37,7 @@ STATE_INTERVAL = 1.0
 class RecordedTopic:
     """Takes the messages of one topic; a `Sink`."""
 
-    __slots__ = ("_fault", "_recorder", "_recording", "_streams", "messages", "topic")
+    __slots__ = ("_fault", "_put", "_recorder", "_recording", "_streams", "messages", "topic")
 
     node = NODE
 
@@ -45,6 +45,7 @@ class RecordedTopic:
         self.topic = topic
         self.messages = 0
         self._recorder = recorder
+        self._put = recorder.put
         self._recording = recording
         self._streams: dict[bytes, tuple[MessageType, Stream]] = {}
         """By the publishers' connection headers."""
@@ -52,27 +53,38 @@ class RecordedTopic:
 
     def receive(self, publication: Publication) -> None:
         """Record a message."""
-        self._put(publication, publication.received)
+        found = self._streams.get(publication.header)
+        if found is None or found[0] is not publication.type:
+            stream = self._find_stream(publication)
+            if stream is None:
+                return
+        else:
+            stream = found[1]
+        self.messages += 1
+        self._put(stream, publication.received, publication.ros1())
 
     def replay(self, publication: Publication) -> None:
         """Record a latched message: now, and not when it was published."""
-        self._put(publication, self._recording.graph.clock.now())
+        stream = self._find_stream(publication)
+        if stream is not None:
+            self.messages += 1
+            self._put(stream, self._recording.graph.clock.now(), publication.ros1())
 
     def report(self) -> SinkReport:
         """Return the totals."""
         return SinkReport(messages=self.messages)
 
-    def _put(self, publication: Publication, received: int) -> None:
-        found = self._streams.get(publication.header)
-        if found is None or found[0] is not publication.type:
-            try:
-                stream = self._recorder.stream(self._origin(publication))
-            except FibwsError as error:
-                self._complain(error)
-                return
-            found = self._streams[publication.header] = (publication.type, stream)
-        self.messages += 1
-        self._recorder.put(found[1], received, publication.ros1())
+    def _find_stream(self, publication: Publication) -> Stream | None:
+        """Return the stream of a message's publisher; None if the fields are unknown."""
+        try:
+            stream = self._recorder.stream(self._origin(publication))
+        except FibwsError as error:
+            if str(error) != self._fault:
+                self._fault = str(error)
+                logger.warning("%s is not recorded: %s.", self.topic.name, error)
+            return None
+        self._streams[publication.header] = (publication.type, stream)
+        return stream
 
     def _origin(self, publication: Publication) -> Origin:
         """Return where a message comes from; raise `FibwsError` if its fields are unknown."""
@@ -87,11 +99,6 @@ class RecordedTopic:
             header.get("callerid", publication.node),
             header.get("latching") == "1",
         )
-
-    def _complain(self, error: FibwsError) -> None:
-        if str(error) != self._fault:
-            self._fault = str(error)
-            logger.warning("%s is not recorded: %s.", self.topic.name, error)
 
 
 class Recording:

@@ -34,6 +34,9 @@ UNBOUNDED_QUEUE = 10_000
 """The queue_length that a subscription without a limit asks the hub for: a second of the fastest
 topics. The hub limits the bytes anyway (--max-queued-bytes)."""
 
+RECORDED_QUEUE = 1_000_000
+"""That of a subscription whose messages are recorded: the bytes alone bound it."""
+
 
 class Topics(OperationHandler):
     """Handles the operations and the messages of topics."""
@@ -123,7 +126,8 @@ class Topics(OperationHandler):
             id=self._session.id("subscribe", topic),
             topic=topic,
             type=codec.type if codec.type != ANY_TYPE else None,
-            queue_length=queue_size or UNBOUNDED_QUEUE,
+            queue_length=queue_size
+            or (UNBOUNDED_QUEUE if take_serialized is None else RECORDED_QUEUE),
             headers=headers or None,
             peers=peers or None,
             peer_changes=peers or None,
