@@ -26,6 +26,7 @@ from bench.metrics import metrics
 from bench.mjpeg import mjpeg
 from bench.nodes import nodes
 from bench.page import page
+from bench.recording import recording
 from bench.report import Report
 from bench.ros1 import ros1
 from bench.rosapi import rosapi
@@ -48,6 +49,7 @@ SCENARIOS = {
     "start": startup,
     "codecs": codecs,
     "bags": bags,
+    "recording": recording,
     "services": services,
     "tls": tls,
     "encodings": encodings,

@@ -184,9 +184,13 @@ def _fault(report: dict[str, int], expected: int) -> str:
 
 
 @contextmanager
-def on_hub() -> Iterator[tuple[Environment, Environment]]:
-    """Start a hub; yield the environments of rospy scripts and of fibws.Node scripts on it."""
-    with running(HUB, pinned=False) as server:
+def on_hub(*options: str) -> Iterator[tuple[Environment, Environment]]:
+    """Start a hub; yield the environments of rospy scripts and of fibws.Node scripts on it.
+
+    Args:
+        options: further options of the hub's command line.
+    """
+    with running(HUB, pinned=False, options=options) as server:
         variables = {
             **{name: value for name, value in os.environ.items() if not name.startswith("ROS")},
             "FIBWS_HUB": f"ws://127.0.0.1:{server.port}",
