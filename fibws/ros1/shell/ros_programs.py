@@ -34,6 +34,8 @@ _MODULES = {
     ("rqt_tf_tree", "rqt_tf_tree"): ("fibws", "open", "topics", "/tf"),
     ("actionlib", "axclient"): ("fibws", "open", "actions"),
     **{(name, name): ("fibws.cli", name) for name in COMMANDS},
+    ("rosbag", "record"): ("fibws", "bag", "record"),
+    ("rosbag", "play"): ("fibws", "bag", "play"),
     ("tf", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
     ("tf2_ros", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
     ("tf", "tf_echo"): ("fibws.tf.tf_echo",),
