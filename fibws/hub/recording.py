@@ -7,6 +7,7 @@ is decoded or sent: the bytes of messages go to a `Recorder`, whose thread write
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -297,12 +298,13 @@ class Recording:
     def _values(self) -> dict[str, Any]:
         """Return the state as fibws_msgs/RecordingState."""
         state = self.state()
+        stamp = _time(time.time_ns())
         if state is None:
-            return {}
-        seconds, nanoseconds = divmod(state.began, 10**9)
+            return {"stamp": stamp}
         return {
+            "stamp": stamp,
             "recording": self._is_recording,
-            "since": {"secs": seconds, "nsecs": nanoseconds},
+            "since": _time(state.began),
             **{name: getattr(state, name) for name in _COUNTS},
         }
 
@@ -314,6 +316,11 @@ class Recording:
         if self._is_recording and not self._is_closed:
             self._publish_state()
             self._timer = self._loop.call_later(STATE_INTERVAL, self._tick)
+
+
+def _time(nanoseconds: int) -> dict[str, int]:
+    seconds, rest = divmod(nanoseconds, 10**9)
+    return {"secs": seconds, "nsecs": rest}
 
 
 _COUNTS = ("file", "files", "messages", "bytes", "buffered", "dropped", "fault")

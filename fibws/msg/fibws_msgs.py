@@ -170,6 +170,7 @@ class RecordingState(ros.Message):
 
     _type: ClassVar[str] = "fibws_msgs/RecordingState"
 
+    stamp: ros.Time = field(default_factory=ros.Time)
     recording: bool = False
     since: ros.Time = field(default_factory=ros.Time)
     file: str = ""

@@ -5,11 +5,12 @@ const NAMES = new Set([
   "/rosout_agg",
   "/rosapi",
   "/rosbridge_websocket",
+  "/hub_recorder",
   "/client_count",
   "/connected_clients",
   "/statistics",
 ]);
-const PREFIXES = ["/rosapi/", "/rosout/", "/rosbridge_websocket/", "/page_"];
+const PREFIXES = ["/rosapi/", "/rosout/", "/rosbridge_websocket/", "/hub_recorder/", "/page_"];
 /** The logs of hubs that have joined with a prefix, and the nodes of hubs that read logs. */
 const OTHER_LOGS = /^\/(\w+\/)+rosout(\/|$)/;
 /**

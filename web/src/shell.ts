@@ -1,6 +1,7 @@
 /** The page around the views: tabs, state of the connection, counts. */
 import "./shell.css";
 
+import { PLAYBACK, RECORDER } from "./bags/names";
 import { h, replace, setText, svg } from "./dom";
 import { hertz } from "./format";
 import { isHidden } from "./hidden_names";
@@ -46,10 +47,13 @@ export class Shell {
   readonly #nodes = h("dd", { id: "count-nodes" }, "–");
   readonly #topics = h("dd", { id: "count-topics" }, "–");
   readonly #rate = h("dd", { id: "count-rate" }, "–");
+  /** The place of what is shown once there is a recorder or a player. */
+  readonly #bags = h("div", { id: "bags" });
 
   constructor(hub: Hub, model: Model, login: Login) {
     replace(document.body, this.#header(hub, login), this.stage);
     this.#badge(model);
+    this.#showBags(hub, model);
     model.graph.watch((graph) => this.#showCounts(graph));
     model.rates.watch((rates) => this.#showRate(rates));
   }
@@ -93,6 +97,7 @@ export class Shell {
       h(
         "div",
         { id: "tools" },
+        this.#bags,
         account(hub, login),
         h(
           "button",
@@ -133,6 +138,18 @@ export class Shell {
     });
   }
 
+  /** Load the controls of bags once the hub can record, or a bag is played. */
+  #showBags(hub: Hub, model: Model): void {
+    let isLoaded = false;
+    model.graph.watch((graph) => {
+      if (isLoaded || graph === null || !hasBags(graph)) return;
+      isLoaded = true;
+      void import("./bags/controls").then(({ bagControls }) => {
+        replace(this.#bags, ...bagControls(hub, model));
+      });
+    });
+  }
+
   #showCounts(graph: Graph | null): void {
     if (graph === null) return;
     for (const { name } of TABS) if (RARE[name]?.(graph)) this.#reveal(name);
@@ -151,6 +168,14 @@ export class Shell {
     event.preventDefault();
     this.stage.focus();
   }
+}
+
+/** Whether there is something to record or play with. */
+function hasBags({ services, topics }: Graph): boolean {
+  return (
+    services.some(({ name }) => name === `${RECORDER}/start`) ||
+    topics.some(({ type }) => type === PLAYBACK)
+  );
 }
 
 /** Show how many are not hidden, with the noun in singular or plural before it. */

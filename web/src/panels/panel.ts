@@ -1,4 +1,5 @@
 /** Panels for topics of certain types: pictures of them, or a way to publish on them. */
+import { PLAYBACK } from "../bags/names";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 
@@ -48,6 +49,12 @@ const KINDS: readonly Kind[] = [
     types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
     replacesEcho: true,
     load: () => import("./frames/panel"),
+  },
+  {
+    label: "Playback",
+    types: [PLAYBACK],
+    replacesEcho: true,
+    load: () => import("./playback/panel"),
   },
   {
     label: "Drive",

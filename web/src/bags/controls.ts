@@ -1,0 +1,102 @@
+/** The header's controls of bags: the hub's recording, and links to the bags that are played. */
+import "./bags.css";
+
+import { h, replace, setText } from "../dom";
+import { bytes, plural } from "../format";
+import type { Hub } from "../hub";
+import type { Graph, Model, Time } from "../model";
+import { route } from "../view";
+import { clockText } from "./clock_text";
+import { PLAYBACK, RECORDER } from "./names";
+
+/** A message of fibws_msgs/RecordingState. */
+interface RecordingState {
+  /** When the message was published. */
+  stamp: Time;
+  recording: boolean;
+  since: Time;
+  file: string;
+  files: number;
+  messages: number;
+  bytes: number;
+  dropped: number;
+  fault: string;
+}
+
+export function bagControls(hub: Hub, model: Model): HTMLElement[] {
+  return [playbackLinks(model), recordingControl(hub, model)];
+}
+
+/** Links to the topics of the players. */
+function playbackLinks(model: Model): HTMLElement {
+  const box = h("span", { class: "bags-playbacks" });
+  let shown = "";
+  model.graph.watch((graph) => {
+    const topics = (graph?.topics ?? []).flatMap(({ name, type, publishers }) =>
+      type === PLAYBACK && publishers.length > 0 ? [name] : [],
+    );
+    if (topics.join() === shown) return;
+    shown = topics.join();
+    const links = topics.map((topic) =>
+      h("a", { href: route("topics", topic), title: topic }, "Playback"),
+    );
+    replace(box, ...links);
+  });
+  return box;
+}
+
+/** A button that starts and stops the hub's recording, and how far that has come. */
+function recordingControl(hub: Hub, model: Model): HTMLElement {
+  const progress = h("span", { class: "bags-progress" });
+  const problem = h("span", { class: "bags-problem", role: "alert" });
+  const button = h(
+    "button",
+    { type: "button", class: "quiet", id: "record", disabled: true, onclick: () => void toggle() },
+    "Record",
+  );
+  const box = h("span", { id: "recording", hidden: true }, progress, problem, button);
+  let isRecording = false;
+
+  const show = (state: RecordingState): void => {
+    isRecording = state.recording;
+    button.disabled = false;
+    setText(button, isRecording ? "Stop" : "Record");
+    button.title = isRecording ? "Stop recording all topics" : "Record all topics at the hub";
+    box.classList.toggle("recording", isRecording);
+    setText(progress, isRecording ? progressText(state) : "");
+    progress.title = [state.file, plural(state.messages, "message")].join(", ");
+    setText(problem, state.fault);
+  };
+
+  const toggle = async (): Promise<void> => {
+    button.disabled = true;
+    const service = `${RECORDER}/${isRecording ? "stop" : "start"}`;
+    try {
+      const { success, message } = await hub.call<{ success: boolean; message: string }>(
+        service,
+        "std_srvs/Trigger",
+      );
+      setText(problem, success ? "" : message);
+    } catch (error) {
+      setText(problem, (error as Error).message);
+    }
+    button.disabled = false;
+  };
+
+  hub.subscribe(`${RECORDER}/state`, {}, (message) => show(message as unknown as RecordingState));
+  model.graph.watch((graph) => {
+    box.hidden = !canRecord(graph);
+  });
+  return box;
+}
+
+function canRecord(graph: Graph | null): boolean {
+  return graph?.services.some(({ name }) => name === `${RECORDER}/start`) ?? false;
+}
+
+/** How long and how much: `1:05 · 20 MiB`, and what was dropped. */
+export function progressText({ stamp, since, bytes: size, dropped }: RecordingState): string {
+  const texts = [clockText(stamp.secs - since.secs), bytes(size)];
+  if (dropped > 0) texts.push(`${dropped} dropped`);
+  return texts.join(" · ");
+}
