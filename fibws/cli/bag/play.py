@@ -103,7 +103,8 @@ class Outlet:
 
 
 def _headers(callerid: str) -> dict[str, str]:
-    return {"callerid": callerid} if callerid else {}
+    """Return the connection header; it is not the player that has published, if it is unknown."""
+    return {"callerid": callerid}
 
 
 class Player:
@@ -214,7 +215,7 @@ class Player:
                 definition=connection.definition or None,
                 queue_size=max(1, self._options.queue_size),
                 latch=connection.latching,
-                headers=_headers(connection.callerid) or None,
+                headers=_headers(connection.callerid),
                 peers=self._options.waits_for_subscribers,
                 keep_seq=True,
             )
