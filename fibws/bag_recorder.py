@@ -45,6 +45,9 @@ PAUSE = 1e-5
 5 ms."""
 NEVER = 2**63
 """A time later than all others."""
+PLAYBACK = "fibws_msgs/PlaybackState"
+"""The type of the topics of players' states, which are not among all topics: who plays a recording
+does not want the state of another player."""
 SUFFIXES = (".bag", ".mcap")
 ACTIVE = ".active"
 """The end of a file's name while it is written."""

@@ -13,7 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic_core import from_json
 
-from fibws.bag_recorder import MIB, Origin, Recorder, RecordingOptions, RecordingState, Stream
+from fibws.bag_recorder import (
+    MIB,
+    PLAYBACK,
+    Origin,
+    Recorder,
+    RecordingOptions,
+    RecordingState,
+    Stream,
+)
 from fibws.errors import FibwsError, NotAllowed
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
@@ -105,7 +113,8 @@ class RecordedTopic:
 class Recording:
     """The hub's node that records, its services, and the topic of its state.
 
-    The hub's own topics are not recorded: other nodes cannot publish them.
+    The hub's own topics are not recorded, as other nodes cannot publish them; nor are the states of
+    players.
 
     Args:
         settings: those that begin with ``record``; the folder must be set.
@@ -231,6 +240,8 @@ class Recording:
         """Subscribe to a topic that has a publisher, and leave one that has none any more."""
         recorder = self._recorder
         if recorder is None or not self._is_recording or topic.name in self.graph.reserved:
+            return
+        if topic.type is not None and topic.type.name == PLAYBACK:
             return
         sink = self._topics.get(topic.name)
         if sink is None and topic.sources and not recorder.is_finishing:

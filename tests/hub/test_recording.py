@@ -14,7 +14,7 @@ from fibws.bags import open_reader
 from fibws.errors import ServiceError
 from fibws.hub import Hub, Settings
 from fibws.hub.recording import NODE, STATE
-from fibws.msg.fibws_msgs import RecordingState
+from fibws.msg.fibws_msgs import PlaybackState, RecordingState
 from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.fibws_msgs import GetRecording
@@ -66,6 +66,8 @@ async def test_all_topics_are_recorded_from_their_first_message(tmp_path: Path) 
         await latched.publish("here")
         points = await node.advertise("/points", PointStamped)
         await points.publish()
+        state = await node.advertise("/player/playback", PlaybackState)
+        await state.publish()
     assert recorded(tmp_path) == [
         *((f"/numbers{number}", "std_msgs/Int32", "/talker", False) for number in range(3)),
         ("/map", "std_msgs/String", "/talker", True),

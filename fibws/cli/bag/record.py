@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 import fibws
-from fibws.bag_recorder import MIB, Origin, Recorder, RecordingOptions, Stream
+from fibws.bag_recorder import MIB, PLAYBACK, Origin, Recorder, RecordingOptions, Stream
 from fibws.cli.common_options import examples
 from fibws.cli.node_program import SETTINGS, node, run
 from fibws.errors import BagError, FibwsError, InterfaceError
@@ -150,7 +150,8 @@ class RecordingNode:
         except FibwsError as error:
             self._node.log.warning("Cannot look for topics: %s", error)
             return ()
-        return filter(self._topics.wants, response.topics)
+        types = dict(zip(response.topics, response.types, strict=True))
+        return [each for each in types if types[each] != PLAYBACK and self._topics.wants(each)]
 
     def _subscribe(self, topic: str) -> None:
         self._node.log.info("Subscribing to %s", topic)

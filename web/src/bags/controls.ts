@@ -57,6 +57,11 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
   const box = h("span", { id: "recording", hidden: true }, progress, problem, button);
   let isRecording = false;
 
+  const report = (why: string): void => {
+    setText(problem, why);
+    problem.title = why;
+  };
+
   const show = (state: RecordingState): void => {
     isRecording = state.recording;
     button.disabled = false;
@@ -65,7 +70,7 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
     box.classList.toggle("recording", isRecording);
     setText(progress, isRecording ? progressText(state) : "");
     progress.title = [state.file, plural(state.messages, "message")].join(", ");
-    setText(problem, state.fault);
+    report(state.fault);
   };
 
   const toggle = async (): Promise<void> => {
@@ -76,9 +81,9 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
         service,
         "std_srvs/Trigger",
       );
-      setText(problem, success ? "" : message);
+      report(success ? "" : message);
     } catch (error) {
-      setText(problem, (error as Error).message);
+      report((error as Error).message);
     }
     button.disabled = false;
   };
