@@ -358,7 +358,12 @@ class Recorder:
                     self._file_ends += self.options.max_duration
             if stream.file != self._number:
                 self._join(stream)
-            self._writer.write(stream.connection, received, data)
+            try:
+                self._writer.write(stream.connection, received, data)
+            except BagError as error:  # A message that bags cannot hold, such as one of 2 GiB.
+                self._discarded += 1
+                self._warn(f"A message of {stream.origin.topic} is not recorded: {error}.")
+                continue
             self._written += 1
             if stream.is_repeated:
                 stream.last = data
@@ -419,6 +424,7 @@ class Recorder:
         self._path = self._unused_path()
         active = self._path.with_name(self._path.name + ACTIVE)
         active.parent.mkdir(parents=True, exist_ok=True)
+        self._put_aside(active)
         self._writer = writer = self._open(
             active, compression=options.compression, chunk_size=options.chunk_size
         )
@@ -443,6 +449,18 @@ class Recorder:
             if not self.options.dated or not is_used:
                 return path
             began += 1
+
+    def _put_aside(self, active: Path) -> None:
+        """Rename the file that a recorder has left which crashed: it must not be overwritten."""
+        if not active.exists():
+            return
+        stem = active.name.removesuffix(ACTIVE)
+        left = active.with_name(f"{stem}.{time.time_ns()}{ACTIVE}")
+        active.rename(left)
+        self._log.warning(
+            "A recorder that has crashed left '%s', which is '%s' now; to repair it: %s %s",
+            *(active.name, left.name, command_name("bag reindex"), left),
+        )
 
     def _end_file(self) -> None:
         """Complete the current file, and remove the oldest ones if there are too many."""
@@ -519,7 +537,7 @@ class Recorder:
             self._log.warning(
                 "The recording has dropped %d messages so far: %s.",
                 dropped,
-                "the buffer was exceeded" if self._dropped else "the disk is full",
+                "the buffer was exceeded" if self._dropped else "the disk took none, or not these",
             )
 
     def _warn(self, text: str) -> None:

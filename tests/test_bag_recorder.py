@@ -238,6 +238,32 @@ def test_recording_goes_on_when_the_disk_has_space_again(
     assert values(tmp_path / "a.bag") == [1, 3]
 
 
+def test_message_that_bags_cannot_hold_is_left_out(
+    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    recording = record()
+    recording.put(1)
+    recording.put(2, 2**32)
+    recording.put(3)
+    recording.recorder.stop()
+    assert values(tmp_path / "a.bag") == [1, 3]
+    assert recording.recorder.state().dropped == 1
+    assert "/n" in caplog.text
+
+
+def test_file_of_a_crashed_recorder_is_not_overwritten(
+    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "a.bag.active").write_bytes(b"left")
+    recording = record()
+    recording.put(1)
+    recording.recorder.stop()
+    assert values(tmp_path / "a.bag") == [1]
+    [left] = tmp_path.glob("a.bag.*.active")
+    assert left.read_bytes() == b"left"
+    assert left.name in caplog.text
+
+
 # Files.
 
 

@@ -401,7 +401,7 @@ def progress_line(playback: Playback) -> str:
 
 
 class _Tasks:
-    """Tasks that run until the end of the block; the error of one is logged."""
+    """Tasks that run until the end of the block."""
 
     def __init__(self) -> None:
         self._tasks: list[asyncio.Task[None]] = []
