@@ -1,4 +1,4 @@
-"""Recording and playing: costs in the hub and in nodes, the recorder's rate, the player's timing."""
+"""Recording and playing bags: costs in the hub and in nodes, the recorder's rate, the timing."""
 
 from __future__ import annotations
 
