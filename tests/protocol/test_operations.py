@@ -74,6 +74,7 @@ FROM_CLIENT: list[Request | Reply] = [
     Advertise(topic="/a", type="std_msgs/Int32"),
     Advertise(id="x", topic="/a", type="a/B", latch=True, queue_size=1, definition="int32 data\n"),
     Advertise(topic="/a", type="a/B", headers={"user": "ann"}, peers=True, peer_changes=True),
+    Advertise(topic="/a", type="a/B", publisher=1, keep_seq=True),
     Advertise(topic="/a", type="a/B", publisher=2**32 - 1, md5sum="0" * 32),
     Unadvertise(topic="/a"),
     Unadvertise(id=1, topic="/a"),
@@ -82,6 +83,7 @@ FROM_CLIENT: list[Request | Reply] = [
     Subscribe(topic="/a"),
     Publish(topic="/a", to="/listener"),
     Subscribe(topic="/a", headers=True, peers=True, peer_changes=True),
+    Subscribe(topic="/a", compression="ros1", send_definition=True),
     Subscribe(topic="/a", int64="string"),
     Subscribe(topic="/a", compression="ros1", credit=2),
     Subscribe(topic="/a", compression="ros1", definition="int32 data\n", md5sum="0" * 32),
@@ -126,6 +128,7 @@ FROM_HUB: list[Request | Reply] = [
     Status(level="error", msg="no"),
     Status(id=5, level="warning", msg="hm"),
     Status(id=5, level="error", msg="no", code="not_allowed"),
+    Subscribed(topic="/a", topic_id=1, type="a/B", md5sum="0" * 32, definition="int32 data"),
     Subscribed(id="x", topic="/a", topic_id=1, type="a/B", md5sum="0" * 32),
     Subscribed(topic="/a", topic_id=1, type="a/B", md5sum="0" * 32, credit=2),
 ]

@@ -92,6 +92,8 @@ KINDS = {
     "header": Kind({*JUNK}, "it is the hub's to say"),
     "peers": Kind(ABSENT | BOOLEANS, "it is optional"),
     "peer_changes": Kind(ABSENT | BOOLEANS, "it is optional"),
+    "keep_seq": Kind(ABSENT | BOOLEANS, "it is optional"),
+    "send_definition": Kind(ABSENT | BOOLEANS, "it is optional"),
     "publisher": Kind(ABSENT | {"five", "zero", "minus zero"}, "it is optional"),
     "md5sum": Kind(ABSENT, "it is optional", NAME.refusal + "|md5sum"),
     "code": Kind(ABSENT | TEXTS, "only the hub's own codes matter"),
