@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic_core import from_json
 
@@ -110,6 +110,14 @@ class RecordedTopic:
         )
 
 
+class RecordingTotals(NamedTuple):
+    """What was recorded since the hub has started."""
+
+    messages: int = 0
+    bytes: int = 0
+    dropped: int = 0
+
+
 class Recording:
     """The hub's node that records, its services, and the topic of its state.
 
@@ -131,6 +139,8 @@ class Recording:
         """The current recording, or the last one."""
         self._topics: dict[str, RecordedTopic] = {}
         self._is_recording = False
+        self._past = RecordingTotals()
+        """Of the recordings that have ended."""
         self._waiting: list[Callable[[], None]] = []
         """What waits for the end of the recording."""
         self._timer: TimerHandle | None = None
@@ -208,6 +218,22 @@ class Recording:
         """Return how far the recording has come; None before the first one."""
         return self._recorder.state() if self._recorder is not None else None
 
+    def totals(self) -> RecordingTotals:
+        """Return what has been recorded so far, by all recordings."""
+        past, state = self._past, self.state()
+        if state is None or not self._is_recording:
+            return past
+        return RecordingTotals(
+            past.messages + state.messages,
+            past.bytes + state.bytes,
+            past.dropped + state.dropped,
+        )
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether something is recorded now."""
+        return self._is_recording
+
     def close(self, done: Callable[[], None]) -> None:
         """End, and take everything back; a function is called when the file is complete."""
         self._is_closed = True
@@ -226,6 +252,7 @@ class Recording:
 
     def _ended(self) -> None:
         """Take note that the recording is complete, or has failed."""
+        self._past = self.totals()
         self._is_recording = False
         self._leave_topics()
         if not self._is_closed:

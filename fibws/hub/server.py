@@ -225,6 +225,7 @@ class Hub:
             probes=self._probes,
             watchers=watchers,
             links=lambda: [*self.federation.links(), *self._broken_links()],
+            recording=self.recording,
             loop=type(loop).__module__.partition(".")[0],
         )
         requests.add_route("/metrics", metrics.respond)

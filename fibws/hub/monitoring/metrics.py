@@ -15,7 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from websockets.http11 import Response
 
@@ -110,11 +110,23 @@ class ClientTotals:
         return counts.received, counts.acknowledged
 
 
+class Recording(Protocol):
+    """What records topics within the hub."""
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether something is recorded now."""
+
+    def totals(self) -> tuple[int, int, int]:
+        """Return the messages that were recorded, the bytes, and the messages that were not."""
+
+
 class Metrics:
     """Responds to /metrics.
 
     Args:
         links: returns the links to other hubs, as fibws_msgs/HubLink.
+        recording: what records all topics, if anything does.
         loop: the name of the event loop's library.
     """
 
@@ -131,6 +143,7 @@ class Metrics:
         probes: Probes,
         watchers: Watchers,
         links: Callable[[], Iterable[Mapping[str, Any]]],
+        recording: Recording | None,
         loop: str,
     ) -> None:
         self._graph = graph
@@ -143,6 +156,7 @@ class Metrics:
         self._probes = probes
         self._watchers = watchers
         self._links = links
+        self._recording = recording
         self._build = {
             "version": __version__,
             "python": platform.python_version(),
@@ -173,6 +187,8 @@ class Metrics:
         self._add_messages(metrics)
         self._add_calls(metrics)
         self._add_links(metrics)
+        if self._recording is not None:
+            self._add_recording(metrics, self._recording)
         add_process(metrics)
 
     def _add_hub(self, metrics: Exposition) -> None:
@@ -270,6 +286,14 @@ class Metrics:
             name: [each[key] for key in (*keys, "dropped", "lost")] for name, each in up.items()
         }
         metrics.counter_table(BY_HUB, "hub", rows)
+
+    def _add_recording(self, metrics: Exposition, recording: Recording) -> None:
+        metrics.gauge("fibws_recording", "1 while topics are recorded.", +recording.is_recording)
+        messages, size, dropped = recording.totals()
+        metrics.counter("fibws_recorded_messages", "Messages that were recorded.", messages)
+        metrics.counter("fibws_recorded_bytes", "Bytes of the recorded bags.", size)
+        help_ = "Messages that were not recorded, as the disk was too slow or full."
+        metrics.counter("fibws_recording_dropped_messages", help_, dropped)
 
 
 def add_process(metrics: Exposition) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import gzip
 import re
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -127,7 +128,10 @@ class TestFormat:
             assert value(hub, "fibws_topic_messages_total", topic=topic) == 2
             assert list(strict_families(bytes(scrape(hub, Accept=OPENMETRICS).body).decode()))
 
-    async def test_documentation_names_all_metrics(self, start_hub: StartHub, hub: Hub) -> None:
+    async def test_documentation_names_all_metrics(
+        self, start_hub: StartHub, tmp_path: Path
+    ) -> None:
+        hub = await start_hub(record=tmp_path)
         await start_hub(join=(hub.url,))
         await until(lambda: bool(hub.federation.peers))
         section = OPERATIONS.partition("### Metrics")[2].partition("\n## ")[0]
@@ -368,3 +372,21 @@ async def test_links_to_other_hubs_have_metrics(start_hub: StartHub) -> None:
     assert value(robot, "fibws_link_round_trip_seconds", hub=hub) > 0
     assert value(robot, "fibws_link_sent_bytes_total", hub=hub) > 0
     assert value(robot, "fibws_link_lost_messages_total", hub=hub) == 0
+
+
+async def test_recording_has_metrics(start_hub: StartHub, tmp_path: Path) -> None:
+    assert "fibws_recording" not in families(await start_hub())
+    hub = await start_hub(record=tmp_path, record_min_space=0)
+    assert value(hub, "fibws_recording") == 1
+    source = hub.graph.advertise(hub.graph.topic("/n"), "/talker", "std_msgs/Int32")
+    source.publish({"data": 1})
+    await until(lambda: value(hub, "fibws_recorded_messages_total") == 1)
+    assert value(hub, "fibws_recorded_bytes_total") > 4096
+    assert value(hub, "fibws_recording_dropped_messages_total") == 0
+    complete = asyncio.Event()
+    assert hub.recording is not None
+    hub.recording.stop(complete.set)
+    await complete.wait()
+    hub.graph.remove_source(source)
+    assert value(hub, "fibws_recording") == 0
+    assert value(hub, "fibws_recorded_messages_total") == 1
