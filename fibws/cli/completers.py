@@ -80,6 +80,15 @@ params = completion(_params)
 """All parameters."""
 
 
+def files(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete the names of files, as the shell does."""
+    from click.shell_completion import CompletionItem
+
+    return [CompletionItem(incomplete, type="file")]
+
+
 def defined(kind: str, *, short: bool = False) -> Completion:
     """Return a completion of the types in fibws and $FIBWS_INTERFACES.
 

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Coroutine
 from functools import wraps
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,11 +16,18 @@ from fibws.cli.exit_handling import clean_exit
 from fibws.msg import message_class
 from fibws.node.program import run_until_signal
 
+if TYPE_CHECKING:
+    from fibws.cli.completers import Completion
+
 SETTINGS = common_options.SETTINGS
 
 
 def node(
-    default_name: str, *, anonymous: bool = True, arguments: str | None = None
+    default_name: str,
+    *,
+    anonymous: bool = True,
+    arguments: str | None = None,
+    complete: Completion | None = None,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the options of a node, and the node itself as its argument ``node``.
 
@@ -29,6 +36,7 @@ def node(
         anonymous: make the default name unique.
         arguments: the metavar of arguments besides remappings, which the command gets as
             ``arguments``; without it, such arguments are an error.
+        complete: completes these arguments.
     """
     default = f"{default_name}_<pid>_<number>" if anonymous else default_name
 
@@ -61,6 +69,7 @@ def node(
                 "words",
                 nargs=-1,
                 metavar=f"{arguments} [FROM:=TO]..." if arguments else "[FROM:=TO]...",
+                shell_complete=complete,
             ),
             click.option(
                 "--node-name",

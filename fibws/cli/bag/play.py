@@ -17,7 +17,7 @@ import click
 
 import fibws
 from fibws.bags import Connection, Reader, open_reader
-from fibws.cli import output
+from fibws.cli import completers, output
 from fibws.cli.arguments import spread
 from fibws.cli.bag.playback import Bags, Playback, PlaybackOptions, Target
 from fibws.cli.common_options import examples
@@ -501,7 +501,13 @@ class _PlayCommand(click.Command):
 @click.option(
     "--pause-topics", metavar="TOPIC...", multiple=True, help="Pause before messages of these."
 )
-@click.option("--bags", metavar="BAG...", multiple=True, help="Bags to play.")
+@click.option(
+    "--bags",
+    metavar="BAG...",
+    multiple=True,
+    shell_complete=completers.files,
+    help="Bags to play.",
+)
 @click.option(
     "--wait-for-subscribers", is_flag=True, help="Wait until each topic has a subscriber."
 )
@@ -525,7 +531,7 @@ class _PlayCommand(click.Command):
     ("{bag play} walk.bag --topics /scan /tf", "two of its topics"),
     ("{bag play} walk.bag /scan:=/laser", "with another name"),
 )
-@node("play", arguments="BAG...")
+@node("play", arguments="BAG...", complete=completers.files)
 def command(
     node: fibws.Node,
     arguments: tuple[str, ...],

@@ -16,6 +16,7 @@ import click
 
 import fibws
 from fibws.bag_recorder import MIB, PLAYBACK, Origin, Recorder, RecordingOptions, Stream
+from fibws.cli import completers
 from fibws.cli.common_options import examples
 from fibws.cli.node_program import SETTINGS, node, run
 from fibws.errors import BagError, FibwsError, InterfaceError
@@ -27,7 +28,7 @@ LOOK_INTERVAL = 0.5
 """Seconds between two looks for new topics; rosbag looks once a second."""
 REPORT_TIMEOUT = 2.0
 """Seconds that the hub may take at the end to report what it has dropped."""
-_MULTIPLIERS = {"": 1, "k": 10**3, "M": 10**6, "G": 10**9}
+_MULTIPLIERS = {"": 1, "k": 2**10, "M": 2**20, "G": 2**30}
 _DURATIONS = {"": 1, "s": 1, "m": 60, "h": 3600}
 
 
@@ -242,9 +243,10 @@ def _number_with_unit(
         if text is None:
             return 0.0
         found = re.fullmatch(r"(\d+(?:\.\d*)?|\.\d+)([A-Za-z]?)", text.strip())
-        if found is None or found[2] not in units:
+        known = {unit.lower(): factor for unit, factor in units.items()}
+        if found is None or found[2].lower() not in known:
             raise click.BadParameter(f"expected a number such as {example}, got {text!r}")
-        return float(found[1]) * units[found[2]]
+        return float(found[1]) * known[found[2].lower()]
 
     return parse
 
@@ -346,9 +348,17 @@ _IGNORED = "Ignored; accepted for compatibility with rosbag."
     "--node",
     "observed",
     metavar="NODE",
+    shell_complete=completers.nodes,
     help="Record the topics that this node subscribes to.",
 )
-@click.option("--topic", "topics", metavar="TOPIC", multiple=True, help="Topic to record.")
+@click.option(
+    "--topic",
+    "topics",
+    metavar="TOPIC",
+    multiple=True,
+    shell_complete=completers.topics,
+    help="Topic to record.",
+)
 @click.option(
     "--repeat-latched", is_flag=True, help="Begin each bag of a split with the latched messages."
 )
@@ -365,7 +375,7 @@ _IGNORED = "Ignored; accepted for compatibility with rosbag."
     ("{bag record} -O walk.mcap /scan /tf", "two topics, in an MCAP file"),
     ("{bag record} -a --split --duration 5m --max-splits 12 --lz4", "the last hour"),
 )
-@node("record", arguments="[TOPIC]...")
+@node("record", arguments="[TOPIC]...", complete=completers.topics)
 def command(
     node: fibws.Node,
     arguments: tuple[str, ...],

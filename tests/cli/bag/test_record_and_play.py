@@ -13,12 +13,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 from hub_in_thread import HubThread, Publish, Run
 from node_in_thread import peer
 
 import fibws
 from fibws.bags import open_reader, open_writer
+from fibws.cli.bag import command as bag_commands
 from fibws.client.hub_client import HubClient
 from fibws.msg.std_msgs import Int32
 
@@ -368,3 +370,18 @@ def test_wrong_arguments_of_play_are_explained(
     result = run("bag", "play", *(each.format(bag=bag) for each in words))
     assert result.exit_code == code, result.output
     assert text in result.output
+
+
+def test_bags_and_topics_are_completed(hub: HubThread, publish: Publish) -> None:
+    publish("/chatter", "std_msgs/Int32", {"data": 1})
+
+    def completed(name: str, incomplete: str) -> list[tuple[str, str]]:
+        command = bag_commands.get_command(click.Context(bag_commands), name)
+        assert command is not None
+        [words] = [each for each in command.params if isinstance(each, click.Argument)]
+        context = click.Context(command)
+        context.params = {"hub": hub.url}
+        return [(each.value, each.type) for each in words.shell_complete(context, incomplete)]
+
+    assert completed("record", "/cha") == [("/chatter", "plain")]
+    assert completed("play", "wa") == [("wa", "file")]
