@@ -98,6 +98,8 @@ BELOW_IN_HUB = {
         "hub.rosbridge",
     }
     | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
+    "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
+    | {"hub.audit", "hub.delivery", "hub.log_text", "hub.settings", "hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces", "protocol.websocket"}
@@ -172,6 +174,7 @@ PURE = modules(
     *("errors.py", "names.py", "suggestions.py", "hub_address.py", "command_names.py"),
     *("access/*.py", "bags/*.py", "protocol/*.py", "interfaces/*.py"),
     *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
+    "hub/foxglove/*.py",
     *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
     "ros1/launch/xml_element.py",
     *("hub/settings.py", "hub/log_text.py", "hub/audit.py", "hub/websocket/keepalive.py"),

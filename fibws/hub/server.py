@@ -29,6 +29,8 @@ from fibws.hub.federation import link
 from fibws.hub.federation.connections import Join, LinkEndpoint
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.records import HubInfo
+from fibws.hub.foxglove.messages import SUBPROTOCOLS
+from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
@@ -197,6 +199,7 @@ class Hub:
         self.endpoints = Endpoints(rosbridge.open)
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         self._federate()
+        self._speak_foxglove()
         self._requests = requests = HttpRequests(
             self.settings, read_files(), RESERVED_NODES, partial(_refuse_origin, self.audit)
         )
@@ -330,6 +333,20 @@ class Hub:
             lambda opening: LinkEndpoint(opening, self.federation, self.settings),
             subprotocol=link.SUBPROTOCOL,
         )
+
+    def _speak_foxglove(self) -> None:
+        """Let Foxglove and Lichtblick connect by their own protocol."""
+        foxglove = Foxglove(
+            self.graph,
+            asyncio.get_running_loop(),
+            self.settings,
+            self.audit,
+            name=f"fibws {__version__}",
+            report=self._own.refusals.report,
+        )
+        for subprotocol in SUBPROTOCOLS:
+            open_ = partial(foxglove.open, protocol=subprotocol)
+            self.endpoints.add(open_, subprotocol=subprotocol)
 
     async def _join_zenoh(self) -> None:
         """Join the other hubs on a zenoh network, if the settings want that."""

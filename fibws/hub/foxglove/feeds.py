@@ -1,0 +1,421 @@
+"""Feeds: what a client is told of the channels, the services and the connections of the graph.
+
+A feed remembers what its client was sent, and sends what has changed since: once at the end of the
+event loop's turn, however often it changed, and not before the client reads. What the client may
+not see, or what has no definition, does not exist for it.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import count
+from typing import Generic, TypeVar
+from weakref import WeakKeyDictionary
+
+from pydantic_core import to_json
+
+from fibws.hub.delivery.clock import Timer
+from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.messages import ROS1, ROS1_TEXT, WARNING, list_frame, text_frame
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.service import Service
+from fibws.hub.graph.topic import Topic
+from fibws.hub.graph.types import MessageType, ServiceType
+from fibws.interfaces import full_text
+from fibws.interfaces.catalogue import Definitions
+
+BATCH = 2**20
+"""Bytes of texts that are sent in one turn of the event loop."""
+MOST_NAMES = 2000
+"""Names that are looked up in one turn."""
+
+K = TypeVar("K", bound=Hashable)
+"""What names an entry."""
+E = TypeVar("E")
+"""An entry."""
+
+
+class Feed(ABC, Generic[K, E]):
+    """Sends one client the entries that it may see, and then their changes."""
+
+    def __init__(self, client: Client) -> None:
+        self.client = client
+        self.known: dict[K, E] = {}
+        """What the client has been sent."""
+        self._pending: dict[K, None] = {}
+        """The entries that may have changed since."""
+        self._timer: Timer | None = None
+
+    @abstractmethod
+    def view(self, key: K) -> E | None:
+        """Return an entry as the client may see it now; None if there is none."""
+
+    @abstractmethod
+    def encode(self, removed: Sequence[E], added: Sequence[E]) -> bytes:
+        """Return the frames of a change; what is in both is another entry of the same name."""
+
+    def size(self, entry: E) -> int:
+        """Return about how many bytes an entry takes in a frame."""
+        return 0
+
+    def changed(self, *keys: K) -> None:
+        """Take note that entries may have changed."""
+        self._pending.update(dict.fromkeys(keys))
+        if self._timer is None and self._pending:
+            self._timer = self.client.clock.call_later(0, self._send)
+
+    def open(self, keys: Iterable[K]) -> None:
+        """Send what there is, the first part at once."""
+        self._pending.update(dict.fromkeys(keys))
+        self._send()
+
+    def close(self) -> None:
+        """Send nothing more, and forget what was sent."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self._pending.clear()
+        self.known.clear()
+
+    def _send(self) -> None:
+        self._timer = None
+        self.client.queue.reply_fresh(self._next_frames)
+
+    def _next_frames(self) -> bytes:
+        """Return the frames of some changes, and come back for the others in another turn."""
+        removed: list[E] = []
+        added: list[E] = []
+        size = looked_up = 0
+        while self._pending and size < BATCH and looked_up < MOST_NAMES:
+            key = next(iter(self._pending))
+            del self._pending[key]
+            looked_up += 1
+            older, newer = self.known.get(key), self.view(key)
+            if older == newer:
+                continue
+            if older is not None:
+                del self.known[key]
+                removed.append(older)
+            if newer is not None:
+                self.known[key] = newer
+                added.append(newer)
+                size += self.size(newer)
+        self.changed()
+        return self.encode(removed, added) if removed or added else b""
+
+
+class Schemas:
+    """The texts of the types of topics, as the JSON strings of descriptions, each made once."""
+
+    def __init__(self) -> None:
+        self._texts: WeakKeyDictionary[MessageType, bytes] = WeakKeyDictionary()
+
+    def find(self, type_: MessageType) -> bytes | None:
+        """Return the schema of a type; None if its fields are unknown."""
+        if type_ not in self._texts:
+            if type_.codecs is None:
+                return None
+            self._texts[type_] = to_json(type_.codecs.definitions.full_text(type_.name))
+        return self._texts[type_]
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A topic with a publisher and a type whose fields are known.
+
+    ``id`` is the topic's number, which it keeps until it gets another type.
+    """
+
+    id: int
+    topic: str
+    type: str
+    md5sum: str | None
+    schema: bytes
+    """As JSON."""
+
+    def text(self) -> bytes:
+        """Return its description as JSON."""
+        head = {"id": self.id, "topic": self.topic, "encoding": ROS1, "schemaName": self.type}
+        return b'%b,"schemaEncoding":"%b","schema":%b}' % (
+            to_json(head)[:-1],
+            ROS1_TEXT.encode(),
+            self.schema,
+        )
+
+
+class ChannelFeed(Feed[str, Channel]):
+    """The channels that a client may subscribe to, by the topics' names.
+
+    Args:
+        removed: takes each channel that the client is told to be gone.
+    """
+
+    def __init__(
+        self, client: Client, schemas: Schemas, removed: Callable[[Channel], object]
+    ) -> None:
+        super().__init__(client)
+        self._schemas = schemas
+        self._removed = removed
+        self._by_id: dict[int, Channel] = {}
+
+    def find(self, id_: int) -> Channel | None:
+        """Return the channel of an id that the client has been told."""
+        return self._by_id.get(id_)
+
+    def close(self) -> None:
+        """Send nothing more."""
+        super().close()
+        self._by_id.clear()
+
+    def view(self, key: str) -> Channel | None:
+        """Return a topic's channel, if there is one that the client may subscribe to."""
+        topic = _published(self.client, key)
+        if topic is None or topic.type is None:
+            return None
+        schema = self._schemas.find(topic.type)
+        if schema is None:
+            return None
+        return Channel(topic.number, key, topic.type.name, topic.type.md5sum, schema)
+
+    def size(self, entry: Channel) -> int:
+        """Return about how many bytes a channel takes in a frame."""
+        return len(entry.schema)
+
+    def encode(self, removed: Sequence[Channel], added: Sequence[Channel]) -> bytes:
+        """Return the frames that take channels back, and then offer others."""
+        frames = []
+        if removed:
+            for channel in removed:
+                del self._by_id[channel.id]
+                self._removed(channel)
+            frames.append(text_frame("unadvertise", channelIds=[each.id for each in removed]))
+        if added:
+            self._by_id.update((channel.id, channel) for channel in added)
+            frames.append(list_frame("advertise", "channels", (each.text() for each in added)))
+        return b"".join(frames)
+
+
+class UndefinedFeed(Feed[str, tuple[str, str]]):
+    """Topics and their types that could be channels if the types' fields were known.
+
+    The client is warned once of each, and the warning goes when the topic does, or gets a
+    definition.
+    """
+
+    def view(self, key: str) -> tuple[str, str] | None:
+        """Return the topic and its type, if it is one of these."""
+        topic = _published(self.client, key)
+        if topic is None or topic.type is None or topic.type.checked:
+            return None
+        return key, topic.type.name
+
+    def encode(self, removed: Sequence[tuple[str, str]], added: Sequence[tuple[str, str]]) -> bytes:
+        """Return the frames of the warnings."""
+        frames = []
+        if removed:
+            frames.append(
+                text_frame("removeStatus", statusIds=[_id(topic) for topic, _ in removed])
+            )
+        for topic, type_ in added:
+            text = (
+                f"no definition of {type_}: {topic} cannot be shown. Start the hub with "
+                "--interfaces and a folder that has it, or let a publisher bring it"
+            )
+            frames.append(text_frame("status", level=WARNING, message=text, id=_id(topic)))
+        return b"".join(frames)
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceEntry:
+    """A service whose type is known."""
+
+    id: int
+    name: str
+    type: str
+    md5sum: str
+    request: bytes
+    """The request's schema, as JSON."""
+    response: bytes
+
+    def text(self) -> bytes:
+        """Return its description as JSON; programs older than 2024 read its last two fields."""
+        head = to_json({"id": self.id, "name": self.name, "type": self.type})[:-1]
+        parts = [
+            b'"%b":{"encoding":"%b","schemaName":%b,"schemaEncoding":"%b","schema":%b}'
+            % (name, ROS1.encode(), to_json(self.type + suffix), ROS1_TEXT.encode(), schema)
+            for name, suffix, schema in (
+                (b"request", "Request", self.request),
+                (b"response", "Response", self.response),
+            )
+        ]
+        return b'%b,%b,"requestSchema":%b,"responseSchema":%b}' % (
+            head,
+            b",".join(parts),
+            self.request,
+            self.response,
+        )
+
+
+class Services:
+    """The descriptions of the graph's services, each made once."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._numbers = count(1)
+        self._made: dict[str, tuple[Service, ServiceType, ServiceEntry]] = {}
+        graph.watch("service", self._changed)
+
+    def find(self, name: str) -> ServiceEntry | None:
+        """Return a service's description; None for an unknown service or type.
+
+        Its number is another one once the service has another server or type.
+        """
+        service = self._graph.services.get(name)
+        if service is None:
+            return None
+        type_, codecs = service.type, service.type.codecs
+        if codecs is None:
+            return None
+        made = self._made.get(name)
+        if made is None or made[0] is not service or made[1] is not type_:
+            schemas = _service_schemas(codecs.definitions, type_.name)
+            md5sum = type_.md5sum or ""
+            entry = ServiceEntry(next(self._numbers), name, type_.name, md5sum, *schemas)
+            made = self._made[name] = service, type_, entry
+        return made[2]
+
+    def _changed(self, name: str) -> None:
+        """Forget a service that has left."""
+        if name not in self._graph.services:
+            self._made.pop(name, None)
+
+
+def _service_schemas(definitions: Definitions, type_: str) -> tuple[bytes, bytes]:
+    """Return the schemas of a service's request and response, as JSON."""
+    service = definitions.service(type_)
+    request, response = (
+        to_json(full_text.write_message(part, definitions.message))
+        for part in (service.request, service.response)
+    )
+    return request, response
+
+
+class ServiceFeed(Feed[str, ServiceEntry]):
+    """The services that a client may call, by their names."""
+
+    def __init__(self, client: Client, services: Services) -> None:
+        super().__init__(client)
+        self._services = services
+        self._by_id: dict[int, ServiceEntry] = {}
+
+    def find(self, id_: int) -> ServiceEntry | None:
+        """Return the service of an id that the client has been told."""
+        return self._by_id.get(id_)
+
+    def close(self) -> None:
+        """Send nothing more."""
+        super().close()
+        self._by_id.clear()
+
+    def view(self, key: str) -> ServiceEntry | None:
+        """Return a service that the client may call."""
+        return self._services.find(key) if self.client.is_allowed("call", key) else None
+
+    def size(self, entry: ServiceEntry) -> int:
+        """Return about how many bytes a service takes in a frame."""
+        return 2 * (len(entry.request) + len(entry.response))
+
+    def encode(self, removed: Sequence[ServiceEntry], added: Sequence[ServiceEntry]) -> bytes:
+        """Return the frames that take services back, and then offer others."""
+        frames = []
+        if removed:
+            for entry in removed:
+                del self._by_id[entry.id]
+            frames.append(
+                text_frame("unadvertiseServices", serviceIds=[each.id for each in removed])
+            )
+        if added:
+            self._by_id.update((entry.id, entry) for entry in added)
+            texts = (each.text() for each in added)
+            frames.append(list_frame("advertiseServices", "services", texts))
+        return b"".join(frames)
+
+
+GraphKey = tuple[bool, str]
+"""Whether it is a service, and the name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Users:
+    """The nodes that use a topic, or serve a service."""
+
+    key: GraphKey
+    publishers: tuple[str, ...]
+    """Of a topic; of a service the node that serves it."""
+    subscribers: tuple[str, ...] = ()
+
+
+class GraphFeed(Feed[GraphKey, Users]):
+    """The nodes that publish, subscribe and serve, by topics and services."""
+
+    def view(self, key: GraphKey) -> Users | None:
+        """Return the users of a topic or a service that the client may see."""
+        graph, node = self.client.graph, self.client.node
+        is_service, name = key
+        if is_service:
+            service = graph.services.get(name)
+            if service is None or not graph.is_visible(node, "service", name):
+                return None
+            return Users(key, (service.node,))
+        topic = graph.topics.get(name)
+        if topic is None or not graph.is_visible(node, "topic", name):
+            return None
+
+        def visible(nodes: Iterable[str]) -> tuple[str, ...]:
+            return tuple(sorted(each for each in nodes if graph.is_user_visible(node, topic, each)))
+
+        return Users(key, visible(topic.sources), visible(topic.subscribers()))
+
+    def encode(self, removed: Sequence[Users], added: Sequence[Users]) -> bytes:
+        """Return the frame of a change; users that have changed need not be removed before."""
+        gone = {each.key for each in removed}.difference(each.key for each in added)
+        older = {each.key: each for each in removed}
+        topics = [(older.get(each.key), each) for each in added if not each.key[0]]
+        # A topic is not there for the client until it has users of a kind.
+        published = [
+            {"name": newer.key[1], "publisherIds": list(newer.publishers)}
+            for known, newer in topics
+            if newer.publishers != (known.publishers if known is not None else ())
+        ]
+        subscribed = [
+            {"name": newer.key[1], "subscriberIds": list(newer.subscribers)}
+            for known, newer in topics
+            if newer.subscribers != (known.subscribers if known is not None else ())
+        ]
+        return text_frame(
+            "connectionGraphUpdate",
+            publishedTopics=published,
+            subscribedTopics=subscribed,
+            advertisedServices=[
+                {"name": each.key[1], "providerIds": list(each.publishers)}
+                for each in added
+                if each.key[0]
+            ],
+            removedTopics=[name for is_service, name in gone if not is_service],
+            removedServices=[name for is_service, name in gone if is_service],
+        )
+
+
+def _published(client: Client, name: str) -> Topic | None:
+    """Return a topic that has a publisher and that the client may subscribe to."""
+    topic = client.graph.topics.get(name)
+    if topic is None or not topic.sources or not client.is_allowed("subscribe", name):
+        return None
+    return topic
+
+
+def _id(topic: str) -> str:
+    """Return the id of the warning about a topic."""
+    return f"no definition: {topic}"

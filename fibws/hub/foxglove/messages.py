@@ -1,0 +1,311 @@
+"""Foxglove's WebSocket protocol, version 1: its JSON operations and its binary messages.
+
+The specification is ``docs/spec.md`` of https://github.com/foxglove/ws-protocol. Both subprotocols
+of `SUBPROTOCOLS` are the same on the wire: older programs ask for the first one, those of the
+Foxglove SDK for the second one. A binary message begins with one byte for its kind; integers are
+little-endian:
+
+    hub to client   u8 1, u32 subscription, u64 time, message
+                    u8 2, u64 time
+                    u8 3, u32 service, u32 call, u32 n, n bytes of the encoding's name, response
+                    u8 4, u32 request, u8 status, u32 n, n bytes of an error, data
+    client to hub   u8 1, u32 channel, message
+                    u8 2, u32 service, u32 call, u32 n, n bytes of the encoding's name, request
+
+Times count nanoseconds from 1970. The ids in them are chosen by the client, but for the service's.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from typing import Annotated, Any, Final, Literal, NamedTuple, TypeAlias, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic_core import to_json
+
+from fibws.errors import InvalidUtf8, OperationError
+from fibws.interfaces.json_text import json_of
+from fibws.protocol.decoding import quoted
+from fibws.protocol.value_limits import check_json
+from fibws.protocol.websocket import BINARY, TEXT, Payload, server_frame
+
+SUBPROTOCOLS: Final = ("foxglove.websocket.v1", "foxglove.sdk.v1")
+
+ROS1: Final = "ros1"
+"""The encoding of messages in ROS 1's serialization."""
+JSON: Final = "json"
+ENCODINGS: Final = (ROS1, JSON)
+"""The encodings of messages and requests that clients may send."""
+ROS1_TEXT: Final = "ros1msg"
+"""The encoding of schemas: the text of a type with those of all types in it."""
+
+INFO, WARNING, ERROR = 0, 1, 2
+"""The levels of a status."""
+
+LONGEST_ID = 2000
+"""Most characters of an id."""
+Number = Annotated[int, Field(ge=0, lt=2**32)]
+Id = Annotated[str, Field(max_length=LONGEST_ID)] | None
+
+_MESSAGE, _TIME, _RESPONSE, _ASSET = 1, 2, 3, 4
+_CLIENT_MESSAGE, _CLIENT_REQUEST = 1, 2
+_MESSAGE_HEAD = struct.Struct("<BIQ")
+_TIME_MESSAGE = struct.Struct("<BQ")
+_CALL_HEAD = struct.Struct("<BIII")
+_ASSET_HEAD = struct.Struct("<BIBI")
+_CLIENT_HEAD = struct.Struct("<BI")
+MESSAGE_HEAD_SIZE: Final = _MESSAGE_HEAD.size
+"""Bytes of what `message_head` returns."""
+
+
+# What clients send.
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
+
+
+class Subscription(_Model):
+    """One of the subscriptions of `Subscribe`."""
+
+    id: Number
+    channel: Number = Field(alias="channelId")
+
+
+class Subscribe(_Model):
+    """The client wants the messages of some channels."""
+
+    op: Literal["subscribe"]
+    subscriptions: list[Subscription]
+
+
+class Unsubscribe(_Model):
+    """The client ends some of its subscriptions."""
+
+    op: Literal["unsubscribe"]
+    subscriptions: list[Number] = Field(alias="subscriptionIds")
+
+
+class ClientChannel(_Model):
+    """A topic that the client publishes."""
+
+    id: Number
+    topic: str
+    encoding: str
+    schema_name: str = Field(alias="schemaName")
+    schema_text: str | None = Field(None, alias="schema")
+    schema_encoding: str | None = Field(None, alias="schemaEncoding")
+
+
+class Advertise(_Model):
+    """The client publishes some topics."""
+
+    op: Literal["advertise"]
+    channels: list[ClientChannel]
+
+
+class Unadvertise(_Model):
+    """The client publishes some topics no more."""
+
+    op: Literal["unadvertise"]
+    channels: list[Number] = Field(alias="channelIds")
+
+
+class Parameter(_Model):
+    """A parameter with its new value; without a value it is to be deleted."""
+
+    name: str
+    value: Any = None
+    type: str | None = None
+
+
+class GetParameters(_Model):
+    """The client asks for parameters; no names stand for all."""
+
+    op: Literal["getParameters"]
+    names: list[str] = Field(alias="parameterNames")
+    id: Id = None
+
+
+class SetParameters(_Model):
+    """The client sets or deletes parameters, and wants to be answered if there is an id."""
+
+    op: Literal["setParameters"]
+    parameters: list[Parameter]
+    id: Id = None
+
+
+class SubscribeParameterUpdates(_Model):
+    """The client wants to know when some parameters change."""
+
+    op: Literal["subscribeParameterUpdates"]
+    names: list[str] = Field(alias="parameterNames")
+
+
+class UnsubscribeParameterUpdates(_Model):
+    """The client wants to know it no more; no names stand for all."""
+
+    op: Literal["unsubscribeParameterUpdates"]
+    names: list[str] = Field(alias="parameterNames")
+
+
+class SubscribeConnectionGraph(_Model):
+    """The client wants to know who publishes, subscribes and serves."""
+
+    op: Literal["subscribeConnectionGraph"]
+
+
+class UnsubscribeConnectionGraph(_Model):
+    """The client wants to know it no more."""
+
+    op: Literal["unsubscribeConnectionGraph"]
+
+
+class FetchAsset(_Model):
+    """The client asks for a file."""
+
+    op: Literal["fetchAsset"]
+    uri: str
+    request: Number = Field(alias="requestId")
+
+
+Operation: TypeAlias = (
+    Subscribe
+    | Unsubscribe
+    | Advertise
+    | Unadvertise
+    | GetParameters
+    | SetParameters
+    | SubscribeParameterUpdates
+    | UnsubscribeParameterUpdates
+    | SubscribeConnectionGraph
+    | UnsubscribeConnectionGraph
+    | FetchAsset
+)
+"""An operation of a client."""
+
+_NAMES = ", ".join(get_args(each.model_fields["op"].annotation)[0] for each in get_args(Operation))
+_OPERATION: TypeAdapter[Operation] = TypeAdapter(Annotated[Operation, Field(discriminator="op")])
+
+
+class ClientMessage(NamedTuple):
+    """A message that a client publishes."""
+
+    channel: int
+    data: memoryview
+
+
+class ClientRequest(NamedTuple):
+    """A call of a service."""
+
+    service: int
+    call: int
+    encoding: str
+    data: memoryview
+
+
+def parse_operation(data: Payload) -> Operation:
+    """Return the operation of a JSON text.
+
+    Raises:
+        OperationError: the text is not JSON or has too many values, the operation is unknown, or a
+            field is missing or wrong.
+        InvalidUtf8: the text is not UTF-8.
+    """
+    check_json(data)
+    try:
+        return _OPERATION.validate_json(data)
+    except ValidationError as error:
+        fault = _fault(error)
+    try:
+        str(data, "utf-8")
+    except UnicodeDecodeError as error:
+        raise InvalidUtf8(str(error)) from None
+    raise OperationError(fault)
+
+
+def parse_binary(data: Payload) -> ClientMessage | ClientRequest:
+    """Return a binary message of a client; its data are a view of ``data``.
+
+    Raises:
+        OperationError: it is too short, or of an unknown kind.
+    """
+    if not data:
+        raise OperationError("invalid binary message: it is empty")
+    kind = data[0]
+    view = memoryview(data)
+    try:
+        if kind == _CLIENT_MESSAGE:
+            _, channel = _CLIENT_HEAD.unpack_from(data)
+            return ClientMessage(channel, view[_CLIENT_HEAD.size :])
+        if kind == _CLIENT_REQUEST:
+            _, service, call, size = _CALL_HEAD.unpack_from(data)
+            end = _CALL_HEAD.size + size
+            if end <= len(data):
+                encoding = str(view[_CALL_HEAD.size : end], "utf-8", "replace")
+                return ClientRequest(service, call, encoding, view[end:])
+    except struct.error:
+        pass
+    if kind in (_CLIENT_MESSAGE, _CLIENT_REQUEST):
+        size = len(data)
+        raise OperationError(f"invalid binary message: {size} bytes are too few for its header")
+    raise OperationError(f"invalid binary message: kind must be 1 or 2, got {kind}")
+
+
+def _fault(error: ValidationError) -> str:
+    """Return the text of the first error of a model."""
+    first = error.errors(include_url=False)[0]
+    if first["type"] == "json_invalid":
+        return f"expected a JSON object: {first['msg']}"
+    if first["type"] == "union_tag_invalid":
+        return f"unknown op {first['ctx']['tag'][:LONGEST_ID]!r}; known are {_NAMES}"
+    if not first["loc"]:
+        return f"expected an object whose op is one of {_NAMES}, got {quoted(first['input'])}"
+    where = "".join(f"{step}: " for step in map(str, first["loc"]))
+    value = "" if first["type"] == "missing" else f", got {quoted(first['input'])}"
+    return f"{where}{first['msg']}{value}"
+
+
+# What the hub sends.
+
+
+def text_frame(op: str, **fields: object) -> bytes:
+    """Return the WebSocket frame of an operation; fields that are None are left out."""
+    kept = {name: value for name, value in fields.items() if value is not None}
+    return server_frame(TEXT, json_of({"op": op, **kept}))
+
+
+def list_frame(op: str, field: str, items: Iterable[bytes], **fields: object) -> bytes:
+    """Return the frame of an operation with a list whose items are JSON texts already."""
+    head = to_json({"op": op, **{name: each for name, each in fields.items() if each is not None}})
+    text = b'%b,"%b":[%b]}' % (head[:-1], field.encode(), b",".join(items))
+    return server_frame(TEXT, text)
+
+
+def message_head(subscription: int, time: int) -> bytes:
+    """Return what precedes a message."""
+    return _MESSAGE_HEAD.pack(_MESSAGE, subscription, time)
+
+
+def time_frame(time: int) -> bytes:
+    """Return the frame that sets the client's clock."""
+    return server_frame(BINARY, _TIME_MESSAGE.pack(_TIME, time))
+
+
+def response_frame(service: int, call: int, encoding: str, data: bytes) -> bytes:
+    """Return the frame of a service's response."""
+    name = encoding.encode()
+    head = _CALL_HEAD.pack(_RESPONSE, service, call, len(name))
+    return server_frame(BINARY, b"".join((head, name, data)))
+
+
+def asset_frame(request: int, data: bytes) -> bytes:
+    """Return the frame of a file."""
+    return server_frame(BINARY, _ASSET_HEAD.pack(_ASSET, request, 0, 0) + data)
+
+
+def asset_error_frame(request: int, error: str) -> bytes:
+    """Return the frame that says why there is no such file."""
+    text = error.encode()
+    return server_frame(BINARY, _ASSET_HEAD.pack(_ASSET, request, 1, len(text)) + text)

@@ -1,0 +1,210 @@
+"""The graph's parameters for one client: it reads and sets them, and follows their changes.
+
+Their values are JSON as they are. Two things need a mark in this protocol: numbers that are floats,
+which JavaScript does not tell from integers, and bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from pydantic_core import from_json, to_json
+
+from fibws.errors import FibwsError, LimitReached, ParameterError, ParameterNotSet
+from fibws.hub.delivery.clock import Timer
+from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.feeds import BATCH
+from fibws.hub.foxglove.messages import GetParameters, Parameter, SetParameters, list_frame
+from fibws.hub.graph.parameters import BINARY, canonical
+from fibws.interfaces import base64text
+
+FLOAT, FLOATS, BYTES = "float64", "float64_array", "byte_array"
+"""The types that are named, as JSON does not have them."""
+MOST_WATCHED = 10_000
+"""Parameters whose changes one client may follow."""
+
+
+class ParameterAccess:
+    """One client's use of the parameters."""
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._watched: set[str] = set()
+        self._changed: dict[str, None] = {}
+        """The names that have changed since the client was last sent changes."""
+        self._pending: dict[str, None] = {}
+        """Those whose values are still to be sent."""
+        self._timer: Timer | None = None
+
+    def get(self, request: GetParameters) -> None:
+        """Send the values of parameters: those that are set and may be read."""
+        client = self._client
+        if client.queue.overfull:
+            return
+        items = []
+        for name in request.names or self._readable():
+            try:
+                items.append(self._text(name))
+            except ParameterNotSet:
+                continue
+            except FibwsError as error:
+                client.statuses.error(f"getParameters: {error}", code=error.code)
+        client.queue.reply(list_frame("parameterValues", "parameters", items, id=request.id))
+
+    def set(self, request: SetParameters) -> None:
+        """Set or delete parameters; those that fail change nothing and are reported one by one."""
+        client = self._client
+        for parameter in request.parameters:
+            try:
+                self._set(parameter)
+            except FibwsError as error:
+                client.statuses.error(f"setParameters: {error}", code=error.code)
+        if request.id is not None:
+            items = self._values(parameter.name for parameter in request.parameters)
+            client.queue.reply(list_frame("parameterValues", "parameters", items, id=request.id))
+
+    def watch(self, names: Sequence[str]) -> None:
+        """Send the values of parameters from now on when they change.
+
+        Raises:
+            LimitReached: they are too many.
+            InvalidName: a name is not global.
+        """
+        watched = self._watched.union(map(canonical, names))
+        if len(watched) > MOST_WATCHED:
+            raise LimitReached(f"too many parameters to follow (limit {MOST_WATCHED})")
+        self._watched = watched
+
+    def unwatch(self, names: Sequence[str]) -> None:
+        """Send the values of some parameters, or of all if there are no names, no more."""
+        self._watched = self._watched.difference(map(canonical, names)) if names else set()
+
+    def changed(self, name: str) -> None:
+        """Take note that a parameter, or a namespace, was set or deleted."""
+        if self._watched:
+            self._changed[name] = None
+            if self._timer is None:
+                self._timer = self._client.clock.call_later(0, self._report)
+
+    def leave(self) -> None:
+        """Send nothing more."""
+        self._watched = set()
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _report(self) -> None:
+        """Send the parameters that have changed, once the client reads."""
+        self._timer = None
+        changed, self._changed = self._changed, {}
+        above = {parent for name in changed for parent in _namespaces(name)}
+        self._pending.update(
+            (name, None)
+            for name in self._watched
+            if name in changed or name in above or not changed.keys().isdisjoint(_namespaces(name))
+        )
+        if self._pending:
+            self._client.queue.reply_fresh(self._next_frame)
+
+    def _next_frame(self) -> bytes:
+        """Return the frame of some changes, and come back for the others in another turn."""
+        items: list[bytes] = []
+        size = 0
+        while self._pending and size < BATCH:
+            name = next(iter(self._pending))
+            del self._pending[name]
+            for item in self._values([name]):
+                items.append(item)
+                size += len(item)
+        if self._pending and self._timer is None:
+            self._timer = self._client.clock.call_later(0, self._report)
+        return list_frame("parameterValues", "parameters", items) if items else b""
+
+    def _values(self, names: Iterable[str]) -> list[bytes]:
+        """Return parameters that the client may know of as JSON, without values if not set."""
+        items = []
+        for name in names:
+            try:
+                if self._is_readable(name):
+                    items.append(self._text(name))
+            except ParameterNotSet:
+                items.append(to_json({"name": name}))
+            except FibwsError:
+                continue
+        return items
+
+    def _is_readable(self, name: str) -> bool:
+        """Return whether the client may read a parameter, or anything of a namespace."""
+        graph = self._client.graph
+        if graph.policy.allows_all:
+            return True
+        below = graph.parameters.below(name) or [name]
+        return any(self._client.is_allowed("param_read", each) for each in below)
+
+    def _readable(self) -> list[str]:
+        graph = self._client.graph
+        names = graph.parameters.names()
+        if graph.policy.allows_all:
+            return names
+        return [name for name in names if self._client.is_allowed("param_read", name)]
+
+    def _text(self, name: str) -> bytes:
+        """Return a parameter as JSON; raises as `Graph.get_parameter` does."""
+        text = self._client.graph.get_parameter(self._client.node, name)
+        type_, text = _typed(text)
+        mark = b',"type":"%b"' % type_.encode() if type_ else b""
+        return b'{"name":%b,"value":%b%b}' % (to_json(name), text, mark)
+
+    def _set(self, parameter: Parameter) -> None:
+        client, name = self._client, parameter.name
+        if parameter.value is None:
+            client.graph.delete_parameter(client.node, name)
+        else:
+            client.graph.set_parameter(client.node, name, _native(parameter))
+        client.audit.parameter_written(name, node=client.node, deleted=parameter.value is None)
+
+
+def _typed(text: bytes) -> tuple[str, bytes]:
+    """Return the name of a value's type, if it needs one, and its JSON in this protocol."""
+    if text[:1] in (b'"', b"t", b"f"):
+        return "", text
+    value = from_json(text)
+    if isinstance(value, float):
+        return FLOAT, text
+    if isinstance(value, list) and value and all(isinstance(each, float) for each in value):
+        return FLOATS, text
+    if isinstance(value, dict) and value.keys() == {BINARY}:
+        return BYTES, to_json(value[BINARY])
+    return "", text
+
+
+def _native(parameter: Parameter) -> Any:
+    """Return the value that a client sets; raise `ParameterError` if it is not of its type."""
+    value, type_ = parameter.value, parameter.type
+    try:
+        if type_ == FLOAT:
+            return float(_number(value))
+        if type_ == FLOATS and isinstance(value, list):
+            return [float(_number(each)) for each in value]
+        if type_ == BYTES and isinstance(value, str):
+            return base64text.decode(value)
+    except (ValueError, OverflowError, TypeError):
+        pass
+    else:
+        if type_ not in (FLOATS, BYTES):
+            return value
+    raise ParameterError(f"Parameter [{parameter.name}]: its value is not of type {type_}")
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(value)
+    return value
+
+
+def _namespaces(name: str) -> Iterable[str]:
+    """Yield the namespaces that a parameter is in: those of ``/a/b`` are ``/a`` and ``/``."""
+    while name != "/":
+        name = name.rpartition("/")[0] or "/"
+        yield name

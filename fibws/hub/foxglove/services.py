@@ -1,0 +1,143 @@
+"""The services that one client calls."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from pydantic_core import from_json
+
+from fibws.errors import CallFailed, FibwsError, OperationError, UnknownDefinition
+from fibws.hub.delivery.clock import Timer
+from fibws.hub.foxglove.client import INTERNAL_ERROR, Client
+from fibws.hub.foxglove.feeds import ServiceFeed
+from fibws.hub.foxglove.messages import (
+    ENCODINGS,
+    JSON,
+    ClientRequest,
+    response_frame,
+    text_frame,
+)
+from fibws.hub.graph.service import Call
+from fibws.interfaces.serialization import FEWEST_BYTES, Serializer
+from fibws.protocol.value_limits import check_json
+
+
+class WaitingCall(NamedTuple):
+    """A call until its response, by the numbers that the client knows it by."""
+
+    service: int
+    call: int
+    encoding: str
+    response: Serializer
+    timer: Timer | None
+
+
+class Calls:
+    """One client's calls until their responses; each call gets one.
+
+    Args:
+        services: those that the client may call.
+    """
+
+    def __init__(self, client: Client, services: ServiceFeed) -> None:
+        self._client = client
+        self._services = services
+        self._waiting: dict[Call, WaitingCall] = {}
+
+    def call(self, request: ClientRequest) -> None:
+        """Call a service; a failure is sent to the client."""
+        if self._client.queue.overfull:
+            return  # No response would be kept: the client is to be closed.
+        try:
+            self._start(request)
+        except FibwsError as error:
+            self.refuse(request, str(error))
+        except Exception as fault:
+            self.refuse(request, INTERNAL_ERROR, fault)
+
+    def refuse(self, request: ClientRequest, text: str, fault: Exception | None = None) -> None:
+        """Respond that a call has failed before its service was asked."""
+        self._fail(request.service, request.call, text)
+        self._client.statuses.log(f"service {request.service}: {text}", fault=fault)
+
+    def leave(self) -> None:
+        """Abandon all calls."""
+        for call, waiting in list(self._waiting.items()):
+            if waiting.timer is not None:
+                waiting.timer.cancel()
+            call.abandon()
+        self._waiting.clear()
+
+    def _start(self, request: ClientRequest) -> None:
+        client = self._client
+        entry = self._services.find(request.service)
+        if entry is None:
+            raise CallFailed(f"Unknown service ID: {request.service}", "unknown_service")
+        if request.encoding not in ENCODINGS:
+            known = " or ".join(ENCODINGS)
+            raise OperationError(f"encoding must be {known}, got {request.encoding!r}")
+        limit = client.settings.max_calls
+        if len(self._waiting) >= limit:
+            raise OperationError(f"too many calls of one client (limit {limit}, --max-calls)")
+        service = client.graph.services.get(entry.name)
+        if service is None:
+            raise CallFailed(f"Service {entry.name} does not exist", "unknown_service")
+        type_ = service.type
+        if type_.codecs is None:
+            raise UnknownDefinition(type_.name, type_.fault)
+        if (type_.name, type_.md5sum) != (entry.type, entry.md5sum):
+            raise CallFailed(f"Service {entry.name} has another type now", "type_conflict")
+        out, back = type_.codecs.service_serializers(type_.name)
+        args = _read(request, out)
+        call = client.graph.call(entry.name, args, client.node, self._succeeded, self._failed)
+        timer, timeout = None, client.settings.service_timeout
+        if timeout:
+            timer = client.clock.call_later(timeout, lambda: call.time_out(timeout))
+        self._waiting[call] = WaitingCall(
+            request.service, request.call, request.encoding, back, timer
+        )
+        try:
+            call.start()
+        except Exception:
+            self._pop(call)
+            raise
+
+    def _succeeded(self, call: Call, values: bytes) -> None:
+        waiting = self._pop(call)
+        if waiting.encoding == JSON:
+            data = values
+        else:
+            response = from_json(values) if call.response is None else call.response
+            data = waiting.response.serialize(response)
+        frame = response_frame(waiting.service, waiting.call, waiting.encoding, data)
+        self._client.queue.reply(frame)
+
+    def _failed(self, call: Call, text: str, code: str) -> None:
+        waiting = self._pop(call)
+        self._fail(waiting.service, waiting.call, text)
+
+    def _pop(self, call: Call) -> WaitingCall:
+        waiting = self._waiting.pop(call)
+        if waiting.timer is not None:
+            waiting.timer.cancel()
+        return waiting
+
+    def _fail(self, service: int, call: int, text: str) -> None:
+        frame = text_frame("serviceCallFailure", serviceId=service, callId=call, message=text)
+        self._client.queue.reply(frame)
+
+
+def _read(request: ClientRequest, serializer: Serializer) -> object:
+    """Return the values of a request; raise `InvalidMessage` or `OperationError`."""
+    if request.encoding == JSON:
+        text = bytes(request.data)
+        check_json(text)
+        try:
+            return from_json(text) if text.strip() else {}
+        except ValueError as error:
+            raise OperationError(f"invalid JSON: {error}") from None
+    serializer.check(request.data)
+    size = len(request.data)
+    if size > FEWEST_BYTES and serializer.is_heavy(request.data, numbers=True):
+        raise OperationError(f"a request of {size} bytes of {serializer.type} has too many values")
+    return serializer.deserialize(request.data, "replace")

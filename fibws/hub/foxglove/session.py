@@ -1,0 +1,399 @@
+"""Foxglove sessions: what one client of Foxglove's WebSocket protocol asks for.
+
+A session is synchronous and knows no socket: messages come in by `Session.receive_text` and
+`receive_binary`, frames go out by the client's send queue. Each part of the protocol has a handler:
+`topics`, `services`, `parameters`, and the `feeds` that describe the graph.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from typing import assert_never
+
+from fibws.access.rights import Principal
+from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReached, OperationError
+from fibws.hub.audit import Audit
+from fibws.hub.delivery.clock import Clock
+from fibws.hub.foxglove.client import INTERNAL_ERROR, Client, Statuses
+from fibws.hub.foxglove.feeds import (
+    ChannelFeed,
+    GraphFeed,
+    GraphKey,
+    Schemas,
+    ServiceFeed,
+    Services,
+    UndefinedFeed,
+)
+from fibws.hub.foxglove.messages import (
+    ENCODINGS,
+    Advertise,
+    ClientMessage,
+    FetchAsset,
+    GetParameters,
+    Operation,
+    SetParameters,
+    Subscribe,
+    SubscribeConnectionGraph,
+    SubscribeParameterUpdates,
+    Unadvertise,
+    Unsubscribe,
+    UnsubscribeConnectionGraph,
+    UnsubscribeParameterUpdates,
+    asset_error_frame,
+    parse_binary,
+    parse_operation,
+    text_frame,
+    time_frame,
+)
+from fibws.hub.foxglove.parameters import ParameterAccess
+from fibws.hub.foxglove.services import Calls
+from fibws.hub.foxglove.topics import Groups, Publications, Subscriptions, unknown_channel
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.topic import Topic
+from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.settings import Settings
+from fibws.hub.websocket.endpoint import Opening, Registration
+from fibws.protocol.websocket import REPLACED, Payload
+
+CAPABILITIES = (
+    *("clientPublish", "parameters", "parametersSubscribe"),
+    *("services", "connectionGraph"),
+)
+"""The capabilities of every hub."""
+TIME = "time"
+"""The capability of a hub that sends the time: while it is simulated."""
+ROS_DISTRO = "noetic"
+"""Makes the applications interpret types as ROS 1's."""
+
+
+def ignore(node: str, text: str) -> None:
+    """Report nothing."""
+
+
+class Foxglove:
+    """Foxglove's protocol of one hub: makes a session for each connection.
+
+    Args:
+        name: the hub's, which the applications show.
+        report: takes the node and the reason of each operation that failed.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        clock: Clock,
+        settings: Settings,
+        audit: Audit,
+        *,
+        name: str,
+        report: Callable[[str, str], object] = ignore,
+    ) -> None:
+        self.graph = graph
+        self.clock = clock
+        self.settings = settings
+        self.audit = audit
+        self.name = name
+        self.report = report
+        self.session_id = secrets.token_hex(8)
+        """Tells clients that connect again whether it is still the same hub."""
+        self.schemas = Schemas()
+        self.services = Services(graph)
+        self.groups: Groups = {}
+        self.sessions: set[Session] = set()
+        self._was_simulated = graph.clock.simulated is not None
+        graph.watch_topics(self._topic_changed)
+        graph.watch("service", self._service_changed)
+        graph.parameters.watch(self._parameter_changed)
+        graph.clock.watch(self._time_changed)
+
+    def open(self, opening: Opening, protocol: str) -> Session:
+        """Return a new session.
+
+        Raises:
+            AuthenticationError: the client has sent no token, which it could not do later.
+            NotAllowed: it may not be the node that it wants to be.
+        """
+        if opening.log_in is not None and opening.principal is None:
+            raise AuthenticationError("missing token: append ?token=... to the address")
+        return Session(self, opening, protocol)
+
+    def _topic_changed(self, topic: Topic) -> None:
+        for session in self.sessions:
+            session.topic_changed(topic.name)
+
+    def _service_changed(self, name: str) -> None:
+        for session in self.sessions:
+            session.service_changed(name)
+
+    def _parameter_changed(self, name: str, node: str) -> None:
+        for session in self.sessions:
+            session.parameters.changed(name)
+
+    def _time_changed(self) -> None:
+        is_simulated = self.graph.clock.simulated is not None
+        for session in self.sessions:
+            if is_simulated is not self._was_simulated:
+                session.introduce()
+            session.send_time()
+        self._was_simulated = is_simulated
+
+
+class Session:
+    """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
+
+    __slots__ = (
+        "_channels",
+        "_client",
+        "_close",
+        "_dropped",
+        "_foxglove",
+        "_graph_feed",
+        "_publications",
+        "_services",
+        "_subscriptions",
+        "_undefined",
+        "calls",
+        "node",
+        "parameters",
+        "protocol",
+    )
+
+    incomplete_bytes = 0
+
+    def __init__(self, foxglove: Foxglove, opening: Opening, protocol: str) -> None:
+        graph = foxglove.graph
+        self.protocol = protocol
+        self._foxglove = foxglove
+        self._close = opening.close
+        self._dropped = 0
+        """Messages dropped because the client sends too much."""
+        self.node = graph.enter(self, opening.node, opening.principal)
+        self._client = client = Client(
+            self.node,
+            graph,
+            opening.queue,
+            foxglove.clock,
+            foxglove.settings,
+            Statuses(self.node, opening.queue, foxglove.report),
+            foxglove.audit,
+            opening.check_room,
+        )
+        self._subscriptions = Subscriptions(client, foxglove.groups)
+        self._publications = Publications(client)
+        self._channels = ChannelFeed(client, foxglove.schemas, self._subscriptions.end)
+        self._undefined = UndefinedFeed(client)
+        self._services = ServiceFeed(client, foxglove.services)
+        self._graph_feed: GraphFeed | None = None
+        self.calls = Calls(client, self._services)
+        self.parameters = ParameterAccess(client)
+        foxglove.sessions.add(self)
+        self.introduce()
+        self.send_time()
+        self._channels.open(graph.topics)
+        self._undefined.open(graph.topics)
+        self._services.open(graph.services)
+
+    # As an endpoint.
+
+    def receive_text(self, data: Payload) -> None:
+        """Perform an operation; reply to errors with a status.
+
+        Raises:
+            InvalidUtf8: the bytes are not UTF-8.
+        """
+        try:
+            self._perform(parse_operation(data))
+        except InvalidUtf8:
+            raise
+        except FibwsError as error:
+            self._client.statuses.error(str(error), code=error.code)
+        except Exception as fault:
+            self._client.statuses.error(INTERNAL_ERROR, fault=fault)
+
+    def receive_binary(self, data: Payload) -> None:
+        """Publish a message, or call a service; reply to errors with a status."""
+        try:
+            message = parse_binary(data)
+            if isinstance(message, ClientMessage):
+                self._publications.publish(*message)
+            else:
+                self.calls.call(message)
+        except FibwsError as error:
+            self._client.statuses.error(str(error), code=error.code)
+        except Exception as fault:
+            self._client.statuses.error(INTERNAL_ERROR, fault=fault)
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
+        """Drop a message that is published, and count it; refuse anything else.
+
+        Raises:
+            InvalidUtf8: it is a text, but not UTF-8.
+        """
+        try:
+            if is_text:
+                operation = parse_operation(data)
+                raise LimitReached(f"{operation.op}: {reason}")
+            message = parse_binary(data)
+            if not isinstance(message, ClientMessage):
+                self.calls.refuse(message, reason)
+                return
+            self._dropped += 1
+            if is_power_of_ten(self._dropped):
+                raise LimitReached(f"{reason}; messages dropped: {self._dropped}")
+        except OperationError as error:
+            self._client.statuses.error(str(error), code=error.code)
+
+    def registrations(self, what: Registration) -> int:
+        """Return how many of something the client has registered."""
+        if what == "subscriptions":
+            return len(self._subscriptions.by_id)
+        return len(self._publications)
+
+    def authorize(self, principal: Principal) -> None:
+        """Use the rights of a principal from now on; see `Endpoint.authorize`."""
+        graph = self._client.graph
+        graph.authorize(self.node, principal)
+        self._publications.withdraw_forbidden()
+        self._subscriptions.withdraw_forbidden()
+        self._channels.changed(*graph.topics, *self._channels.known)
+        self._undefined.changed(*graph.topics, *self._undefined.known)
+        self._services.changed(*graph.services, *self._services.known)
+        if self._graph_feed is not None:
+            self._graph_feed.changed(*_graph_keys(graph), *self._graph_feed.known)
+
+    def leave(self) -> None:
+        """Take the client's registrations back; the second time nothing happens."""
+        self._foxglove.sessions.discard(self)
+        feeds = (self._channels, self._undefined, self._services, self._graph_feed)
+        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
+            stack.callback(self._client.graph.leave, self, self.node)
+            for part in (self.calls, self.parameters, self._publications, self._subscriptions):
+                stack.callback(part.leave)
+            for feed in feeds:
+                if feed is not None:
+                    stack.callback(feed.close)
+
+    # As a node.
+
+    def replaced(self) -> None:
+        """Leave: another client has taken this one's name."""
+        self.leave()
+        self._close(REPLACED)
+
+    def publishing(self) -> set[str]:
+        """Return the global names of the topics that the client publishes."""
+        return self._publications.names()
+
+    def subscribing(self) -> set[str]:
+        """Return the global names of the topics that the client subscribes to."""
+        return self._subscriptions.names()
+
+    def providing(self) -> Sequence[str]:
+        """Return nothing: clients of this protocol serve no services."""
+        return ()
+
+    # What the hub reports.
+
+    def introduce(self) -> None:
+        """Say what the hub can do: once, and when its time begins or ends to be simulated."""
+        self._client.queue.reply_fresh(self._server_info)
+
+    def send_time(self) -> None:
+        """Send the time if it is simulated; a client that does not read gets the newest only."""
+        if self._client.graph.clock.simulated is not None:
+            self._client.queue.reply_fresh(self._time)
+
+    def topic_changed(self, name: str) -> None:
+        """Take note that a topic's users or its type have changed."""
+        self._channels.changed(name)
+        self._undefined.changed(name)
+        if self._graph_feed is not None:
+            self._graph_feed.changed((False, name))
+
+    def service_changed(self, name: str) -> None:
+        """Take note that a service was added or removed."""
+        self._services.changed(name)
+        if self._graph_feed is not None:
+            self._graph_feed.changed((True, name))
+
+    def _server_info(self) -> bytes:
+        is_simulated = self._client.graph.clock.simulated is not None
+        return text_frame(
+            "serverInfo",
+            name=self._foxglove.name,
+            capabilities=[*CAPABILITIES, *((TIME,) if is_simulated else ())],
+            supportedEncodings=ENCODINGS,
+            metadata={"ROS_DISTRO": ROS_DISTRO},
+            sessionId=self._foxglove.session_id,
+        )
+
+    def _time(self) -> bytes:
+        simulated = self._client.graph.clock.simulated
+        return b"" if simulated is None else time_frame(simulated)
+
+    # Operations.
+
+    def _perform(self, operation: Operation) -> None:
+        match operation:
+            case Subscribe():
+                self._subscribe(operation)
+            case Unsubscribe():
+                for id_ in operation.subscriptions:
+                    self._subscriptions.remove(id_)
+            case Advertise():
+                self._advertise(operation)
+            case Unadvertise():
+                for id_ in operation.channels:
+                    self._publications.remove(id_)
+            case GetParameters():
+                self.parameters.get(operation)
+            case SetParameters():
+                self.parameters.set(operation)
+            case SubscribeParameterUpdates():
+                self.parameters.watch(operation.names)
+            case UnsubscribeParameterUpdates():
+                self.parameters.unwatch(operation.names)
+            case SubscribeConnectionGraph():
+                self._follow_graph()
+            case UnsubscribeConnectionGraph():
+                if self._graph_feed is not None:
+                    self._graph_feed.close()
+                    self._graph_feed = None
+            case FetchAsset():
+                frame = asset_error_frame(operation.request, "this hub has no assets")
+                self._client.queue.reply(frame)
+            case _:
+                assert_never(operation)
+
+    def _subscribe(self, request: Subscribe) -> None:
+        """Subscribe to some channels; one that fails does not affect the others."""
+        for each in request.subscriptions:
+            try:
+                channel = self._channels.find(each.channel)
+                if channel is None:
+                    raise unknown_channel(each.channel)
+                self._subscriptions.add(each.id, channel)
+            except FibwsError as error:
+                self._client.statuses.error(f"subscribe: {error}", code=error.code)
+
+    def _advertise(self, request: Advertise) -> None:
+        """Publish some topics; one that fails does not affect the others."""
+        for channel in request.channels:
+            try:
+                self._publications.add(channel)
+            except FibwsError as error:
+                text = f"advertise: {channel.topic}: {error}"
+                self._client.statuses.error(text, code=error.code)
+
+    def _follow_graph(self) -> None:
+        if self._graph_feed is None:
+            self._graph_feed = GraphFeed(self._client)
+            self._graph_feed.open(_graph_keys(self._client.graph))
+
+
+def _graph_keys(graph: Graph) -> list[GraphKey]:
+    """Return the keys of everything that a `GraphFeed` is about."""
+    topics, services = graph.topics, graph.services
+    return [*((False, name) for name in topics), *((True, name) for name in services)]

@@ -1,0 +1,239 @@
+"""The channels and services that a client is offered, and their changes."""
+
+from __future__ import annotations
+
+from time import process_time
+
+import pytest
+
+from fibws.hub.foxglove.feeds import BATCH
+
+from ..fakes import ADD, FIBONACCI, INT32, STANDARD
+from .foxglove_client import FoxgloveHub
+
+POSE = "geometry_msgs/PoseStamped"
+CUSTOM = "my_msgs/Thing"
+
+
+def test_server_is_introduced_before_everything_else() -> None:
+    hub = FoxgloveHub()
+    hub.client("/talker").send("advertise", "/fib", type=INT32)
+    client = hub.foxglove_client()
+    assert client.receive_operations() == ["serverInfo", "advertise"]
+    assert client.info["supportedEncodings"] == ["ros1", "json"]
+    assert client.info["metadata"] == {"ROS_DISTRO": "noetic"}
+    assert {"clientPublish", "parameters", "parametersSubscribe", "services"} <= {
+        *client.info["capabilities"]
+    }
+    assert client.info["sessionId"] == hub.foxglove_client("/other").session._foxglove.session_id
+
+
+def test_channel_has_the_full_text_of_its_type() -> None:
+    hub = FoxgloveHub()
+    hub.client("/talker").send("advertise", "/pose", type=POSE)
+    client = hub.foxglove_client()
+    client.receive()
+    channel = client.channels["/pose"]
+    assert (channel["encoding"], channel["schemaEncoding"]) == ("ros1", "ros1msg")
+    assert channel["schemaName"] == POSE
+    assert channel["schema"] == hub.graph.definitions.full_text(POSE)
+    assert "MSG: geometry_msgs/Quaternion" in channel["schema"]
+
+
+def test_topic_without_a_publisher_is_no_channel() -> None:
+    hub = FoxgloveHub()
+    client = hub.foxglove_client()
+    listener = hub.client("/listener")
+    listener.send("subscribe", "/fib", type=INT32)
+    assert client.receive() == []
+    assert client.channels == {}
+    talker = hub.client("/talker")
+    talker.send("advertise", "/fib", type=INT32)
+    client.receive()
+    assert set(client.channels) == {"/fib"}
+    talker.disconnect()
+    client.receive()
+    assert client.channels == {}
+
+
+def test_id_stays_while_publishers_and_subscribers_come_and_go() -> None:
+    hub = FoxgloveHub()
+    first, second = hub.client("/first"), hub.client("/second")
+    first.send("advertise", "/fib", type=INT32)
+    client = hub.foxglove_client()
+    client.subscribe("/fib")
+    client.receive()
+    id_ = client.channels["/fib"]["id"]
+    second.send("advertise", "/fib", type=INT32)
+    second.send("subscribe", "/fib")
+    first.disconnect()
+    assert client.receive_operations() == []
+    assert client.channels["/fib"]["id"] == id_
+    assert hub.foxglove_client("/other").session._channels.view("/fib").id == id_  # type: ignore[union-attr]
+
+
+def test_changes_within_one_turn_are_sent_together() -> None:
+    hub = FoxgloveHub()
+    client, talker = hub.foxglove_client(), hub.client("/talker")
+    client.receive()
+    for number in range(20):
+        talker.send("advertise", f"/topic{number}", type=INT32)
+    assert client.receive_operations() == ["advertise"]
+    talker.send("unadvertise", "/topic7")
+    talker.send("advertise", "/topic7", type=INT32)
+    for number in range(5):
+        talker.send("unadvertise", f"/topic{number}")
+    talker.send("advertise", "/another", type=INT32)
+    assert client.receive_operations() == ["unadvertise", "advertise"]
+    assert set(client.channels) == {"/another", *(f"/topic{number}" for number in range(5, 20))}
+
+
+def test_another_type_is_another_channel() -> None:
+    hub = FoxgloveHub()
+    client, talker = hub.foxglove_client(), hub.client("/talker")
+    talker.send("advertise", "/data", type=INT32)
+    client.subscribe("/data")
+    client.receive()
+    older = client.channels["/data"]
+    talker.send("unadvertise", "/data")
+    talker.send("advertise", "/data", type="std_msgs/String")
+    talker.send("publish", "/data", msg={"data": "text"})
+    assert client.receive_operations() == ["unadvertise", "advertise"]
+    newer = client.channels["/data"]
+    assert newer["schemaName"] == "std_msgs/String"
+    assert newer["id"] != older["id"]
+    assert client.session.subscribing() == set()
+    client.subscribe("/data", 1)
+    talker.send("publish", "/data", msg={"data": "again"})
+    [(subscription, _, data)] = client.receive_messages()
+    assert (subscription, data) == (1, b"\5\0\0\0again")
+
+
+def test_unknown_definition_is_reported_once_and_no_longer_once_it_is_known() -> None:
+    hub = FoxgloveHub()
+    talker = hub.client("/talker")
+    talker.send("advertise", "/thing", type=CUSTOM)
+    client = hub.foxglove_client()
+    [status] = client.receive()
+    assert isinstance(status, dict)
+    assert (status["op"], status["level"]) == ("status", 1)
+    assert status["message"].startswith(f"no definition of {CUSTOM}")
+    assert "/thing" in status["message"]
+    talker.send("publish", "/thing", msg={"a": 1})
+    hub.client("/listener").send("subscribe", "/thing")
+    assert client.receive() == []
+    assert client.channels == {}
+    hub.client("/other").send("advertise", "/thing", type=CUSTOM, definition="int32 a")
+    assert client.receive_one("removeStatus")["statusIds"] == [status["id"]]
+    assert client.channels["/thing"]["schema"] == "int32 a"
+
+
+def test_services_are_offered_with_both_schemas() -> None:
+    hub = FoxgloveHub()
+    client, server = hub.foxglove_client(), hub.client("/server")
+    server.send("advertise_service", service="/add", type=ADD)
+    server.send("advertise_service", service="/unknown", type="my_srvs/Unknown")
+    client.receive()
+    assert set(client.services) == {"/add"}
+    service = client.services["/add"]
+    assert service["type"] == ADD
+    assert service["request"] == {
+        "encoding": "ros1",
+        "schemaName": f"{ADD}Request",
+        "schemaEncoding": "ros1msg",
+        "schema": "int64 a\nint64 b",
+    }
+    assert service["response"]["schema"] == "int64 sum\n" == service["responseSchema"]
+    assert service["requestSchema"] == "int64 a\nint64 b"
+    server.disconnect()
+    assert client.receive_operations() == ["unadvertiseServices"]
+    assert client.services == {}
+
+
+def test_schema_of_a_service_has_nested_types() -> None:
+    hub = FoxgloveHub()
+    client = hub.foxglove_client()
+    hub.client("/server").send("advertise_action", action="/fib", type=FIBONACCI)
+    client.receive()
+    [service] = client.services.values()
+    assert service["type"] == "action_msgs/CancelGoal"
+    assert "MSG: action_msgs/GoalInfo" in service["request"]["schema"]
+
+
+def test_service_with_another_server_has_another_id() -> None:
+    hub = FoxgloveHub()
+    client = hub.foxglove_client()
+    hub.client("/server").send("advertise_service", service="/add", type=ADD)
+    client.receive()
+    older = client.services["/add"]["id"]
+    hub.client("/other").send("advertise_service", service="/add", type=ADD)
+    assert client.receive_operations() == ["unadvertiseServices", "advertiseServices"]
+    assert client.services["/add"]["id"] != older
+
+
+def test_many_long_schemas_are_sent_in_several_turns() -> None:
+    hub = FoxgloveHub()
+    talker = hub.client("/talker")
+    definition = "int32 a  # " + "x" * 100_000
+    size = 0
+    while size < 3 * BATCH:
+        topic = f"/topic{size}"
+        talker.send("advertise", topic, type=f"my_msgs/T{size}", definition=definition)
+        size += len(definition)
+    client = hub.foxglove_client()
+    hub.clock.turn()
+    sent = sum(map(len, client.writes))
+    assert BATCH < sent < 2 * BATCH
+    while len(client.receive_operations()):
+        pass
+    assert len(client.channels) == len(hub.graph.topics)
+
+
+def test_client_that_does_not_read_is_sent_the_last_state_alone() -> None:
+    hub = FoxgloveHub()
+    client, talker = hub.foxglove_client(), hub.client("/talker")
+    client.pause()
+    for number in range(100):
+        talker.send("advertise", f"/topic{number}", type=INT32)
+        hub.clock.advance(0)
+        if number:
+            talker.send("unadvertise", f"/topic{number}")
+            hub.clock.advance(0)
+    assert client.queue.kept_bytes == 0
+    client.queue.resume()
+    assert client.receive_operations() == ["advertise"]
+    assert set(client.channels) == {"/topic0"}
+
+
+def test_clients_that_leave_get_nothing_more() -> None:
+    hub = FoxgloveHub()
+    client, talker = hub.foxglove_client(), hub.client("/talker")
+    client.send("subscribeConnectionGraph")
+    client.send("subscribeParameterUpdates", parameterNames=["/a"])
+    client.receive()
+    talker.send("advertise", "/fib", type=INT32)
+    hub.graph.parameters.set("/a", 1)
+    client.disconnect()
+    client.disconnect()
+    assert client.receive_operations() == []
+    talker.disconnect()
+    assert hub.empty
+
+
+@pytest.mark.parametrize("clients", [1, 10])
+def test_3000_channels_take_little_time(clients: int) -> None:
+    hub = FoxgloveHub(max_advertisements=3000)
+    talker = hub.client("/talker")
+    types = STANDARD.messages("sensor_msgs")
+    for number in range(3000):
+        talker.send("advertise", f"/robot/topic{number}", type=types[number % len(types)])
+    began = process_time()
+    connected = [hub.foxglove_client(f"/foxglove{number}") for number in range(clients)]
+    for _ in range(20):
+        hub.clock.advance(0)
+        hub.clock.turn()
+    took = process_time() - began
+    for client in connected:
+        client.receive()
+        assert len(client.channels) == 3000
+    assert took < 0.5 * clients, took  # It takes a tenth of that; CI's machines are slow.

@@ -1,0 +1,314 @@
+"""Foxglove's protocol on a real hub's port, beside rosbridge."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import struct
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import StartHub
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
+from websockets.typing import Subprotocol
+
+from fibws.hub import Hub
+from fibws.hub.foxglove.messages import SUBPROTOCOLS
+
+from ..raw_client import BINARY, PATIENCE, PING, connected, frame, nodes, until
+from ..token_clients import entry
+
+pytestmark = pytest.mark.both_loops
+
+INT32 = "std_msgs/Int32"
+LARGE = 6_220_800
+"""Bytes of an image of 1920 by 1080 pixels."""
+
+
+class Foxglove:
+    """A client that keeps what it is told of channels and services."""
+
+    def __init__(self, websocket: ClientConnection) -> None:
+        self.websocket = websocket
+        self.channels: dict[str, dict[str, Any]] = {}
+        self.services: dict[str, dict[str, Any]] = {}
+
+    async def send(self, op: str, **fields: Any) -> None:
+        await self.websocket.send(json.dumps({"op": op, **fields}))
+
+    async def receive(self) -> Any:
+        """Return the next operation as a dict, or the next binary message."""
+        async with asyncio.timeout(PATIENCE):
+            data = await self.websocket.recv()
+        if isinstance(data, bytes):
+            return data
+        fields = json.loads(data)
+        for each in fields.get("channels", ()):
+            self.channels[each["topic"]] = each
+        for each in fields.get("services", ()):
+            self.services[each["name"]] = each
+        return fields
+
+    async def find(self, op: str) -> dict[str, Any]:
+        """Return the next operation of a kind, and drop those before."""
+        while True:
+            received = await self.receive()
+            if isinstance(received, dict) and received["op"] == op:
+                return received
+
+    async def find_binary(self, kind: int) -> bytes:
+        """Return the next binary message of a kind, and drop everything before."""
+        while True:
+            received = await self.receive()
+            if isinstance(received, bytes) and received[0] == kind:
+                return received
+
+    async def channel(self, topic: str) -> int:
+        """Return the id of a topic's channel, once there is one."""
+        while topic not in self.channels:
+            await self.receive()
+        id_: int = self.channels[topic]["id"]
+        return id_
+
+    async def service(self, name: str) -> int:
+        """Return the id of a service, once there is one."""
+        while name not in self.services:
+            await self.receive()
+        id_: int = self.services[name]["id"]
+        return id_
+
+    async def subscribe(self, topic: str, id_: int = 0) -> None:
+        wanted = [{"id": id_, "channelId": await self.channel(topic)}]
+        await self.send("subscribe", subscriptions=wanted)
+
+    async def is_processed(self) -> None:
+        """Wait until the hub has read everything sent."""
+        await self.send("getParameters", parameterNames=[], id="processed")
+        while (await self.find("parameterValues")).get("id") != "processed":
+            pass
+
+
+@asynccontextmanager
+async def foxglove(
+    hub: Hub, query: str = "?node=/studio", *subprotocols: str
+) -> AsyncIterator[Foxglove]:
+    """Connect as the applications do."""
+    offered = [Subprotocol(each) for each in subprotocols or SUBPROTOCOLS]
+    async with connect(
+        f"{hub.url}/{query}", subprotocols=offered, max_size=None, compression=None
+    ) as websocket:
+        yield Foxglove(websocket)
+
+
+@pytest.mark.parametrize("subprotocol", SUBPROTOCOLS)
+async def test_both_subprotocols_are_accepted(start_hub: StartHub, subprotocol: str) -> None:
+    hub = await start_hub()
+    async with foxglove(hub, "", subprotocol) as client:
+        assert client.websocket.subprotocol == subprotocol
+        info = await client.find("serverInfo")
+        assert info["name"].startswith("fibws")
+        [name] = nodes(hub)
+        [(connection, _)] = hub._own.clients
+        assert connection.protocol == subprotocol
+        assert connection.name == name
+    await until(lambda: not nodes(hub))
+
+
+async def test_client_of_foxglove_and_a_page_exchange_messages(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    async with foxglove(hub) as client, connected(hub.port, "/?node=/page") as page:
+        await page.subscribes("/from_studio")
+        await page.advertises("/from_page")
+        await page.send_operation("advertise_service", service="/add", type="std_srvs/SetBool")
+        await client.subscribe("/from_page", 5)
+        channel = {"id": 1, "topic": "/from_studio", "encoding": "ros1", "schemaName": INT32}
+        await client.send("advertise", channels=[channel])
+        await client.is_processed()
+        await page.send_operation("publish", topic="/from_page", msg={"data": 7})
+        message = await client.find_binary(1)
+        assert (message[1:5], message[13:]) == (struct.pack("<I", 5), struct.pack("<i", 7))
+        await client.websocket.send(struct.pack("<BIi", 1, 1, 9))
+        assert (await page.receive())["msg"] == {"data": 9}
+        service = await client.service("/add")
+        request = struct.pack("<BIII", 2, service, 3, 4) + b"ros1\1"
+        await client.websocket.send(request)
+        call = await page.receive()
+        assert call["args"] == {"data": True}
+        values = {"success": True, "message": "on"}
+        await page.send_operation(
+            "service_response", service="/add", id=call["id"], result=True, values=values
+        )
+        response = await client.find_binary(3)
+        assert response[5:9] == struct.pack("<I", 3)
+        assert response[13:] == b"ros1\1\2\0\0\0on"
+
+
+async def test_steps_of_the_application(start_hub: StartHub) -> None:
+    """Lichtblick's player does these at once after each serverInfo."""
+    hub = await start_hub()
+    async with connected(hub.port) as page, foxglove(hub) as client:
+        await page.advertises("/fib")
+        info = await client.find("serverInfo")
+        assert "connectionGraph" in info["capabilities"]
+        await client.send("getParameters", parameterNames=[], id="get-all-params")
+        await client.send("subscribeConnectionGraph")
+        values = await client.find("parameterValues")
+        assert values["id"] == "get-all-params"
+        names = [each["name"] for each in values["parameters"]]
+        assert "/rosdistro" in names
+        graph = await client.find("connectionGraphUpdate")
+        await client.send("subscribeParameterUpdates", parameterNames=names)
+        await client.is_processed()
+        assert "/fib" in [each["name"] for each in graph["publishedTopics"]]
+        hub.graph.set_parameter("/page", "/rosdistro", "another")
+        update = await client.find("parameterValues")
+        assert update["parameters"] == [{"name": "/rosdistro", "value": "another"}]
+        await client.subscribe("/fib")
+        update = await client.find("connectionGraphUpdate")
+        assert update["subscribedTopics"] == [{"name": "/fib", "subscriberIds": ["/studio"]}]
+        await page.send_operation("unadvertise", topic="/fib")
+        gone = await client.find("unadvertise")
+        assert gone["channelIds"] == [client.channels["/fib"]["id"]]
+        await client.send("unsubscribe", subscriptionIds=[0])
+        await client.is_processed()
+
+
+async def test_simulated_time(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    async with connected(hub.port) as page, foxglove(hub) as client:
+        await client.find("serverInfo")
+        await page.send_operation(
+            "call_service",
+            service="/rosapi/set_param",
+            args={"name": "/use_sim_time", "value": "true"},
+        )
+        assert "time" in (await client.find("serverInfo"))["capabilities"]
+        await page.send_operation("advertise", topic="/clock", type="rosgraph_msgs/Clock")
+        time = {"clock": {"secs": 5, "nsecs": 6}}
+        await page.send_operation("publish", topic="/clock", msg=time)
+        while await client.find_binary(2) != struct.pack("<BQ", 2, 5_000_000_006):
+            pass
+
+
+async def test_large_messages_arrive_whole_in_both_directions(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    async with foxglove(hub) as studio, foxglove(hub, "?node=/other") as other:
+        channel = {"id": 1, "topic": "/big", "encoding": "ros1", "schemaName": "std_msgs/String"}
+        await studio.send("advertise", channels=[channel])
+        await other.subscribe("/big")
+        await other.is_processed()
+        message = struct.pack("<I", LARGE) + bytes(range(256)) * (LARGE // 256)
+        await studio.websocket.send(struct.pack("<BI", 1, 1) + message)
+        assert (await other.find_binary(1))[13:] == message
+
+
+async def test_slow_client_loses_the_oldest_and_delays_nobody(start_hub: StartHub) -> None:
+    hub = await start_hub(queue_length=20)
+    size, count = 100_000, 300
+    async with (
+        connected(hub.port, "/?node=/camera") as camera,
+        connected(
+            hub.port,
+            "/?node=/slow",
+            receive_buffer=4096,
+            Sec_WebSocket_Protocol=SUBPROTOCOLS[0],
+        ) as slow,
+        foxglove(hub) as fast,
+    ):
+        await camera.advertises("/image", "std_msgs/String")
+        await fast.subscribe("/image")
+        await fast.is_processed()
+        wanted = [{"id": 0, "channelId": fast.channels["/image"]["id"]}]
+        text = json.dumps({"op": "subscribe", "subscriptions": wanted}).encode()
+        await slow.send(frame(1, text), frame(PING, b"done"))
+        await until(lambda: "/slow" in hub.graph.topics["/image"].subscribers())
+        for number in range(count):
+            await camera.send_operation(
+                "publish", topic="/image", msg={"data": f"{number:05}" + "x" * size}
+            )
+            message = await fast.find_binary(1)
+            assert message[17:22] == b"%05d" % number
+        assert hub._own.clients.find("/slow") is not None
+        dropped = hub.health()["slow_clients"]
+        assert [each["node"] for each in dropped] == ["/slow"]  # type: ignore[attr-defined]
+        numbers: list[int] = []
+        status = None
+        while not numbers or numbers[-1] < count - 1:
+            opcode, payload = await slow.frame()
+            if opcode == BINARY:
+                numbers.append(int(payload[17:22]))
+            elif b"Send buffer limit reached" in payload:
+                status = json.loads(payload)
+        assert status is not None
+        assert (status["op"], status["level"]) == ("status", 1)
+        assert numbers == sorted(numbers)
+        assert numbers[-20:] == list(range(count - 20, count))
+        assert len(numbers) < count
+
+
+async def test_tokens_and_rights(start_hub: StartHub, tmp_path: Path) -> None:
+    file = tmp_path / "tokens.toml"
+    file.write_text(
+        entry("ann", 'allow = {subscribe = ["/open"], publish = ["/mine"]}')
+        + entry("boss", "admin = true"),
+        "utf-8",
+    )
+    hub = await start_hub(tokens=file)
+    async with foxglove(hub, "?token=boss") as boss, foxglove(hub, "?token=ann") as ann:
+        channels = [
+            {"id": number, "topic": topic, "encoding": "ros1", "schemaName": INT32}
+            for number, topic in enumerate(("/open", "/secret"))
+        ]
+        await boss.send("advertise", channels=channels)
+        await ann.channel("/open")
+        await ann.send("advertise", channels=channels)
+        for topic in ("/open", "/secret"):
+            assert topic in (await ann.find("status"))["message"]
+        assert set(ann.channels) == {"/open"}
+        file.write_text(entry("boss", "admin = true"), "utf-8")
+        hub.reload()
+        with pytest.raises(ConnectionClosed) as closed:
+            await ann.is_processed()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 4401
+    by_subprotocol = ("fibws.token.boss", SUBPROTOCOLS[1])
+    async with foxglove(hub, "", *by_subprotocol) as boss:
+        assert boss.websocket.subprotocol == SUBPROTOCOLS[1]
+        await boss.find("serverInfo")
+    async with foxglove(hub, "") as nobody:
+        with pytest.raises(ConnectionClosed) as closed:
+            await nobody.receive()
+        assert closed.value.rcvd is not None
+        assert (closed.value.rcvd.code, "token" in closed.value.rcvd.reason) == (4401, True)
+
+
+async def test_client_that_sends_too_much_is_refused(start_hub: StartHub) -> None:
+    hub = await start_hub(max_messages_per_second=0.1)
+    async with foxglove(hub) as client:
+        channel = {"id": 1, "topic": "/fib", "encoding": "ros1", "schemaName": INT32}
+        await client.send("advertise", channels=[channel])
+
+        async def flood() -> None:
+            while True:
+                await client.websocket.send(struct.pack("<BIi", 1, 1, 9))
+                await asyncio.sleep(0.001)
+
+        flooding = asyncio.create_task(flood())
+        assert "messages dropped: 1" in (await client.find("status"))["message"]
+        flooding.cancel()
+        await asyncio.wait([flooding])
+
+
+async def test_text_that_is_not_utf8_closes_the_connection(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    async with connected(hub.port, Sec_WebSocket_Protocol=SUBPROTOCOLS[0]) as client:
+        await client.send(frame(1, b"{", fin=True), frame(1, b"\xff"))
+        while True:
+            opcode, payload = await client.frame()
+            if opcode == 8:
+                break
+        assert payload[:2] == struct.pack("!H", 1007)
