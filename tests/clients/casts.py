@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 
-ROSLIB_1, ROSLIB_2, FOXGLOVE, ROSLIBPY = (
+ROSLIB_1, ROSLIB_2, FOXGLOVE, FOXGLOVE_PROTOCOL, ROSLIBPY = (
     "roslib 1.4.1",
     "roslib 2.1.0",
     "foxglove/roslibjs",
+    "foxglove/ws-protocol",
     "roslibpy",
 )
 
@@ -79,6 +80,8 @@ def _casts() -> Iterable[Cast]:
             if library in _WITH_PROGRAMS:
                 yield Cast(library, runtime, _WITH_PROGRAMS[library], PROGRAMS)
     yield Cast(FOXGLOVE, "Node", ("foxglove",))
+    yield Cast(FOXGLOVE_PROTOCOL, "Node", ("foxglove_protocol", "foxglove_schemas"))
+    yield Cast(FOXGLOVE_PROTOCOL, "Chromium", ("foxglove_protocol",))
 
 
 CASTS = tuple(_casts())

@@ -11,6 +11,10 @@ const LIBRARIES = {
     globalThis.WebSocket = (await import("ws")).WebSocket; // It is built for browsers.
     return (await import("@foxglove/roslibjs")).default;
   },
+  "foxglove/ws-protocol": async () => {
+    globalThis.WebSocket = (await import("ws")).WebSocket;
+    return (await import("@foxglove/ws-protocol")).default.FoxgloveClient;
+  },
 };
 
 // The one that Node has from version 22 on does not say when a connection was refused.
