@@ -9,7 +9,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pytest
-from playwright.async_api import Browser, Page, expect
+from playwright.async_api import Browser, Page, Route, expect
 from websockets.asyncio.client import connect
 
 import fibws
@@ -81,6 +81,27 @@ async def test_first_steps_disappear_with_the_first_node_and_can_be_reopened(
         await page.keyboard.press("Escape")
         await expect(help_).to_be_hidden()
     await expect(welcome).to_be_visible()
+
+
+async def test_one_click_opens_the_hub_in_foxglove(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub)
+    opened: list[str] = []
+
+    async def serve(route: Route) -> None:
+        opened.append(route.request.url)
+        await route.fulfill(body="Foxglove")
+
+    await page.context.route("https://app.foxglove.dev/**", serve)
+    async with page.expect_popup() as popup:
+        await page.locator("#tools").get_by_role("link", name="Foxglove").click()
+    await expect((await popup.value).locator("body")).to_have_text("Foxglove")
+    address = f"ws%3A%2F%2F127.0.0.1%3A{hub.port}%2F"
+    assert [url.partition("?")[2] for url in opened] == [f"ds=foxglove-websocket&ds.url={address}"]
+    await page.get_by_role("button", name="Help").click()
+    help_ = page.get_by_role("dialog", name="Help")
+    await expect(help_).to_contain_text("--allow-origin https://app.foxglove.dev")
+    link = help_.get_by_role("link", name="Lichtblick")
+    assert address in (await link.get_attribute("href") or "")
 
 
 @pytest.mark.parametrize("number", [2, 3])

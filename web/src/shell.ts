@@ -4,6 +4,7 @@ import "./shell.css";
 import { PLAYBACK, RECORDER } from "./bags/names";
 import { h, replace, setText, svg } from "./dom";
 import { hertz } from "./format";
+import { applicationLink, FOXGLOVE } from "./foxglove";
 import { isHidden } from "./hidden_names";
 import type { Hub, State } from "./hub";
 import { account, type Login } from "./login";
@@ -99,6 +100,7 @@ export class Shell {
         { id: "tools" },
         this.#bags,
         account(hub, login),
+        applicationLink(FOXGLOVE, hub.url, "Foxglove"),
         h(
           "button",
           { type: "button", class: "quiet", id: "help", onclick: () => showHelp(hub.url) },

@@ -4,6 +4,7 @@ import "./welcome.css";
 import { EXAMPLE } from "./browser_console";
 import { copyable } from "./copy_button";
 import { h } from "./dom";
+import { applicationLink, FOXGLOVE, LICHTBLICK } from "./foxglove";
 import { isDefaultHub } from "./hub";
 
 /** The first steps with the hub at a WebSocket address. */
@@ -57,6 +58,24 @@ export function welcome(url: string): HTMLElement {
           h("a", { href: "healthz" }, "healthz"),
         ),
       ),
+      step(
+        "Open it in Foxglove or Lichtblick",
+        "The hub speaks the protocol of their “Foxglove WebSocket” connections. Their pages may " +
+          "connect once the hub is started with their origin:",
+        copyable(
+          `python -m fibws.hub ${[FOXGLOVE, LICHTBLICK].map(allowed).join(" ")}`,
+          "the command of the hub",
+        ),
+        h(
+          "p",
+          { class: "soft small" },
+          applicationLink(FOXGLOVE, url, "Foxglove"),
+          " · ",
+          applicationLink(LICHTBLICK, url, "Lichtblick"),
+          " · in their desktop applications, connect to ",
+          h("code", {}, address),
+        ),
+      ),
     ),
   );
 }
@@ -85,6 +104,11 @@ export function showHelp(url: string): void {
 
 function step(title: string, text: string, ...pieces: HTMLElement[]): HTMLElement {
   return h("li", {}, h("h3", {}, title), h("p", {}, text), ...pieces);
+}
+
+/** The option of the hub that lets an application's page connect. */
+function allowed(application: string): string {
+  return `--allow-origin ${new URL(application).origin}`;
 }
 
 /** The snippet of the README, which needs no library. */
