@@ -15,6 +15,7 @@ from bench.codecs import codecs
 from bench.encodings import encodings
 from bench.fanout import fanout
 from bench.flood import flood
+from bench.foxglove import foxglove
 from bench.growth import growth
 from bench.hubs import hubs
 from bench.idle import idle
@@ -53,6 +54,7 @@ SCENARIOS = {
     "services": services,
     "tls": tls,
     "encodings": encodings,
+    "foxglove": foxglove,
     "rosapi": rosapi,
     "metrics": metrics,
     "page": page,

@@ -18,7 +18,7 @@ TIMEOUT_SECONDS = 10.0
 """Timeout of a read. Shorter than the hub's ping interval: a ping would restart the timeout."""
 NO_MASK = bytes(4)
 """A masking key of zeros leaves the payload unchanged; the server still unmasks it."""
-TEXT, CLOSE, PING, PONG = 0x81, 0x88, 0x89, 0x8A
+TEXT, BINARY, CLOSE, PING, PONG = 0x81, 0x82, 0x88, 0x89, 0x8A
 """The first bytes of frames."""
 _READ = memoryview(bytearray(1 << 20))
 
@@ -43,14 +43,17 @@ def operation(op: str, **fields: Any) -> bytes:
 class Client:
     """One connection to a hub."""
 
-    def __init__(self, port: int, node: str, receive_buffer: int | None = None) -> None:
+    def __init__(
+        self, port: int, node: str, receive_buffer: int | None = None, subprotocol: str = ""
+    ) -> None:
         """Connect under a node's name.
 
         Args:
             receive_buffer: bytes that the system may keep until they are read.
+            subprotocol: the WebSocket subprotocol to offer; none for rosbridge.
         """
         self._node = node
-        self._socket = connected(port, f"/?node={node}", TIMEOUT_SECONDS)
+        self._socket = connected(port, f"/?node={node}", TIMEOUT_SECONDS, subprotocol=subprotocol)
         if receive_buffer is not None:
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
