@@ -19,9 +19,10 @@ from pydantic_core import to_json
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import ROS1, ROS1_TEXT, WARNING, list_frame, text_frame
-from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Service
-from fibws.hub.graph.topic import Topic
+from fibws.hub.graph.topic import SinkReport, Topic
 from fibws.hub.graph.types import MessageType, ServiceType
 from fibws.interfaces import full_text
 from fibws.interfaces.catalogue import Definitions
@@ -30,6 +31,10 @@ BATCH = 2**20
 """Bytes of texts that are sent in one turn of the event loop."""
 MOST_NAMES = 2000
 """Names that are looked up in one turn."""
+
+MOST_PROBES = 20
+"""Topics that ROS 1 nodes are asked about at once for one client."""
+PROBE_SECONDS = 5.0
 
 K = TypeVar("K", bound=Hashable)
 """What names an entry."""
@@ -197,27 +202,73 @@ class ChannelFeed(Feed[str, Channel]):
         return b"".join(frames)
 
 
+class Probe:
+    """A `Sink` that drops what it gets: a ROS 1 node tells its type's definition once it is asked.
+
+    Args:
+        end: called when that has taken too long.
+    """
+
+    def __init__(self, client: Client, topic: Topic, end: Callable[[], object]) -> None:
+        self.node = client.node
+        self._client = client
+        self._topic = topic
+        self._timer = client.clock.call_later(PROBE_SECONDS, end)
+        client.graph.subscribe(topic, self)
+
+    def receive(self, publication: Publication) -> None:
+        """Drop a message."""
+
+    def replay(self, publication: Publication) -> None:
+        """Drop a latched message."""
+
+    def report(self) -> SinkReport:
+        """Return the totals of a subscription that gets nothing."""
+        return SinkReport()
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._timer.cancel()
+        self._client.graph.unsubscribe(self._topic, self)
+
+
 class UndefinedFeed(Feed[str, tuple[str, str]]):
     """Topics and their types that could be channels if the types' fields were known.
 
     The client is warned once of each, and the warning goes when the topic does, or gets a
-    definition.
+    definition. ROS 1 nodes are asked for it before.
     """
+
+    def __init__(self, client: Client) -> None:
+        super().__init__(client)
+        self._probes: dict[str, Probe] = {}
+        self._delayed: dict[str, None] = {}
+        """Topics that are asked about once there are fewer probes."""
+        self._asked: set[str] = set()
+        """Topics that were asked about in vain."""
 
     def view(self, key: str) -> tuple[str, str] | None:
         """Return the topic and its type, if it is one of these."""
         topic = _published(self.client, key)
         if topic is None or topic.type is None or topic.type.checked:
+            self._asked.discard(key)
+            self._delayed.pop(key, None)
+            self._end_probe(key)
             return None
-        return key, topic.type.name
+        if key in self._asked or not self._can_be_asked(topic):
+            return key, topic.type.name
+        if len(self._probes) >= MOST_PROBES:
+            self._delayed[key] = None
+        elif key not in self._probes:
+            self._probes[key] = Probe(self.client, topic, lambda: self._give_up(key))
+        return None
 
     def encode(self, removed: Sequence[tuple[str, str]], added: Sequence[tuple[str, str]]) -> bytes:
         """Return the frames of the warnings."""
         frames = []
         if removed:
-            frames.append(
-                text_frame("removeStatus", statusIds=[_id(topic) for topic, _ in removed])
-            )
+            ids = [_id(topic) for topic, _ in removed]
+            frames.append(text_frame("removeStatus", statusIds=ids))
         for topic, type_ in added:
             text = (
                 f"no definition of {type_}: {topic} cannot be shown. Start the hub with "
@@ -225,6 +276,29 @@ class UndefinedFeed(Feed[str, tuple[str, str]]):
             )
             frames.append(text_frame("status", level=WARNING, message=text, id=_id(topic)))
         return b"".join(frames)
+
+    def close(self) -> None:
+        """Send nothing more."""
+        self._delayed.clear()
+        for key in list(self._probes):
+            self._end_probe(key)
+        super().close()
+
+    def _can_be_asked(self, topic: Topic) -> bool:
+        nodes = self.client.graph.nodes
+        return any(isinstance(nodes.get(node), ExternalNode) for node in topic.sources)
+
+    def _give_up(self, key: str) -> None:
+        self._asked.add(key)
+        self._end_probe(key)
+        self.changed(key)
+
+    def _end_probe(self, key: str) -> None:
+        probe = self._probes.pop(key, None)
+        if probe is not None:
+            probe.close()
+            delayed, self._delayed = self._delayed, {}
+            self.changed(*delayed)
 
 
 @dataclass(frozen=True, slots=True)

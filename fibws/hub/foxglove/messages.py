@@ -45,6 +45,11 @@ INFO, WARNING, ERROR = 0, 1, 2
 
 LONGEST_ID = 2000
 """Most characters of an id."""
+MOST_ITEMS = 1000
+"""Subscriptions, channels or parameters in one operation: each may end with an error of its own."""
+MOST_NAMES = 10_000
+"""Names of parameters in one operation."""
+Names = Annotated[list[str], Field(alias="parameterNames", max_length=MOST_NAMES)]
 Number = Annotated[int, Field(ge=0, lt=2**32)]
 Id = Annotated[str, Field(max_length=LONGEST_ID)] | None
 
@@ -77,7 +82,7 @@ class Subscribe(_Model):
     """The client wants the messages of some channels."""
 
     op: Literal["subscribe"]
-    subscriptions: list[Subscription]
+    subscriptions: Annotated[list[Subscription], Field(max_length=MOST_ITEMS)]
 
 
 class Unsubscribe(_Model):
@@ -102,7 +107,7 @@ class Advertise(_Model):
     """The client publishes some topics."""
 
     op: Literal["advertise"]
-    channels: list[ClientChannel]
+    channels: Annotated[list[ClientChannel], Field(max_length=MOST_ITEMS)]
 
 
 class Unadvertise(_Model):
@@ -124,7 +129,7 @@ class GetParameters(_Model):
     """The client asks for parameters; no names stand for all."""
 
     op: Literal["getParameters"]
-    names: list[str] = Field(alias="parameterNames")
+    names: Names
     id: Id = None
 
 
@@ -132,7 +137,7 @@ class SetParameters(_Model):
     """The client sets or deletes parameters, and wants to be answered if there is an id."""
 
     op: Literal["setParameters"]
-    parameters: list[Parameter]
+    parameters: Annotated[list[Parameter], Field(max_length=MOST_ITEMS)]
     id: Id = None
 
 
@@ -140,14 +145,14 @@ class SubscribeParameterUpdates(_Model):
     """The client wants to know when some parameters change."""
 
     op: Literal["subscribeParameterUpdates"]
-    names: list[str] = Field(alias="parameterNames")
+    names: Names
 
 
 class UnsubscribeParameterUpdates(_Model):
     """The client wants to know it no more; no names stand for all."""
 
     op: Literal["unsubscribeParameterUpdates"]
-    names: list[str] = Field(alias="parameterNames")
+    names: Names
 
 
 class SubscribeConnectionGraph(_Model):

@@ -42,14 +42,20 @@ class ParameterAccess:
         client = self._client
         if client.queue.overfull:
             return
-        items = []
-        for name in request.names or self._readable():
+        items: list[bytes] = []
+        size = 0
+        for name in dict.fromkeys(request.names) or self._readable():
             try:
                 items.append(self._text(name))
             except ParameterNotSet:
                 continue
             except FibwsError as error:
                 client.statuses.error(f"getParameters: {error}", code=error.code)
+                continue
+            size += len(items[-1])
+            if size > self._most_bytes:
+                client.statuses.error("getParameters: too many values, ask for fewer names at once")
+                break
         client.queue.reply(list_frame("parameterValues", "parameters", items, id=request.id))
 
     def set(self, request: SetParameters) -> None:
@@ -61,7 +67,13 @@ class ParameterAccess:
             except FibwsError as error:
                 client.statuses.error(f"setParameters: {error}", code=error.code)
         if request.id is not None:
-            items = self._values(parameter.name for parameter in request.parameters)
+            names = dict.fromkeys(parameter.name for parameter in request.parameters)
+            items, size = [], 0
+            for item in filter(None, map(self._value, names)):
+                items.append(item)
+                size += len(item)
+                if size > self._most_bytes:
+                    break
             client.queue.reply(list_frame("parameterValues", "parameters", items, id=request.id))
 
     def watch(self, names: Sequence[str]) -> None:
@@ -114,25 +126,30 @@ class ParameterAccess:
         while self._pending and size < BATCH:
             name = next(iter(self._pending))
             del self._pending[name]
-            for item in self._values([name]):
+            item = self._value(name)
+            if item is not None:
                 items.append(item)
                 size += len(item)
         if self._pending and self._timer is None:
             self._timer = self._client.clock.call_later(0, self._report)
         return list_frame("parameterValues", "parameters", items) if items else b""
 
-    def _values(self, names: Iterable[str]) -> list[bytes]:
-        """Return parameters that the client may know of as JSON, without values if not set."""
-        items = []
-        for name in names:
-            try:
-                if self._is_readable(name):
-                    items.append(self._text(name))
-            except ParameterNotSet:
-                items.append(to_json({"name": name}))
-            except FibwsError:
-                continue
-        return items
+    @property
+    def _most_bytes(self) -> int:
+        """Bytes of the values in one answer: namespaces repeat what is in them."""
+        return 2 * self._client.graph.parameters.max_bytes
+
+    def _value(self, name: str) -> bytes | None:
+        """Return a parameter as JSON, without a value if it is not set.
+
+        It is None for what the client may not know of.
+        """
+        try:
+            return self._text(name) if self._is_readable(name) else None
+        except ParameterNotSet:
+            return to_json({"name": name})
+        except FibwsError:
+            return None
 
     def _is_readable(self, name: str) -> bool:
         """Return whether the client may read a parameter, or anything of a namespace."""

@@ -18,6 +18,7 @@ from fibws.hub.foxglove.messages import (
     text_frame,
 )
 from fibws.hub.graph.service import Call
+from fibws.hub.log_text import shortened
 from fibws.interfaces.serialization import FEWEST_BYTES, Serializer
 from fibws.protocol.value_limits import check_json
 
@@ -123,7 +124,8 @@ class Calls:
         return waiting
 
     def _fail(self, service: int, call: int, text: str) -> None:
-        frame = text_frame("serviceCallFailure", serviceId=service, callId=call, message=text)
+        message = shortened(text)
+        frame = text_frame("serviceCallFailure", serviceId=service, callId=call, message=message)
         self._client.queue.reply(frame)
 
 

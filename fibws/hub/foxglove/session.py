@@ -16,6 +16,7 @@ from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReached, OperationError
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.foxglove.assets import AssetFiles, AssetRoom, Assets
 from fibws.hub.foxglove.client import INTERNAL_ERROR, Client, Statuses
 from fibws.hub.foxglove.feeds import (
     ChannelFeed,
@@ -41,7 +42,6 @@ from fibws.hub.foxglove.messages import (
     Unsubscribe,
     UnsubscribeConnectionGraph,
     UnsubscribeParameterUpdates,
-    asset_error_frame,
     parse_binary,
     parse_operation,
     text_frame,
@@ -62,6 +62,8 @@ CAPABILITIES = (
     *("services", "connectionGraph"),
 )
 """The capabilities of every hub."""
+ASSETS = "assets"
+"""The capability of a hub that has files of robots."""
 TIME = "time"
 """The capability of a hub that sends the time: while it is simulated."""
 ROS_DISTRO = "noetic"
@@ -77,6 +79,7 @@ class Foxglove:
 
     Args:
         name: the hub's, which the applications show.
+        assets: finds the files of robots; None without any.
         report: takes the node and the reason of each operation that failed.
     """
 
@@ -88,6 +91,7 @@ class Foxglove:
         audit: Audit,
         *,
         name: str,
+        assets: AssetFiles | None = None,
         report: Callable[[str, str], object] = ignore,
     ) -> None:
         self.graph = graph
@@ -95,6 +99,8 @@ class Foxglove:
         self.settings = settings
         self.audit = audit
         self.name = name
+        self.assets = assets
+        self.asset_room = AssetRoom()
         self.report = report
         self.session_id = secrets.token_hex(8)
         """Tells clients that connect again whether it is still the same hub."""
@@ -144,6 +150,7 @@ class Session:
     """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
 
     __slots__ = (
+        "_assets",
         "_channels",
         "_client",
         "_close",
@@ -186,6 +193,7 @@ class Session:
         self._undefined = UndefinedFeed(client)
         self._services = ServiceFeed(client, foxglove.services)
         self._graph_feed: GraphFeed | None = None
+        self._assets = Assets(client, foxglove.assets, foxglove.asset_room)
         self.calls = Calls(client, self._services)
         self.parameters = ParameterAccess(client)
         foxglove.sessions.add(self)
@@ -269,8 +277,10 @@ class Session:
         feeds = (self._channels, self._undefined, self._services, self._graph_feed)
         with ExitStack() as stack:  # Whatever fails of this, the rest is done.
             stack.callback(self._client.graph.leave, self, self.node)
-            for part in (self.calls, self.parameters, self._publications, self._subscriptions):
+            for part in (self.calls, self.parameters, self._assets):
                 stack.callback(part.leave)
+            for topics in (self._publications, self._subscriptions):
+                stack.callback(topics.leave)
             for feed in feeds:
                 if feed is not None:
                     stack.callback(feed.close)
@@ -319,11 +329,15 @@ class Session:
             self._graph_feed.changed((True, name))
 
     def _server_info(self) -> bytes:
-        is_simulated = self._client.graph.clock.simulated is not None
+        capabilities = list(CAPABILITIES)
+        if self._foxglove.assets is not None:
+            capabilities.append(ASSETS)
+        if self._client.graph.clock.simulated is not None:
+            capabilities.append(TIME)
         return text_frame(
             "serverInfo",
             name=self._foxglove.name,
-            capabilities=[*CAPABILITIES, *((TIME,) if is_simulated else ())],
+            capabilities=capabilities,
             supportedEncodings=ENCODINGS,
             metadata={"ROS_DISTRO": ROS_DISTRO},
             sessionId=self._foxglove.session_id,
@@ -362,8 +376,7 @@ class Session:
                     self._graph_feed.close()
                     self._graph_feed = None
             case FetchAsset():
-                frame = asset_error_frame(operation.request, "this hub has no assets")
-                self._client.queue.reply(frame)
+                self._assets.fetch(operation)
             case _:
                 assert_never(operation)
 

@@ -415,6 +415,7 @@ class Graph:
         if topic.name in self.reserved and node not in self.internal:
             raise OperationError(f"{topic.name} is published by the hub alone")
         self.check_allowed(node, "publish", topic.name)
+        present = topic.type
         message_type = self._set_type(topic, type_, definition, md5sum, node)
         if serialized and message_type.fault:
             self._settle(topic)
@@ -433,6 +434,8 @@ class Graph:
             )
             topic.add(source)
             self.topics[topic.name] = topic
+            self._changed(topic)
+        elif message_type is not present:
             self._changed(topic)
         return source
 

@@ -10,6 +10,7 @@ from typing import Any
 from fibws.access.rights import Principal
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Bytes, SendQueue
+from fibws.hub.foxglove.assets import AssetFiles
 from fibws.hub.foxglove.messages import SUBPROTOCOLS
 from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.websocket.endpoint import Opening
@@ -21,7 +22,7 @@ from ..fakes import BINARY, TEXT, FakeHub, frames
 class FoxgloveHub(FakeHub):
     """A graph with clients of Foxglove's protocol, and others, that have no sockets."""
 
-    def __init__(self, **settings: Any) -> None:
+    def __init__(self, *, assets: AssetFiles | None = None, **settings: Any) -> None:
         super().__init__(**settings)
         self.reported: list[tuple[str, str]] = []
         self.audit = Audit(self.clock.time)
@@ -31,6 +32,7 @@ class FoxgloveHub(FakeHub):
             self.settings,
             self.audit,
             name="test",
+            assets=assets,
             report=lambda node, text: self.reported.append((node, text)),
         )
 

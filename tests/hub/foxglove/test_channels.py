@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import process_time
 
 import pytest
 
-from fibws.hub.foxglove.feeds import BATCH
+from fibws.hub.foxglove.feeds import BATCH, MOST_PROBES, PROBE_SECONDS
+from fibws.hub.graph.graph import ExternalNode
 
 from ..fakes import ADD, FIBONACCI, INT32, STANDARD
 from .foxglove_client import FoxgloveHub
@@ -126,6 +128,55 @@ def test_unknown_definition_is_reported_once_and_no_longer_once_it_is_known() ->
     hub.client("/other").send("advertise", "/thing", type=CUSTOM, definition="int32 a")
     assert client.receive_one("removeStatus")["statusIds"] == [status["id"]]
     assert client.channels["/thing"]["schema"] == "int32 a"
+
+
+class Ros1Node(ExternalNode):
+    """A ROS 1 node that tells no definitions."""
+
+    api, fault, since = "http://127.0.0.1:9/", "", 0
+
+    def publishing(self) -> list[str]:
+        return []
+
+    subscribing = providing = publishing
+
+    def replaced(self) -> None:
+        raise AssertionError
+
+    def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
+        raise AssertionError
+
+    def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
+        raise AssertionError
+
+    def unregister(self) -> None:
+        raise AssertionError
+
+
+def test_ros1_node_is_asked_for_definitions_before_the_client_is_warned() -> None:
+    hub = FoxgloveHub()
+    hub.graph.enter(Ros1Node(), "/ros1")
+    topics = [f"/thing{number}" for number in range(MOST_PROBES + 5)]
+    for topic in topics:
+        hub.graph.advertise(hub.graph.topic(topic), "/ros1", CUSTOM)
+    client = hub.foxglove_client()
+    assert client.receive() == []
+    asked = [topic for topic in topics if hub.graph.topics[topic].sinks()]
+    assert len(asked) == MOST_PROBES
+    known = asked[3]
+    hub.graph.advertise(hub.graph.topics[known], "/ros1", CUSTOM, "int32 a")
+    assert client.receive() == []
+    assert set(client.channels) == {known}
+    assert not hub.graph.topics[known].sinks()
+    hub.clock.advance(PROBE_SECONDS)
+    hub.clock.advance(PROBE_SECONDS)
+    assert len(client.receive_statuses(1)) == len(topics) - 1
+    assert not any(hub.graph.topics[topic].sinks() for topic in topics)
+    client.disconnect()
+    later = hub.foxglove_client()
+    later.disconnect()
+    assert hub.clock.timers == 0
+    assert not any(hub.graph.topics[topic].sinks() for topic in topics)
 
 
 def test_services_are_offered_with_both_schemas() -> None:

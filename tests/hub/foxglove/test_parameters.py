@@ -159,3 +159,25 @@ def test_too_many_names_are_refused() -> None:
     client.send("subscribeParameterUpdates", parameterNames=["bad"])
     [status] = client.receive_statuses()
     assert "bad" in status
+
+
+def test_answer_is_bounded_although_namespaces_repeat_their_values() -> None:
+    hub = FoxgloveHub()
+    value: Any = "x" * 100_000
+    for _ in range(50):
+        value = {"a": value}
+    hub.graph.parameters.set("/", value)
+    client = hub.foxglove_client()
+    names = ["/" + "a/" * depth for depth in range(50)]
+    hub.graph.parameters.max_bytes = 500_000
+    client.send("getParameters", parameterNames=names * 20)
+    status, answer = client.receive()
+    assert isinstance(status, dict)
+    assert "too many values" in status["message"]
+    assert isinstance(answer, dict)
+    assert 10 <= len(answer["parameters"]) < 15
+    parameters_ = [{"name": name, "value": 1, "type": "float64_array"} for name in names * 20]
+    client.send("setParameters", parameters=parameters_, id="x")
+    *_, answer = client.receive()
+    assert isinstance(answer, dict)
+    assert len(answer["parameters"]) < 15

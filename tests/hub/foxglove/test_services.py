@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from typing import Any
 
 import pytest
 
@@ -13,7 +14,7 @@ REQUEST = struct.pack("<qq", 2, 3)
 SUM = struct.pack("<q", 5)
 
 
-def serving(**settings: float) -> tuple[FoxgloveHub, Client, FoxgloveClient, int]:
+def serving(**settings: Any) -> tuple[FoxgloveHub, Client, FoxgloveClient, int]:
     """Return a hub, a client that serves /add, one of Foxglove's, and the service's id."""
     hub = FoxgloveHub(**settings)
     server = hub.client("/server")

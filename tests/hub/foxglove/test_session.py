@@ -12,7 +12,12 @@ from hypothesis import strategies as st
 
 from fibws.errors import AuthenticationError, InvalidUtf8
 from fibws.hub.delivery.send_queue import SendQueue
-from fibws.hub.foxglove.messages import ClientMessage, parse_binary, parse_operation
+from fibws.hub.foxglove.messages import (
+    MOST_ITEMS,
+    ClientMessage,
+    parse_binary,
+    parse_operation,
+)
 from fibws.hub.websocket.endpoint import Opening
 
 from ..fakes import ADD, INT32, STRING, number
@@ -140,6 +145,14 @@ def test_text_with_too_many_values_is_refused_unread() -> None:
     client.session.receive_text(text.encode())
     [status] = client.receive_statuses()
     assert "too many" in status
+
+
+def test_operation_with_too_many_parts_is_refused_as_a_whole() -> None:
+    client = FoxgloveHub().foxglove_client()
+    many = [{"id": number, "channelId": 99} for number in range(MOST_ITEMS + 1)]
+    client.send("subscribe", subscriptions=many)
+    [status] = client.receive_statuses()
+    assert str(MOST_ITEMS) in status
 
 
 def test_fault_of_the_hub_is_one_status_and_the_session_goes_on(

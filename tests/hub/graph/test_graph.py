@@ -393,3 +393,13 @@ def test_watcher_learns_of_each_change_of_a_topic() -> None:
     graph.unsubscribe(graph.topics["/other"], sink)
     graph.remove_source(source)
     assert changed == ["/chatter", "/other", "/other", "/chatter"]
+
+
+def test_watcher_learns_that_a_source_has_brought_the_definition() -> None:
+    graph, changed = Graph(Interfaces(), lambda: NANOSECONDS), list[str]()
+    advertise(graph, "/talker", "/a", "my_msgs/Thing")
+    graph.watch_topics(lambda topic: changed.append(topic.name))
+    advertise(graph, "/talker", "/a", "my_msgs/Thing")
+    assert changed == []
+    advertise(graph, "/talker", "/a", "my_msgs/Thing", "int8 x\n")
+    assert changed == ["/a"]

@@ -21,7 +21,9 @@ from fibws.msg.actionlib_msgs import GoalStatusArray
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Int32, String
 
+from ..foxglove.real_client import foxglove
 from ..graph.recorder import Recorder
+from ..raw_client import until
 from .conftest import StartPeer
 from .peer import MD5_OF_INT32, Link, Peer
 
@@ -74,6 +76,18 @@ async def test_no_link_is_opened_for_a_topic_that_no_client_subscribes_to(
     node.subscribe("/other", Int32)
     assert (await talker.linked()).header["topic"] == "/other"
     assert talker.links.empty()
+
+
+async def test_foxglove_is_offered_a_type_that_only_the_publisher_knows(
+    hub: Hub, start_peer: StartPeer
+) -> None:
+    talker = await start_peer("/talker")
+    await talker.advertise("/mine", VALUES)
+    async with foxglove(hub) as studio:
+        await talker.linked()
+        await studio.channel("/mine")
+        assert studio.channels["/mine"]["schema"] == VALUES["message_definition"]
+        await until(lambda: not hub.graph.topics["/mine"].sinks())
 
 
 async def test_link_is_closed_some_time_after_the_last_client_has_left(

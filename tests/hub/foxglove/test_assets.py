@@ -1,0 +1,148 @@
+"""Files of robots that clients fetch."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+import pytest
+
+from fibws.access.rights import Right
+from fibws.errors import OperationError
+from fibws.hub.foxglove import assets
+
+from .foxglove_client import FoxgloveClient, FoxgloveHub
+
+MESH = "package://my_robot/arm.stl"
+
+
+class Files:
+    """Files of one folder, for clients that may read the robot's description."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.reads = 0
+
+    def named(self, allows: Callable[[Right, str], bool], /) -> Collection[str]:
+        return ["my_robot"] if allows("param_read", "/robot_description") else []
+
+    def resolve(self, uri: str, named: Collection[str], /) -> Path:
+        self.reads += 1
+        package, _, name = uri.removeprefix("package://").partition("/")
+        if package not in named:
+            raise OperationError(f"package {package} is not in a robot_description")
+        return self._folder / name
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> Files:
+    (tmp_path / "arm.stl").write_bytes(b"solid arm")
+    return Files(tmp_path)
+
+
+def fetch(client: FoxgloveClient, uri: str, request: int = 1) -> None:
+    client.send("fetchAsset", uri=uri, requestId=request)
+
+
+def answers(client: FoxgloveClient) -> list[tuple[int, str, bytes]]:
+    """Return the request, the error and the data of each answer that came."""
+    found = []
+    for each in client.receive():
+        assert isinstance(each, bytes), each
+        kind, request, status, size = struct.unpack_from("<BIBI", each)
+        error, data = each[10 : 10 + size].decode(), each[10 + size :]
+        assert kind == 4
+        assert (status, bool(error), data if status else b"") in ((0, False, b""), (1, True, b""))
+        found.append((request, error, data))
+    return found
+
+
+def test_file_is_sent(files: Files) -> None:
+    client = FoxgloveHub(assets=files).foxglove_client()
+    client.receive()
+    assert "assets" in client.info["capabilities"]
+    fetch(client, MESH, 7)
+    assert answers(client) == [(7, "", b"solid arm")]
+
+
+@pytest.mark.parametrize(
+    ("uri", "fault"),
+    [
+        ("package://other/arm.stl", "other"),
+        ("package://my_robot/leg.stl", "No such file"),
+        ("file:///etc/passwd", "robot_description"),
+        ("", "robot_description"),
+    ],
+)
+def test_refusal_says_why(files: Files, uri: str, fault: str) -> None:
+    client = FoxgloveHub(assets=files).foxglove_client()
+    client.receive()
+    fetch(client, uri)
+    [(request, error, _)] = answers(client)
+    assert request == 1
+    assert fault in error
+
+
+def test_hub_without_assets_refuses_all() -> None:
+    client = FoxgloveHub().foxglove_client()
+    client.receive()
+    assert "assets" not in client.info["capabilities"]
+    fetch(client, MESH)
+    [(_, error, _)] = answers(client)
+    assert "no assets" in error
+
+
+def test_nothing_is_read_before_the_client_reads(files: Files) -> None:
+    hub = FoxgloveHub(assets=files)
+    client = hub.foxglove_client()
+    client.pause()
+    for request in range(5):
+        fetch(client, MESH, request)
+    assert (files.reads, client.queue.kept_bytes) == (0, 0)
+    client.queue.resume()
+    assert [request for request, *_ in answers(client)] == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(("room", "reads"), [(2**20, 1), (10, 2)])
+def test_file_waits_for_a_client_that_reads_no_more_or_is_read_again(
+    files: Files, monkeypatch: pytest.MonkeyPatch, room: int, reads: int
+) -> None:
+    monkeypatch.setattr(assets, "MOST_HELD", room)
+    hub = FoxgloveHub(assets=files)
+    client = hub.foxglove_client()
+    client.receive()
+    jobs: list[Callable[[], object]] = []
+
+    class Threads:
+        def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
+            jobs.extend((work, done))
+
+    hub.flusher.workers = Threads()
+    fetch(client, MESH)
+    assert len(jobs) == 2
+    client.queue.pause()
+    for job in jobs[:]:
+        job()
+    assert hub.foxglove.asset_room.held == (0 if reads == 2 else 10 + len(b"solid arm") + 2)
+    client.queue.resume()
+    if reads == 2:
+        for job in jobs[2:]:
+            job()
+    assert answers(client) == [(1, "", b"solid arm")]
+    assert files.reads == reads
+    assert hub.foxglove.asset_room.held == 0
+
+
+def test_too_many_requests_are_refused_and_forgotten_with_the_client(files: Files) -> None:
+    hub = FoxgloveHub(assets=files, max_calls=2)
+    client = hub.foxglove_client()
+    client.pause()
+    for request in range(3):
+        fetch(client, MESH, request)
+    client.queue.resume()
+    first, *_ = answers(client)
+    assert (first[0], "limit 2" in first[1]) == (2, True)
+    fetch(client, MESH)
+    client.disconnect()
+    assert hub.empty
