@@ -9,8 +9,10 @@ little-endian:
                     u8 2, u64 time
                     u8 3, u32 service, u32 call, u32 n, n bytes of the encoding's name, response
                     u8 4, u32 request, u8 status, u32 n, n bytes of an error, data
+                    u8 5, u8 status, u64 time, f32 speed, u8 seek, u32 n, n bytes of a request's id
     client to hub   u8 1, u32 channel, message
                     u8 2, u32 service, u32 call, u32 n, n bytes of the encoding's name, request
+                    u8 3, u8 command, f32 speed, u8 seek, u64 time, u32 n, n bytes of an id
 
 Times count nanoseconds from 1970. The ids in them are chosen by the client, but for the service's.
 """
@@ -53,13 +55,15 @@ Names = Annotated[list[str], Field(alias="parameterNames", max_length=MOST_NAMES
 Number = Annotated[int, Field(ge=0, lt=2**32)]
 Id = Annotated[str, Field(max_length=LONGEST_ID)] | None
 
-_MESSAGE, _TIME, _RESPONSE, _ASSET = 1, 2, 3, 4
-_CLIENT_MESSAGE, _CLIENT_REQUEST = 1, 2
+_MESSAGE, _TIME, _RESPONSE, _ASSET, _PLAYBACK = 1, 2, 3, 4, 5
+_CLIENT_MESSAGE, _CLIENT_REQUEST, _CLIENT_PLAYBACK = 1, 2, 3
 _MESSAGE_HEAD = struct.Struct("<BIQ")
 _TIME_MESSAGE = struct.Struct("<BQ")
 _CALL_HEAD = struct.Struct("<BIII")
 _ASSET_HEAD = struct.Struct("<BIBI")
+_PLAYBACK_HEAD = struct.Struct("<BBQfBI")
 _CLIENT_HEAD = struct.Struct("<BI")
+_CLIENT_PLAYBACK_HEAD = struct.Struct("<BBfBQI")
 MESSAGE_HEAD_SIZE: Final = _MESSAGE_HEAD.size
 """Bytes of what `message_head` returns."""
 
@@ -210,6 +214,16 @@ class ClientRequest(NamedTuple):
     data: memoryview
 
 
+class PlaybackRequest(NamedTuple):
+    """What the client wants of the player of a bag."""
+
+    is_pause: bool
+    speed: float
+    seek: int | None
+    """The time to play from, in nanoseconds."""
+    id: str
+
+
 def parse_operation(data: Payload) -> Operation:
     """Return the operation of a JSON text.
 
@@ -230,7 +244,7 @@ def parse_operation(data: Payload) -> Operation:
     raise OperationError(fault)
 
 
-def parse_binary(data: Payload) -> ClientMessage | ClientRequest:
+def parse_binary(data: Payload) -> ClientMessage | ClientRequest | PlaybackRequest:
     """Return a binary message of a client; its data are a view of ``data``.
 
     Raises:
@@ -250,12 +264,19 @@ def parse_binary(data: Payload) -> ClientMessage | ClientRequest:
             if end <= len(data):
                 encoding = str(view[_CALL_HEAD.size : end], "utf-8", "replace")
                 return ClientRequest(service, call, encoding, view[end:])
+        if kind == _CLIENT_PLAYBACK:
+            _, command, speed, has_seek, time, size = _CLIENT_PLAYBACK_HEAD.unpack_from(data)
+            start, end = _CLIENT_PLAYBACK_HEAD.size, _CLIENT_PLAYBACK_HEAD.size + size
+            if end <= len(data) and size <= LONGEST_ID:
+                id_ = str(view[start:end], "utf-8", "replace")
+                return PlaybackRequest(command == 1, speed, time if has_seek else None, id_)
     except struct.error:
         pass
-    if kind in (_CLIENT_MESSAGE, _CLIENT_REQUEST):
-        size = len(data)
-        raise OperationError(f"invalid binary message: {size} bytes are too few for its header")
-    raise OperationError(f"invalid binary message: kind must be 1 or 2, got {kind}")
+    if kind in (_CLIENT_MESSAGE, _CLIENT_REQUEST, _CLIENT_PLAYBACK):
+        fault = f"its {len(data)} bytes do not fit its header"
+    else:
+        fault = f"kind must be 1, 2 or 3, got {kind}"
+    raise OperationError(f"invalid binary message: {fault}")
 
 
 def _fault(error: ValidationError) -> str:
@@ -303,6 +324,20 @@ def response_frame(service: int, call: int, encoding: str, data: bytes) -> bytes
     name = encoding.encode()
     head = _CALL_HEAD.pack(_RESPONSE, service, call, len(name))
     return server_frame(BINARY, b"".join((head, name, data)))
+
+
+def playback_frame(
+    status: int, time: int, speed: float, request: str = "", *, did_seek: bool = False
+) -> bytes:
+    """Return the frame of the state of a bag's player.
+
+    Args:
+        status: 0 while it plays, 1 paused, 2 waiting, 3 ended.
+        request: the id of the request that this answers, if it answers one.
+    """
+    id_ = request.encode()
+    head = _PLAYBACK_HEAD.pack(_PLAYBACK, status, time, speed, did_seek, len(id_))
+    return server_frame(BINARY, head + id_)
 
 
 def asset_frame(request: int, data: bytes) -> bytes:

@@ -31,6 +31,7 @@ from fibws.hub.foxglove.messages import (
     ENCODINGS,
     Advertise,
     ClientMessage,
+    ClientRequest,
     FetchAsset,
     GetParameters,
     Operation,
@@ -48,6 +49,7 @@ from fibws.hub.foxglove.messages import (
     time_frame,
 )
 from fibws.hub.foxglove.parameters import ParameterAccess
+from fibws.hub.foxglove.playback import NANOSECONDS, Playback
 from fibws.hub.foxglove.services import Calls
 from fibws.hub.foxglove.topics import Groups, Publications, Subscriptions, unknown_channel
 from fibws.hub.graph.graph import Graph
@@ -64,6 +66,8 @@ CAPABILITIES = (
 """The capabilities of every hub."""
 ASSETS = "assets"
 """The capability of a hub that has files of robots."""
+PLAYBACK = "playbackControl"
+"""The capability of a hub on which a bag is played."""
 TIME = "time"
 """The capability of a hub that sends the time: while it is simulated."""
 ROS_DISTRO = "noetic"
@@ -157,6 +161,7 @@ class Session:
         "_dropped",
         "_foxglove",
         "_graph_feed",
+        "_playback",
         "_publications",
         "_services",
         "_subscriptions",
@@ -193,6 +198,7 @@ class Session:
         self._undefined = UndefinedFeed(client)
         self._services = ServiceFeed(client, foxglove.services)
         self._graph_feed: GraphFeed | None = None
+        self._playback = Playback(client, self.introduce)
         self._assets = Assets(client, foxglove.assets, foxglove.asset_room)
         self.calls = Calls(client, self._services)
         self.parameters = ParameterAccess(client)
@@ -202,6 +208,7 @@ class Session:
         self._channels.open(graph.topics)
         self._undefined.open(graph.topics)
         self._services.open(graph.services)
+        self._playback.changed(*graph.services)
 
     # As an endpoint.
 
@@ -226,8 +233,10 @@ class Session:
             message = parse_binary(data)
             if isinstance(message, ClientMessage):
                 self._publications.publish(*message)
-            else:
+            elif isinstance(message, ClientRequest):
                 self.calls.call(message)
+            else:
+                self._playback.control(message)
         except FibwsError as error:
             self._client.statuses.error(str(error), code=error.code)
         except Exception as fault:
@@ -244,9 +253,11 @@ class Session:
                 operation = parse_operation(data)
                 raise LimitReached(f"{operation.op}: {reason}")
             message = parse_binary(data)
-            if not isinstance(message, ClientMessage):
+            if isinstance(message, ClientRequest):
                 self.calls.refuse(message, reason)
                 return
+            if not isinstance(message, ClientMessage):
+                raise LimitReached(f"playback: {reason}")
             self._dropped += 1
             if is_power_of_ten(self._dropped):
                 raise LimitReached(f"{reason}; messages dropped: {self._dropped}")
@@ -268,6 +279,7 @@ class Session:
         self._channels.changed(*graph.topics, *self._channels.known)
         self._undefined.changed(*graph.topics, *self._undefined.known)
         self._services.changed(*graph.services, *self._services.known)
+        self._playback.changed(*graph.services)
         if self._graph_feed is not None:
             self._graph_feed.changed(*_graph_keys(graph), *self._graph_feed.known)
 
@@ -277,7 +289,7 @@ class Session:
         feeds = (self._channels, self._undefined, self._services, self._graph_feed)
         with ExitStack() as stack:  # Whatever fails of this, the rest is done.
             stack.callback(self._client.graph.leave, self, self.node)
-            for part in (self.calls, self.parameters, self._assets):
+            for part in (self.calls, self.parameters, self._assets, self._playback):
                 stack.callback(part.leave)
             for topics in (self._publications, self._subscriptions):
                 stack.callback(topics.leave)
@@ -298,7 +310,7 @@ class Session:
 
     def subscribing(self) -> set[str]:
         """Return the global names of the topics that the client subscribes to."""
-        return self._subscriptions.names()
+        return self._subscriptions.names().union(self._playback.names())
 
     def providing(self) -> Sequence[str]:
         """Return nothing: clients of this protocol serve no services."""
@@ -319,12 +331,14 @@ class Session:
         """Take note that a topic's users or its type have changed."""
         self._channels.changed(name)
         self._undefined.changed(name)
+        self._playback.changed(name)
         if self._graph_feed is not None:
             self._graph_feed.changed((False, name))
 
     def service_changed(self, name: str) -> None:
         """Take note that a service was added or removed."""
         self._services.changed(name)
+        self._playback.changed(name)
         if self._graph_feed is not None:
             self._graph_feed.changed((True, name))
 
@@ -334,6 +348,10 @@ class Session:
             capabilities.append(ASSETS)
         if self._client.graph.clock.simulated is not None:
             capabilities.append(TIME)
+        start = end = None
+        if self._playback.range is not None:
+            capabilities.append(PLAYBACK)
+            start, end = map(_split, self._playback.range)
         return text_frame(
             "serverInfo",
             name=self._foxglove.name,
@@ -341,6 +359,8 @@ class Session:
             supportedEncodings=ENCODINGS,
             metadata={"ROS_DISTRO": ROS_DISTRO},
             sessionId=self._foxglove.session_id,
+            dataStartTime=start,
+            dataEndTime=end,
         )
 
     def _time(self) -> bytes:
@@ -410,3 +430,9 @@ def _graph_keys(graph: Graph) -> list[GraphKey]:
     """Return the keys of everything that a `GraphFeed` is about."""
     topics, services = graph.topics, graph.services
     return [*((False, name) for name in topics), *((True, name) for name in services)]
+
+
+def _split(time: int) -> dict[str, int]:
+    """Return a time in nanoseconds as the server's description has it."""
+    sec, nsec = divmod(time, NANOSECONDS)
+    return {"sec": sec, "nsec": nsec}
