@@ -1,5 +1,7 @@
 /** Links that open a hub in Foxglove and in Lichtblick, which speak a protocol that hubs speak. */
 
+import "./foxglove.css";
+
 import { h } from "./dom";
 
 export const FOXGLOVE = "https://app.foxglove.dev/~/view";
