@@ -7,6 +7,7 @@ not see, or what has no definition, does not exist for it.
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
@@ -26,6 +27,8 @@ from fibws.hub.graph.topic import SinkReport, Topic
 from fibws.hub.graph.types import MessageType, ServiceType
 from fibws.interfaces import full_text
 from fibws.interfaces.catalogue import Definitions
+
+logger = logging.getLogger("fibws.hub")
 
 BATCH = 2**20
 """Bytes of texts that are sent in one turn of the event loop."""
@@ -97,7 +100,7 @@ class Feed(ABC, Generic[K, E]):
             key = next(iter(self._pending))
             del self._pending[key]
             looked_up += 1
-            older, newer = self.known.get(key), self.view(key)
+            older, newer = self.known.get(key), self._view(key)
             if older == newer:
                 continue
             if older is not None:
@@ -109,6 +112,14 @@ class Feed(ABC, Generic[K, E]):
                 size += self.size(newer)
         self.changed()
         return self.encode(removed, added) if removed or added else b""
+
+    def _view(self, key: K) -> E | None:
+        """Return what `view` does; an entry that fails must not hide the others."""
+        try:
+            return self.view(key)
+        except Exception:
+            logger.exception("%s cannot be described to %s.", key, self.client.node)
+            return None
 
 
 class Schemas:

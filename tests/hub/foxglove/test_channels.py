@@ -7,8 +7,9 @@ from time import process_time
 
 import pytest
 
-from fibws.hub.foxglove.feeds import BATCH, MOST_PROBES, PROBE_SECONDS
+from fibws.hub.foxglove.feeds import BATCH, MOST_PROBES, PROBE_SECONDS, Schemas
 from fibws.hub.graph.graph import ExternalNode
+from fibws.hub.graph.types import MessageType
 
 from ..fakes import ADD, FIBONACCI, INT32, STANDARD
 from .foxglove_client import FoxgloveHub
@@ -177,6 +178,29 @@ def test_ros1_node_is_asked_for_definitions_before_the_client_is_warned() -> Non
     later.disconnect()
     assert hub.clock.timers == 0
     assert not any(hub.graph.topics[topic].sinks() for topic in topics)
+
+
+def test_topic_that_cannot_be_described_does_not_hide_others(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    hub = FoxgloveHub()
+    talker = hub.client("/talker")
+    for topic, type_ in (("/pose", POSE), ("/fib", INT32)):
+        talker.send("advertise", topic, type=type_)
+    find = Schemas.find
+
+    def fail(schemas: Schemas, type_: MessageType) -> bytes | None:
+        if type_.name == POSE:
+            raise ZeroDivisionError
+        return find(schemas, type_)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Schemas, "find", fail)
+        client = hub.foxglove_client()
+        client.receive()
+    assert set(client.channels) == {"/fib"}
+    assert "ZeroDivisionError" in caplog.text
+    caplog.clear()
 
 
 def test_services_are_offered_with_both_schemas() -> None:
