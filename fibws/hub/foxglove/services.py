@@ -105,11 +105,15 @@ class Calls:
 
     def _succeeded(self, call: Call, values: bytes) -> None:
         waiting = self._pop(call)
-        if waiting.encoding == JSON:
+        try:
             data = values
-        else:
-            response = from_json(values) if call.response is None else call.response
-            data = waiting.response.serialize(response)
+            if waiting.encoding != JSON:
+                response = from_json(values) if call.response is None else call.response
+                data = waiting.response.serialize(response)
+        except Exception as fault:  # It is no fault of the server's.
+            self._fail(waiting.service, waiting.call, INTERNAL_ERROR)
+            self._client.statuses.log(f"{call.service.name}: {INTERNAL_ERROR}", fault=fault)
+            return
         frame = response_frame(waiting.service, waiting.call, waiting.encoding, data)
         self._client.queue.reply(frame)
 

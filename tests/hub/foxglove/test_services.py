@@ -158,3 +158,14 @@ def test_internal_service_is_called() -> None:
     client.receive()
     client.call(client.services["/double"]["id"], REQUEST)
     assert client.receive_response()[3] == struct.pack("<q", 9)
+
+
+def test_response_that_cannot_be_serialized_is_a_failure(caplog: pytest.LogCaptureFixture) -> None:
+    hub = FoxgloveHub()
+    hub.graph.serve_internally("/wrong", ADD, "/hub", lambda request, caller: b'{"sum": "x"}')
+    client = hub.foxglove_client()
+    client.receive()
+    client.call(client.services["/wrong"]["id"], REQUEST)
+    assert "log" in client.receive_one("serviceCallFailure")["message"]
+    assert "/wrong" in caplog.text
+    caplog.clear()
