@@ -3,6 +3,7 @@
 
 import { Picture } from "../panels/image/picture";
 import { Feed, type Subscriber } from "./feed";
+import type { Fields } from "./reader";
 import type { Report, Request } from "./worker_messages";
 
 declare const self: DedicatedWorkerGlobalScope;
@@ -14,7 +15,14 @@ interface Panel {
   stop(): void;
 }
 
+/** A subscription of the page. */
+interface Relay {
+  taken(): void;
+  stop(): void;
+}
+
 const panels = new Map<number, Panel>();
+const relays = new Map<number, Relay>();
 const feed = new Feed();
 
 self.onmessage = ({ data }: MessageEvent<Request>): void => {
@@ -28,6 +36,19 @@ self.onmessage = ({ data }: MessageEvent<Request>): void => {
   }
   if (data.kind === "picture") {
     panels.set(data.id, open(data));
+    return;
+  }
+  if (data.kind === "messages") {
+    relays.set(data.id, relay(data));
+    return;
+  }
+  const known = relays.get(data.id);
+  if (known !== undefined) {
+    if (data.kind === "taken") known.taken();
+    if (data.kind === "close") {
+      known.stop();
+      relays.delete(data.id);
+    }
     return;
   }
   const panel = panels.get(data.id);
@@ -62,6 +83,30 @@ function open({ id, canvas, topic, typedefs, throttle }: Request & { kind: "pict
   const receive = picture.receive.bind(picture);
   const subscriber = { topic, typedefs, receive, fail };
   return { picture, subscriber, stop: subscribe(subscriber, throttle) };
+}
+
+/** Pass messages on to the page, one at a time: meanwhile only the newest one waits. */
+function relay({ id, topic, typedefs, throttle }: Request & { kind: "messages" }): Relay {
+  let isBusy = false;
+  let waiting: Fields | undefined;
+  const send = (message: Fields): void => {
+    isBusy = true;
+    waiting = undefined;
+    const arrays = Object.values(message).filter((each) => ArrayBuffer.isView(each));
+    const buffers = new Set(arrays.map(({ buffer }) => buffer as ArrayBuffer));
+    self.postMessage({ kind: "message", id, message } satisfies Report, [...buffers]);
+  };
+  const receive = (message: Fields): void => {
+    if (isBusy) waiting = message;
+    else send(message);
+  };
+  const fail = (why: string): void => report({ kind: "fault", id, why });
+  const stop = feed.subscribe({ topic, typedefs, throttle, receive, fail });
+  const taken = (): void => {
+    isBusy = false;
+    if (waiting !== undefined) send(waiting);
+  };
+  return { taken, stop };
 }
 
 function subscribe(subscriber: Omit<Subscriber, "throttle">, throttle: number): () => void {

@@ -1,6 +1,8 @@
 /** The page's side of its second connection, which is in a worker. */
 import type { Hub } from "../hub";
 import { dataWorker } from "../script_urls";
+import type { TypeDef } from "../types";
+import type { Fields } from "./reader";
 import type { Report, Request } from "./worker_messages";
 
 type Listener = (report: Report) => void;
@@ -43,7 +45,7 @@ export class DataClient {
 
   /** Open something in the worker; returns a function for further requests. */
   open(
-    request: Unnumbered<Request & { kind: "picture" }>,
+    request: Unnumbered<Request & { kind: "picture" | "messages" }>,
     transfer: Transferable[],
     listener: Listener,
   ): (request: Unnumbered<Request>) => void {
@@ -55,5 +57,29 @@ export class DataClient {
       if (next.kind === "close") this.#listeners.delete(id);
       this.#worker.postMessage({ ...next, id });
     };
+  }
+
+  /**
+   * Subscribe to the newest messages of a topic; return a function that unsubscribes.
+   *
+   * Messages that arrive while `receive` is busy are skipped. `typedefs` are those of the topic's
+   * type, `throttle` is the least time between two messages in ms. `fail` receives the reason why
+   * there are no messages.
+   */
+  subscribe(
+    subscription: { topic: string; typedefs: readonly TypeDef[]; throttle: number },
+    receive: (message: Fields) => void,
+    fail: (why: string) => void,
+  ): () => void {
+    const send = this.open({ kind: "messages", ...subscription }, [], (report) => {
+      if (report.kind === "fault") fail(report.why);
+      if (report.kind !== "message") return;
+      try {
+        receive(report.message);
+      } finally {
+        send({ kind: "taken" });
+      }
+    });
+    return () => send({ kind: "close" });
   }
 }

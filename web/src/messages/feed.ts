@@ -175,10 +175,13 @@ export class Feed {
     if (frame.length < HEAD || frame[0] !== MESSAGE) return;
     const topicId = new DataView(frame.buffer).getUint32(1, true);
     const processed: Promise<void>[] = [];
-    for (const entry of this.#entries.values()) {
+    const takers = [...this.#entries.values()].filter((entry) => entry.topicId === topicId);
+    for (const [at, entry] of takers.entries()) {
       const { reader } = entry;
-      if (entry.topicId !== topicId || reader === undefined) continue;
-      processed.push(this.#dispatch(entry, () => reader(frame.subarray(HEAD)), frame.length));
+      if (reader === undefined) continue;
+      // Each may keep the bytes, or transfer them.
+      const own = at < takers.length - 1 ? frame.slice() : frame;
+      processed.push(this.#dispatch(entry, () => reader(own.subarray(HEAD)), frame.length));
     }
     void this.#acknowledge(topicId, processed);
   }

@@ -2,6 +2,7 @@
 import type { PictureState } from "../panels/image/picture";
 import type { Options } from "../panels/image/pixels";
 import type { TypeDef } from "../types";
+import type { Fields } from "./reader";
 
 export type Request =
   | { kind: "connect"; url: string; token: string }
@@ -15,6 +16,9 @@ export type Request =
       typedefs: readonly TypeDef[];
       throttle: number;
     }
+  /** Subscribe to whole messages, which come one at a time: the next after `taken`. */
+  | { kind: "messages"; id: number; topic: string; typedefs: readonly TypeDef[]; throttle: number }
+  | { kind: "taken"; id: number }
   /** Subscribe again with another throttle, in ms; null pauses. */
   | { kind: "throttle"; id: number; throttle: number | null }
   | { kind: "options"; id: number; options: Options }
@@ -26,6 +30,8 @@ export type Request =
 
 export type Report =
   | { kind: "state"; id: number; state: PictureState }
+  /** The arrays of a message are the page's own. */
+  | { kind: "message"; id: number; message: Fields }
   | { kind: "fault"; id: number; why: string }
   | { kind: "value"; id: number; x: number; y: number; text: string }
   | { kind: "file"; id: number; file: Blob };

@@ -57,6 +57,12 @@ const KINDS: readonly Kind[] = [
     load: () => import("./playback/panel"),
   },
   {
+    label: "Scene",
+    types: ["sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan"],
+    replacesEcho: true,
+    load: () => import("./scene/panel"),
+  },
+  {
     label: "Drive",
     types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
     replacesEcho: false,

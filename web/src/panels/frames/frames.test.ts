@@ -1,5 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
-import { Frames, MAX_FRAMES, rollPitchYaw, type TransformStamped, type Vector } from "./frames";
+import { rollPitchYaw, type TransformStamped, type Vector } from "../../transforms";
+import { Frames, MAX_FRAMES } from "./frames";
 
 const HALF = Math.SQRT1_2;
 const UPRIGHT = { x: 0, y: 0, z: 0, w: 1 };

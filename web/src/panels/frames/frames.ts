@@ -1,27 +1,12 @@
 /** The tree of coordinate frames: who publishes what, how often, and what is wrong with it. */
-
-export interface Vector {
-  readonly x: number;
-  readonly y: number;
-  readonly z: number;
-}
-
-export interface Quaternion extends Vector {
-  readonly w: number;
-}
-
-/** Where a frame is in another one, and how it is turned. */
-export interface Transform {
-  readonly translation: Vector;
-  readonly rotation: Quaternion;
-}
-
-/** A geometry_msgs/TransformStamped. */
-export interface TransformStamped {
-  readonly header: { readonly stamp: { secs: number; nsecs: number }; readonly frame_id: string };
-  readonly child_frame_id: string;
-  readonly transform: Transform;
-}
+import {
+  IDENTITY,
+  inverse,
+  multiplied,
+  type Transform,
+  type TransformStamped,
+  unit,
+} from "../../transforms";
 
 export interface Source {
   /** The node that has sent it; empty if that is unknown. */
@@ -194,63 +179,4 @@ export class Frames {
     const path = this.#pathOf(name);
     return this.#frames.get(path.at(-1) as string)?.parent === name ? path : undefined;
   }
-}
-
-const IDENTITY: Transform = {
-  translation: { x: 0, y: 0, z: 0 },
-  rotation: { x: 0, y: 0, z: 0, w: 1 },
-};
-
-/** A transform with a rotation of length 1; one of length 0, which is common, is none. */
-function unit({ translation, rotation: { x, y, z, w } }: Transform): Transform {
-  const length = Math.hypot(x, y, z, w) || 1;
-  const rotation = { x: x / length, y: y / length, z: z / length, w: w / length };
-  return {
-    translation,
-    rotation: length === 1 && w === 0 && x + y + z === 0 ? IDENTITY.rotation : rotation,
-  };
-}
-
-function multiplied(a: Transform, b: Transform): Transform {
-  const moved = rotated(a.rotation, b.translation);
-  const { x, y, z } = a.translation;
-  return {
-    translation: { x: x + moved.x, y: y + moved.y, z: z + moved.z },
-    rotation: product(a.rotation, b.rotation),
-  };
-}
-
-function inverse({ translation, rotation }: Transform): Transform {
-  const back = { x: -rotation.x, y: -rotation.y, z: -rotation.z, w: rotation.w };
-  const { x, y, z } = rotated(back, translation);
-  return { translation: { x: -x, y: -y, z: -z }, rotation: back };
-}
-
-function product(a: Quaternion, b: Quaternion): Quaternion {
-  return {
-    x: a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-    y: a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-    z: a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-    w: a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-  };
-}
-
-function rotated(by: Quaternion, { x, y, z }: Vector): Vector {
-  const back = { x: -by.x, y: -by.y, z: -by.z, w: by.w };
-  return product(product(by, { x, y, z, w: 0 }), back);
-}
-
-/** Roll, pitch and yaw of a rotation in radians: about the fixed axes x, y and z (REP 103). */
-export function rollPitchYaw({
-  x,
-  y,
-  z,
-  w,
-}: Quaternion): [roll: number, pitch: number, yaw: number] {
-  const sine = Math.max(-1, Math.min(1, 2 * (w * y - z * x)));
-  return [
-    Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
-    Math.asin(sine),
-    Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
-  ];
 }

@@ -5,8 +5,9 @@ import { h, reorder, replace, setText } from "../../dom";
 import { hertz, plural } from "../../format";
 import type { Hub } from "../../hub";
 import type { Model } from "../../model";
+import { rollPitchYaw, type TransformStamped } from "../../transforms";
 import type { Panel } from "../panel";
-import { type Frame, Frames, MAX_FRAMES, rollPitchYaw, type TransformStamped } from "./frames";
+import { type Frame, Frames, MAX_FRAMES } from "./frames";
 
 /** Time between two updates, in ms. */
 const TICK = 250;

@@ -1,0 +1,181 @@
+/** One layer of the scene: its subscription, and its state in words. */
+import type { Hub } from "../../hub";
+import { dataClient } from "../../messages/data_client";
+import type { Fields } from "../../messages/reader";
+import type { Model } from "../../model";
+import {
+  type Header,
+  type Layer,
+  type LayerKind,
+  type Settings,
+  settingsOf,
+  type View,
+} from "./layer";
+import type { TransformBuffer } from "./tf_buffer";
+
+/** A stream without a message for this time is worth a word, in ms. */
+const SILENT = 3000;
+
+export type Level = "off" | "good" | "warn" | "bad";
+
+export interface State {
+  readonly level: Level;
+  readonly text: string;
+}
+
+/** What entries share. */
+export interface Surroundings {
+  readonly hub: Hub;
+  readonly model: Model;
+  readonly transforms: TransformBuffer;
+  redraw(): void;
+}
+
+export class Entry {
+  readonly kind: LayerKind;
+  readonly topic: string;
+  readonly type: string;
+  readonly settings: Settings;
+  /** Whether it is drawn, which needs a subscription. */
+  isOn = false;
+  layer: Layer | undefined;
+  readonly #scene: Surroundings;
+  #stop: (() => void) | undefined;
+  /** Why there are no messages; why the last one could not be taken; why the layer is wrong. */
+  #faults = { feed: "", message: "", layer: "" };
+  #error = "";
+  #warning = "";
+  /** When the newest message arrived, in ms since 1970; 0 before the first. */
+  #arrived = 0;
+  /** The frame of the first message with one. */
+  frame = "";
+
+  constructor(
+    scene: Surroundings,
+    kind: LayerKind,
+    topic: string,
+    type: string,
+    saved?: Readonly<Record<string, unknown>>,
+  ) {
+    this.#scene = scene;
+    this.kind = kind;
+    this.topic = topic;
+    this.type = type;
+    this.settings = settingsOf(kind, saved);
+  }
+
+  /** Subscribe, and draw. */
+  start(): void {
+    this.isOn = true;
+    if (this.#stop !== undefined) return;
+    const { hub, model, transforms, redraw } = this.#scene;
+    this.layer ??= this.kind.make({
+      hub,
+      model,
+      topic: this.topic,
+      type: this.type,
+      settings: this.settings,
+      transforms,
+      redraw,
+      fail: (why) => this.#fail("layer", why),
+    });
+    if (this.kind.isOwn) {
+      this.#stop = () => undefined;
+      return;
+    }
+    let isStopped = false;
+    let end = (): void => undefined;
+    this.#stop = () => {
+      isStopped = true;
+      end();
+    };
+    model.typedefs(this.type).then(
+      (typedefs) => {
+        if (isStopped) return;
+        const { topic } = this;
+        const { throttle } = this.kind;
+        end = dataClient(hub).subscribe(
+          { topic, typedefs, throttle },
+          (message) => this.#receive(message),
+          (why) => this.#fail("feed", why),
+        );
+      },
+      (error: unknown) => this.#fail("feed", (error as Error).message),
+    );
+  }
+
+  /** End the subscription; what has been drawn stays. */
+  pause(): void {
+    this.#stop?.();
+    this.#stop = undefined;
+  }
+
+  /** End, and forget all messages. */
+  stop(): void {
+    this.isOn = false;
+    this.pause();
+    this.layer?.close();
+    this.layer = undefined;
+    this.#faults = { feed: "", message: "", layer: "" };
+    this.#error = "";
+    this.#warning = "";
+    this.#arrived = 0;
+  }
+
+  #receive(message: Fields): void {
+    const now = Date.now();
+    this.#arrived = now;
+    this.#faults.feed = "";
+    try {
+      this.layer?.receive?.(message, now);
+      this.#faults.message = "";
+    } catch (error) {
+      this.#faults.message = (error as Error).message;
+    }
+    this.frame ||= (message.header as Header | undefined)?.frame_id ?? "";
+    this.#scene.redraw();
+  }
+
+  #fail(what: "feed" | "message" | "layer", why: string): void {
+    this.#faults[what] = why;
+  }
+
+  /** Settings have changed. */
+  update(): void {
+    this.layer?.update?.();
+    this.#scene.redraw();
+  }
+
+  draw(view: View): void {
+    view.error = "";
+    view.warning = "";
+    try {
+      this.layer?.draw(view);
+    } catch (error) {
+      // One layer must not end the picture of all others.
+      view.error = (error as Error).message;
+      console.debug(error);
+    }
+    this.#error = view.error;
+    this.#warning = view.warning;
+  }
+
+  /** The state at a time, in ms since 1970. `isPublished`: whether a node publishes the topic. */
+  state(now: number, isPublished: boolean): State {
+    if (!this.isOn) return { level: "off", text: "" };
+    const { feed, message, layer } = this.#faults;
+    const error = feed || message || layer || this.#error;
+    if (error !== "") return { level: "bad", text: error };
+    const { isOwn = false, isStream = false } = this.kind;
+    if (!isOwn && this.#arrived === 0) {
+      const text = isPublished ? "waiting for the first message" : "no node publishes it";
+      return { level: "warn", text };
+    }
+    const silence = now - this.#arrived;
+    if (this.#warning !== "") return { level: "warn", text: this.#warning };
+    if (isStream && silence > SILENT) {
+      return { level: "warn", text: `no message for ${Math.floor(silence / 1000)} s` };
+    }
+    return { level: "good", text: this.layer?.facts() ?? "" };
+  }
+}
