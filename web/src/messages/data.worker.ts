@@ -85,28 +85,36 @@ function open({ id, canvas, topic, typedefs, throttle }: Request & { kind: "pict
   return { picture, subscriber, stop: subscribe(subscriber, throttle) };
 }
 
-/** Pass messages on to the page, one at a time: meanwhile only the newest one waits. */
-function relay({ id, topic, typedefs, throttle }: Request & { kind: "messages" }): Relay {
-  let isBusy = false;
-  let waiting: Fields | undefined;
-  const send = (message: Fields): void => {
-    isBusy = true;
-    waiting = undefined;
-    const arrays = Object.values(message).filter((each) => ArrayBuffer.isView(each));
-    const buffers = new Set(arrays.map(({ buffer }) => buffer as ArrayBuffer));
-    self.postMessage({ kind: "message", id, message } satisfies Report, [...buffers]);
+/** Pass messages on to the page, one at a time: meanwhile the newest ones wait. */
+function relay({ id, queue, ...subscription }: Request & { kind: "messages" }): Relay {
+  let done: (() => void) | undefined;
+  const waiting: { message: Fields; resolve: () => void }[] = [];
+  const next = (): void => {
+    const first = waiting.shift();
+    done = first?.resolve;
+    if (first !== undefined) send(id, first.message);
   };
-  const receive = (message: Fields): void => {
-    if (isBusy) waiting = message;
-    else send(message);
-  };
+  const receive = (message: Fields): Promise<void> =>
+    new Promise((resolve) => {
+      // A skipped one is processed, too.
+      if (waiting.length >= queue) waiting.shift()?.resolve();
+      waiting.push({ message, resolve });
+      if (done === undefined) next();
+    });
   const fail = (why: string): void => report({ kind: "fault", id, why });
-  const stop = feed.subscribe({ topic, typedefs, throttle, receive, fail });
+  const stop = feed.subscribe({ ...subscription, queue, receive, fail });
   const taken = (): void => {
-    isBusy = false;
-    if (waiting !== undefined) send(waiting);
+    done?.();
+    next();
   };
   return { taken, stop };
+}
+
+/** Send a message to the page, and with it the memory of its arrays. */
+function send(id: number, message: Fields): void {
+  const arrays = Object.values(message).filter((each) => ArrayBuffer.isView(each));
+  const buffers = new Set(arrays.map(({ buffer }) => buffer as ArrayBuffer));
+  self.postMessage({ kind: "message", id, message } satisfies Report, [...buffers]);
 }
 
 function subscribe(subscriber: Omit<Subscriber, "throttle">, throttle: number): () => void {

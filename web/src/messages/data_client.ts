@@ -1,9 +1,8 @@
 /** The page's side of its second connection, which is in a worker. */
 import type { Hub } from "../hub";
 import { dataWorker } from "../script_urls";
-import type { TypeDef } from "../types";
 import type { Fields } from "./reader";
-import type { Report, Request } from "./worker_messages";
+import type { Report, Request, Subscription } from "./worker_messages";
 
 type Listener = (report: Report) => void;
 type Unnumbered<T> = T extends { id: number } ? Omit<T, "id"> : never;
@@ -60,14 +59,12 @@ export class DataClient {
   }
 
   /**
-   * Subscribe to the newest messages of a topic; return a function that unsubscribes.
+   * Subscribe to the messages of a topic; return a function that unsubscribes.
    *
-   * Messages that arrive while `receive` is busy are skipped. `typedefs` are those of the topic's
-   * type, `throttle` is the least time between two messages in ms. `fail` receives the reason why
-   * there are no messages.
+   * `fail` receives the reason why there are no messages.
    */
   subscribe(
-    subscription: { topic: string; typedefs: readonly TypeDef[]; throttle: number },
+    subscription: Subscription,
     receive: (message: Fields) => void,
     fail: (why: string) => void,
   ): () => void {

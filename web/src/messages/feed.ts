@@ -27,6 +27,8 @@ export interface Subscriber {
   readonly typedefs: readonly TypeDef[];
   /** The least time between two messages, in ms. */
   readonly throttle: number;
+  /** How many messages the hub keeps while they cannot be sent; 1 without it. */
+  readonly queue?: number;
   /**
    * Take a message; `size` is its bytes on the way here.
    *
@@ -129,7 +131,7 @@ export class Feed {
       id,
       topic: subscriber.topic,
       throttle_rate: subscriber.throttle,
-      queue_length: 1,
+      queue_length: subscriber.queue ?? 1,
       ...(this.#isBinary ? { compression: "ros1", credit: CREDIT } : {}),
     });
   }

@@ -4,6 +4,17 @@ import type { Options } from "../panels/image/pixels";
 import type { TypeDef } from "../types";
 import type { Fields } from "./reader";
 
+/** A subscription to whole messages. */
+export interface Subscription {
+  readonly topic: string;
+  /** The definition of the topic's type, which comes first. */
+  readonly typedefs: readonly TypeDef[];
+  /** The least time between two messages, in ms. */
+  readonly throttle: number;
+  /** How many messages wait while one is processed; of more, the oldest are skipped. */
+  readonly queue: number;
+}
+
 export type Request =
   | { kind: "connect"; url: string; token: string }
   /** Disconnect until the next `connect`: the page has logged out. */
@@ -17,7 +28,7 @@ export type Request =
       throttle: number;
     }
   /** Subscribe to whole messages, which come one at a time: the next after `taken`. */
-  | { kind: "messages"; id: number; topic: string; typedefs: readonly TypeDef[]; throttle: number }
+  | ({ kind: "messages"; id: number } & Subscription)
   | { kind: "taken"; id: number }
   /** Subscribe again with another throttle, in ms; null pauses. */
   | { kind: "throttle"; id: number; throttle: number | null }

@@ -15,6 +15,8 @@ import type { TransformBuffer } from "./tf_buffer";
 
 /** A stream without a message for this time is worth a word, in ms. */
 const SILENT = 3000;
+/** Updates that wait while others are processed. */
+const MAX_UPDATES = 100;
 
 export type Level = "off" | "good" | "warn" | "bad";
 
@@ -83,25 +85,53 @@ export class Entry {
       this.#stop = () => undefined;
       return;
     }
+    const ends = [this.#subscribe(this.topic, this.type, 1, (message) => this.#receive(message))];
+    const updates = this.kind.updates?.(this.topic);
+    if (updates !== undefined) ends.push(this.#subscribeUpdates(updates));
+    this.#stop = () => {
+      for (const end of ends) end();
+    };
+  }
+
+  #subscribe(
+    topic: string,
+    type: string,
+    queue: number,
+    receive: (message: Fields) => void,
+  ): () => void {
+    const { hub, model } = this.#scene;
+    const { throttle } = this.kind;
     let isStopped = false;
     let end = (): void => undefined;
-    this.#stop = () => {
-      isStopped = true;
-      end();
-    };
-    model.typedefs(this.type).then(
+    model.typedefs(type).then(
       (typedefs) => {
         if (isStopped) return;
-        const { topic } = this;
-        const { throttle } = this.kind;
-        end = dataClient(hub).subscribe(
-          { topic, typedefs, throttle },
-          (message) => this.#receive(message),
-          (why) => this.#fail("feed", why),
-        );
+        const fail = (why: string): void => this.#fail("feed", why);
+        const options = { topic, typedefs, throttle: queue > 1 ? 0 : throttle, queue };
+        end = dataClient(hub).subscribe(options, receive, fail);
       },
       (error: unknown) => this.#fail("feed", (error as Error).message),
     );
+    return () => {
+      isStopped = true;
+      end();
+    };
+  }
+
+  /** Subscribe to updates once a node publishes them: else the page would create the topic. */
+  #subscribeUpdates({ topic, type }: { topic: string; type: string }): () => void {
+    let end: (() => void) | undefined;
+    const stop = this.#scene.model.graph.watch((graph) => {
+      const exists = graph?.topics.some((each) => each.name === topic && each.type === type);
+      if (!exists || end !== undefined) return;
+      end = this.#subscribe(topic, type, MAX_UPDATES, (message) =>
+        this.#take(() => this.layer?.receiveUpdate?.(message, Date.now())),
+      );
+    });
+    return () => {
+      stop();
+      end?.();
+    };
   }
 
   /** End the subscription; what has been drawn stays. */
@@ -126,13 +156,17 @@ export class Entry {
     const now = Date.now();
     this.#arrived = now;
     this.#faults.feed = "";
+    this.frame ||= (message.header as Header | undefined)?.frame_id ?? "";
+    this.#take(() => this.layer?.receive?.(message, now));
+  }
+
+  #take(receive: () => void): void {
     try {
-      this.layer?.receive?.(message, now);
+      receive();
       this.#faults.message = "";
     } catch (error) {
       this.#faults.message = (error as Error).message;
     }
-    this.frame ||= (message.header as Header | undefined)?.frame_id ?? "";
     this.#scene.redraw();
   }
 

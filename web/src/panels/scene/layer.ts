@@ -37,6 +37,8 @@ export interface LayerKind {
   readonly throttle: number;
   /** A message is expected again and again: say so if none has come for some seconds. */
   readonly isStream?: boolean;
+  /** Another topic that changes what has been received: its messages go to `receiveUpdate`. */
+  updates?(topic: string): { topic: string; type: string };
   /** Whether a scene that belongs to no topic begins with it. */
   readonly isFirst?: boolean;
   /** Whether it makes its own subscriptions, instead of taking messages by `receive`. */
@@ -65,6 +67,8 @@ export interface LayerContext {
 export interface Layer {
   /** Take a message; throw an `Error` that says what is wrong with it. `now` is in ms since 1970. */
   receive?(message: Fields, now: number): void;
+  /** Take a message of the kind's `updates`, none of which is skipped. */
+  receiveUpdate?(message: Fields, now: number): void;
   /** Draw what there is. */
   draw(view: View): void;
   /** What it shows, in words: `180 points, nearest 0.42 m at 12°`. */

@@ -1,5 +1,12 @@
 /** Parts of messages, from serialized ones as from JSON. */
+import type { Quaternion, Vector } from "../../transforms";
 import { bytesOf } from "../../types";
+
+/** A geometry_msgs/Pose. */
+export interface Pose {
+  readonly position: Vector;
+  readonly orientation: Quaternion;
+}
 
 /** Bytes: an array, or base64 text. */
 export function bytes(value: unknown): Uint8Array {

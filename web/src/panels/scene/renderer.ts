@@ -295,12 +295,11 @@ class Renderer {
    */
   draw(target: HTMLCanvasElement, camera: Camera, background: Color, add: () => void): boolean {
     const [gl, canvas] = [this.#gl, this.#canvas];
-    const context = target.getContext("2d", { alpha: false });
+    const context = target.getContext("bitmaprenderer", { alpha: false });
     if (gl === null || canvas === undefined || context === null || this.fault !== "") return false;
     const { width, height } = target;
-    // It only grows: panels of several sizes take turns.
-    if (canvas.width < width) canvas.width = width;
-    if (canvas.height < height) canvas.height = height;
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
     this.#camera = camera;
     this.#size = [width, height, this.ratio];
     this.#commands = [];
@@ -323,8 +322,7 @@ class Renderer {
     this.#commands = [];
     this.drawn += 1;
     if (gl.isContextLost()) return false;
-    // The picture is at the lower left of the shared canvas.
-    context.drawImage(canvas, 0, canvas.height - height, width, height, 0, 0, width, height);
+    context.transferFromImageBitmap(canvas.transferToImageBitmap());
     return true;
   }
 

@@ -1,11 +1,8 @@
 /** The coordinate frames of tf: their axes, their names, and lines to their parents. */
-import { applied, type Vector } from "../../../transforms";
+import type { Transform, Vector } from "../../../transforms";
 import type { Layer, LayerContext, LayerKind, View } from "../layer";
 import { renderer, Vertices } from "../renderer";
-
-/** Bytes of a point of a line with a colour. */
-const POINT = 16;
-const COLORS = [0xff3b3be5, 0xff4aa046, 0xffe5733b];
+import { Axes } from "./arrows";
 
 export const FRAMES: LayerKind = {
   label: "Frames (tf)",
@@ -25,7 +22,7 @@ export const FRAMES: LayerKind = {
 
 class Frames implements Layer {
   readonly #context: LayerContext;
-  readonly #axes = new Vertices();
+  readonly #axes = new Axes();
   readonly #parents = new Vertices();
 
   constructor(context: LayerContext) {
@@ -33,10 +30,10 @@ class Frames implements Layer {
   }
 
   /** The frames to draw, each with its place in the fixed frame. */
-  #places(view: View): Map<string, NonNullable<ReturnType<View["placeNow"]>>> {
+  #places(view: View): Map<string, Transform> {
     const { transforms, settings } = this.#context;
     const below = String(settings.below);
-    const found = new Map<string, NonNullable<ReturnType<View["placeNow"]>>>();
+    const found = new Map<string, Transform>();
     for (const name of transforms.names) {
       if (below !== "" && !this.#isBelow(name, below)) continue;
       // Frames of another tree are not wrong: their own layers report them.
@@ -59,33 +56,15 @@ class Frames implements Layer {
   draw(view: View): void {
     const { settings, transforms } = this.#context;
     const places = this.#places(view);
-    const size = Number(settings.size);
-    const axes = new DataView(new ArrayBuffer(places.size * 6 * POINT));
-    let at = 0;
-    const point = (to: DataView, { x, y, z }: Vector, color: number): void => {
-      for (const [number, value] of [x, y, z].entries())
-        to.setFloat32(at + 4 * number, value, true);
-      to.setUint32(at + 12, color, true);
-      at += POINT;
-    };
     const parents: [Vector, Vector][] = [];
     for (const [name, place] of places) {
-      for (const [axis, color] of COLORS.entries()) {
-        const end = {
-          x: axis === 0 ? size : 0,
-          y: axis === 1 ? size : 0,
-          z: axis === 2 ? size : 0,
-        };
-        point(axes, place.translation, color);
-        point(axes, applied(place, end), color);
-      }
       const parent = transforms.parentOf(name);
       const above = parent === undefined ? undefined : places.get(parent);
       if (above !== undefined) parents.push([place.translation, above.translation]);
       if (settings.names === true) view.label(name, place.translation);
     }
-    this.#axes.set(axes);
-    renderer.lines({ vertices: this.#axes, count: places.size * 6, pairs: true, width: 2 });
+    this.#axes.setTransforms([...places.values()], Number(settings.size));
+    this.#axes.draw();
     if (settings.lines !== true) return;
     const flat = parents.flatMap((pair) => pair.flatMap(({ x, y, z }) => [x, y, z]));
     this.#parents.set(Float32Array.from(flat));

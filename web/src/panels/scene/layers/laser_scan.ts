@@ -18,6 +18,7 @@ export const LASER_SCAN: LayerKind = {
   types: ["sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan"],
   throttle: 20,
   isStream: true,
+  isFirst: true,
   settings: [
     { name: "color", label: "Colour", value: "flat", options: ["flat", "range", "intensity"] },
     { name: "flat", label: "Flat colour", value: "#e5484d" },

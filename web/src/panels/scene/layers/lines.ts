@@ -1,0 +1,188 @@
+/** Paths, polygons and cells of grids: nav_msgs/Path, geometry_msgs/PolygonStamped, nav_msgs/GridCells. */
+import { plural } from "../../../format";
+import type { Fields } from "../../../messages/reader";
+import type { Vector } from "../../../transforms";
+import { parseColor } from "../colors";
+import type { Header, Hit, Layer, LayerContext, LayerKind, Pointer, Setting, View } from "../layer";
+import type { Pose } from "../message";
+import { corners, nearestPoint } from "../picking";
+import { renderer, Vertices } from "../renderer";
+import { Arrows } from "./arrows";
+
+const WIDTH: Setting = { name: "width", label: "Width (px)", value: 3, min: 1, max: 8, step: 1 };
+
+const color = (value: string): Setting => ({ name: "color", label: "Colour", value });
+
+export const PATH: LayerKind = {
+  label: "Path",
+  types: ["nav_msgs/Path"],
+  throttle: 50,
+  isFirst: true,
+  settings: [color("#2fa84f"), WIDTH, { name: "arrows", label: "Arrows", value: false }],
+  make: (context) => new Lines(context),
+};
+
+export const POLYGON: LayerKind = {
+  label: "Polygon",
+  types: ["geometry_msgs/PolygonStamped"],
+  throttle: 50,
+  isFirst: true,
+  settings: [color("#2fa84f"), WIDTH],
+  make: (context) => new Lines(context),
+};
+
+export const GRID_CELLS: LayerKind = {
+  label: "Grid cells",
+  types: ["nav_msgs/GridCells"],
+  throttle: 50,
+  settings: [
+    color("#e58a2f"),
+    { name: "alpha", label: "Opacity", value: 0.6, min: 0, max: 1, step: 0.1 },
+  ],
+  make: (context) => new GridCells(context),
+};
+
+/** One line through the poses of a path, or the edge of a polygon. */
+class Lines implements Layer {
+  readonly #context: LayerContext;
+  readonly #vertices = new Vertices();
+  readonly #arrows = new Arrows();
+  #header: Header | undefined;
+  #numbers = new Float32Array();
+  #poses: readonly Pose[] = [];
+  #facts = "";
+
+  constructor(context: LayerContext) {
+    this.#context = context;
+  }
+
+  receive(message: Fields): void {
+    this.#header = message.header as Header;
+    const { polygon } = message as { polygon?: { points: Vector[] } };
+    const path = (message.poses ?? []) as { pose: Pose }[];
+    this.#poses = path.map(({ pose }) => pose);
+    const points = polygon?.points ?? this.#poses.map(({ position }) => position);
+    const numbers = points.flatMap(({ x, y, z }) => [x, y, z]);
+    this.#facts =
+      polygon === undefined
+        ? `${plural(points.length, "pose")}, ${length(points).toFixed(1)} m`
+        : plural(points.length, "corner");
+    // A polygon ends where it begins.
+    if (polygon !== undefined) numbers.push(...numbers.slice(0, 3));
+    this.#numbers = Float32Array.from(numbers);
+    this.#vertices.set(this.#numbers);
+    this.update();
+  }
+
+  update(): void {
+    const { arrows, color } = this.#context.settings;
+    const poses = arrows === true ? this.#poses : [];
+    this.#arrows.set(poses, 0.2, parseColor(String(color)));
+  }
+
+  draw(view: View): void {
+    const model = this.#header && view.place(this.#header);
+    if (model === undefined) return;
+    const { settings } = this.#context;
+    renderer.lines(
+      {
+        vertices: this.#vertices,
+        count: this.#numbers.length / 3,
+        width: Number(settings.width),
+        color: parseColor(String(settings.color)),
+      },
+      model,
+    );
+    this.#arrows.draw(model);
+  }
+
+  facts(): string {
+    return this.#facts;
+  }
+
+  pick(view: View, pointer: Pointer): Hit | undefined {
+    const model = this.#header && view.place(this.#header);
+    const near = model && nearestPoint(view, pointer, model, this.#numbers, 3);
+    const what = this.#poses.length > 0 ? "pose" : "corner";
+    return near && { ...near, text: `${what} ${near.index}` };
+  }
+
+  extent(view: View): Vector[] {
+    const model = this.#header && view.place(this.#header);
+    return model === undefined ? [] : corners(this.#numbers, 3, model);
+  }
+
+  close(): void {
+    this.#vertices.close();
+    this.#arrows.close();
+  }
+}
+
+function length(points: readonly Vector[]): number {
+  return points.slice(1).reduce((sum, { x, y, z }, at) => {
+    const before = points[at] as Vector;
+    return sum + Math.hypot(x - before.x, y - before.y, z - before.z);
+  }, 0);
+}
+
+class GridCells implements Layer {
+  readonly #context: LayerContext;
+  readonly #vertices = new Vertices();
+  #message: Fields | undefined;
+  #numbers = new Float32Array();
+
+  constructor(context: LayerContext) {
+    this.#context = context;
+  }
+
+  get #cells(): readonly Vector[] {
+    return (this.#message?.cells ?? []) as Vector[];
+  }
+
+  receive(message: Fields): void {
+    this.#message = message;
+    this.#numbers = Float32Array.from(this.#cells.flatMap(({ x, y, z }) => [x, y, z]));
+    this.update();
+  }
+
+  update(): void {
+    const { color, alpha } = this.#context.settings;
+    const { cell_width = 0, cell_height = 0 } = (this.#message ?? {}) as Record<string, number>;
+    const paint = parseColor(String(color), Number(alpha));
+    this.#vertices.set(
+      Float32Array.from(
+        this.#cells.flatMap(({ x, y, z }) => [
+          ...[x, y, z, 0, 0, 0, 1, cell_width, cell_height, 0.001],
+          ...paint,
+        ]),
+      ),
+    );
+  }
+
+  draw(view: View): void {
+    const model = this.#message && view.place(this.#message.header as Header);
+    if (model === undefined) return;
+    const isClear = Number(this.#context.settings.alpha) < 1;
+    const count = this.#cells.length;
+    renderer.solids({ shape: "box", vertices: this.#vertices, count, isClear }, model);
+  }
+
+  facts(): string {
+    return plural(this.#cells.length, "cell");
+  }
+
+  pick(view: View, pointer: Pointer): Hit | undefined {
+    const model = this.#message && view.place(this.#message.header as Header);
+    const near = model && nearestPoint(view, pointer, model, this.#numbers, 3);
+    return near && { ...near, text: `cell ${near.index}` };
+  }
+
+  extent(view: View): Vector[] {
+    const model = this.#message && view.place(this.#message.header as Header);
+    return model === undefined ? [] : corners(this.#numbers, 3, model);
+  }
+
+  close(): void {
+    this.#vertices.close();
+  }
+}

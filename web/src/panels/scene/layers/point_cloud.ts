@@ -1,0 +1,451 @@
+/** Point clouds: sensor_msgs/PointCloud2, whose bytes are drawn as they are, and PointCloud. */
+import type { Fields } from "../../../messages/reader";
+import { applied, type Transform, type Vector } from "../../../transforms";
+import { type Palette, parseColor, percentiles } from "../colors";
+import type {
+  Header,
+  Hit,
+  Layer,
+  LayerContext,
+  LayerKind,
+  Pointer,
+  Settings,
+  View,
+} from "../layer";
+import { matrixOf } from "../matrix";
+import { bytes, floats } from "../message";
+import { corners, nearestPoint } from "../picking";
+import { type NumberType, type Paint, renderer, Vertices } from "../renderer";
+
+/** Clouds that are kept at most, however long they stay. */
+const MAX_CLOUDS = 100;
+/** The part of a new range of colours in the shown one, so that colours do not flicker. */
+const SMOOTHING = 0.3;
+/** Bytes from one point to the next that WebGL allows. */
+const MAX_STRIDE = 255;
+
+export const POINT_CLOUD: LayerKind = {
+  label: "Point cloud",
+  types: ["sensor_msgs/PointCloud2", "sensor_msgs/PointCloud"],
+  throttle: 30,
+  isStream: true,
+  isFirst: true,
+  settings: [
+    {
+      name: "color",
+      label: "Colour",
+      value: "auto",
+      options: ["auto", "rgb", "field", "z", "flat"],
+    },
+    { name: "field", label: "Field", value: "intensity" },
+    { name: "flat", label: "Flat colour", value: "#3e8ef7" },
+    { name: "palette", label: "Palette", value: "turbo", options: ["turbo", "viridis", "grey"] },
+    { name: "isAuto", label: "Range of the values", value: true },
+    { name: "low", label: "From", value: 0, step: 0.1 },
+    { name: "high", label: "To", value: 1, step: 0.1 },
+    { name: "size", label: "Point size (px)", value: 2, min: 1, max: 8, step: 1 },
+    { name: "decay", label: "Decay (s)", value: 0, min: 0, max: 10, step: 0.5 },
+  ],
+  make: (context) => new PointCloud(context),
+};
+
+/** Points as WebGL takes them. */
+export interface Packed {
+  readonly data: Uint8Array;
+  readonly count: number;
+  readonly stride: number;
+  /** Before the first point's x, y and z, which are float32. */
+  readonly offset: number;
+  /** Where the colours come from. */
+  readonly paint:
+    | { readonly kind: "flat" | "z" }
+    | { readonly kind: "bgr"; readonly offset: number }
+    | { readonly kind: "number"; readonly offset: number; readonly type: NumberType };
+  /** The field of the colours. */
+  readonly field: string;
+  /** Points of the message, of which every this many are drawn. */
+  readonly total: number;
+  readonly every: number;
+  /** Whether the others are left out already. */
+  readonly isThinned: boolean;
+  /** What is wrong with the message, though there are points. */
+  readonly fault: string;
+}
+
+/** What a field of sensor_msgs/PointField is, by its `datatype`: 1 to 8. */
+const DATATYPES = [
+  "",
+  "int8",
+  "uint8",
+  "int16",
+  "uint16",
+  "int32",
+  "uint32",
+  "float32",
+  "float64",
+] as const;
+const SIZES = [0, 1, 1, 2, 2, 4, 4, 4, 8] as const;
+
+interface PointField {
+  readonly name: string;
+  readonly offset: number;
+  readonly datatype: number;
+}
+
+/** The choice of colours: a mode, and the name of a field. */
+type Coloring = Pick<Settings, "color" | "field">;
+
+/** The field of the colours; `undefined` for z and flat ones. */
+function colorField(
+  fields: readonly PointField[],
+  { color, field }: Coloring,
+): PointField | undefined {
+  const named = (...names: unknown[]): PointField | undefined =>
+    fields.find(({ name }) => names.includes(name));
+  switch (color) {
+    case "auto":
+      return named("rgb", "rgba") ?? named("intensity", "i");
+    case "rgb":
+      return named("rgb", "rgba");
+    case "field":
+      return named(field);
+    default:
+      return undefined;
+  }
+}
+
+/**
+ * Prepare a sensor_msgs/PointCloud2: its own bytes if WebGL takes them, else others.
+ *
+ * WebGL wants numbers of 32 bits at multiples of 4 bytes, in the order of the processor's bytes.
+ * `most` points are kept. Throws an `Error` that says what is wrong with the message.
+ */
+export function packCloud(message: Fields, coloring: Coloring, most: number): Packed {
+  const { width, height, point_step: step, row_step: row } = message as Record<string, number>;
+  const fields = message.fields as readonly PointField[];
+  const [columns, rows, size] = [width ?? 0, height ?? 0, step ?? 0];
+  const [x, y, z] = ["x", "y", "z"].map((axis) => {
+    const field = fields.find(({ name }) => name === axis);
+    if (field === undefined) {
+      throw new Error(`no field ${axis}: there are ${fields.map(({ name }) => name).join(", ")}`);
+    }
+    return field;
+  }) as [PointField, PointField, PointField];
+  for (const { name, offset, datatype } of [x, y, z]) {
+    if (datatype !== 7 && datatype !== 8) {
+      throw new Error(`field ${name} must be float32 or float64, got ${typeName(datatype)}`);
+    }
+    if (offset + (SIZES[datatype] ?? 0) > size) {
+      throw new Error(`field ${name} is at byte ${offset}, but points have ${size} bytes`);
+    }
+  }
+  const data = bytes(message.data);
+  const rowSize = Math.max(row ?? 0, columns * size);
+  let fault = "";
+  // The last row needs no padding.
+  const expected = rows === 0 ? 0 : (rows - 1) * rowSize + columns * size;
+  let total = columns * rows;
+  if (data.length < expected) {
+    fault = `the data has ${data.length} bytes, but ${columns} × ${rows} points take ${expected}`;
+    const full = Math.floor(data.length / rowSize);
+    const rest = Math.floor((data.length - full * rowSize) / size);
+    total = Math.min(total, full * columns + Math.min(rest, columns));
+  }
+  const color = colorField(fields, coloring);
+  const inside = color === undefined || color.offset + (SIZES[color.datatype] ?? 99) <= size;
+  const field = color !== undefined && inside ? color : undefined;
+  if (coloring.color === "rgb" && field === undefined) fault ||= "no field rgb or rgba";
+  if (coloring.color === "field" && field === undefined) {
+    fault ||= `no field ${coloring.field}: there are ${fields.map(({ name }) => name).join(", ")}`;
+  }
+  const isRgb = field !== undefined && (field.name === "rgb" || field.name === "rgba");
+  const every = Math.max(1, Math.ceil(total / most));
+  const isPlain =
+    message.is_bigendian !== true &&
+    rowSize === columns * size &&
+    [x, y, z].every(({ datatype }) => datatype === 7) &&
+    y.offset === x.offset + 4 &&
+    z.offset === x.offset + 8 &&
+    size % 4 === 0 &&
+    x.offset % 4 === 0 &&
+    size * every <= MAX_STRIDE &&
+    (field === undefined ||
+      (field.datatype !== 8 && field.offset % (SIZES[field.datatype] ?? 1) === 0));
+  const common = { field: field?.name ?? "", total, every, fault };
+  const plainPaint = (): Packed["paint"] => {
+    if (field === undefined) return { kind: coloring.color === "flat" ? "flat" : "z" };
+    if (isRgb) return { kind: "bgr", offset: field.offset };
+    return { kind: "number", offset: field.offset, type: DATATYPES[field.datatype] as NumberType };
+  };
+  if (isPlain) {
+    const paint = plainPaint();
+    return {
+      data,
+      count: total,
+      stride: size,
+      offset: x.offset,
+      paint,
+      isThinned: false,
+      ...common,
+    };
+  }
+  const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
+  const little = message.is_bigendian !== true;
+  const count = Math.ceil(total / every);
+  const out = new Float32Array(count * 4);
+  const outBytes = new Uint8Array(out.buffer);
+  const readers = [x, y, z].map(({ datatype }) => numberReader(view, datatype, little));
+  const readColor = field === undefined ? undefined : numberReader(view, field.datatype, little);
+  for (let index = 0; index < count; index += 1) {
+    const point = index * every;
+    const at = Math.floor(point / columns) * rowSize + (point % columns) * size;
+    const to = index * 4;
+    out[to] = readers[0]?.(at + x.offset) ?? 0;
+    out[to + 1] = readers[1]?.(at + y.offset) ?? 0;
+    out[to + 2] = readers[2]?.(at + z.offset) ?? 0;
+    if (field === undefined) continue;
+    if (isRgb) {
+      const from = at + field.offset;
+      for (let byte = 0; byte < 3; byte += 1) {
+        outBytes[to * 4 + 12 + byte] = data[little ? from + byte : from + 3 - byte] ?? 0;
+      }
+    } else {
+      out[to + 3] = readColor?.(at + field.offset) ?? 0;
+    }
+  }
+  const plain = plainPaint();
+  const paint: Packed["paint"] =
+    plain.kind === "number"
+      ? { kind: "number", offset: 12, type: "float32" }
+      : plain.kind === "bgr"
+        ? { kind: "bgr", offset: 12 }
+        : plain;
+  return { data: outBytes, count, stride: 16, offset: 0, paint, isThinned: true, ...common };
+}
+
+function typeName(datatype: number): string {
+  return DATATYPES[datatype] || `datatype ${datatype}`;
+}
+
+function numberReader(view: DataView, datatype: number, little: boolean): (at: number) => number {
+  switch (datatype) {
+    case 1:
+      return (at) => view.getInt8(at);
+    case 2:
+      return (at) => view.getUint8(at);
+    case 3:
+      return (at) => view.getInt16(at, little);
+    case 4:
+      return (at) => view.getUint16(at, little);
+    case 5:
+      return (at) => view.getInt32(at, little);
+    case 6:
+      return (at) => view.getUint32(at, little);
+    case 7:
+      return (at) => view.getFloat32(at, little);
+    default:
+      return (at) => view.getFloat64(at, little);
+  }
+}
+
+/** Prepare a sensor_msgs/PointCloud, as a PointCloud2 would be. */
+function packOldCloud(message: Fields, coloring: Coloring, most: number): Packed {
+  const points = message.points as readonly Vector[];
+  const channels = message.channels as readonly { name: string; values: unknown }[];
+  const fields = channels.map(({ name }) => ({ name, offset: 0, datatype: 7 }));
+  const field = colorField(fields, coloring)?.name ?? "";
+  const values = floats(channels.find(({ name }) => name === field)?.values);
+  const every = Math.max(1, Math.ceil(points.length / most));
+  const count = Math.ceil(points.length / every);
+  const out = new Float32Array(count * 4);
+  for (let index = 0; index < count; index += 1) {
+    const { x, y, z } = points[index * every] as Vector;
+    out.set([x, y, z, values[index * every] ?? Number.NaN], index * 4);
+  }
+  const isRgb = field === "rgb" || field === "rgba";
+  const paint: Packed["paint"] =
+    field === ""
+      ? { kind: coloring.color === "flat" ? "flat" : "z" }
+      : isRgb
+        ? { kind: "bgr", offset: 12 }
+        : { kind: "number", offset: 12, type: "float32" };
+  const data = new Uint8Array(out.buffer);
+  const layout = { data, count, stride: 16, offset: 0, paint, field };
+  return { ...layout, total: points.length, every, isThinned: true, fault: "" };
+}
+
+/** One message. */
+interface Cloud {
+  readonly header: Header;
+  readonly packed: Packed;
+  readonly vertices: Vertices;
+  readonly arrived: number;
+  /** The lowest and the highest value that has a colour of its own. */
+  range: readonly [number, number] | undefined;
+}
+
+class PointCloud implements Layer {
+  readonly #context: LayerContext;
+  #clouds: Cloud[] = [];
+  #newest: Fields | undefined;
+  /** The shown range of colours, which follows that of the messages. */
+  #range: readonly [number, number] | undefined;
+
+  constructor(context: LayerContext) {
+    this.#context = context;
+  }
+
+  receive(message: Fields, now: number): void {
+    const { settings } = this.#context;
+    const decay = Number(settings.decay) * 1000;
+    const pack = "points" in message ? packOldCloud : packCloud;
+    const kept = this.#clouds.filter(({ arrived }) => arrived > now - decay).slice(1 - MAX_CLOUDS);
+    const shown = Math.max(1, kept.length + 1);
+    const packed = pack(message, settings as Coloring, Math.ceil(renderer.maxPoints / shown));
+    const old = this.#clouds.filter((each) => !kept.includes(each));
+    // The memory of one that ends is that of the next.
+    const vertices = old.pop()?.vertices ?? new Vertices();
+    for (const cloud of old) cloud.vertices.close();
+    vertices.set(packed.data);
+    const header = message.header as Header;
+    this.#clouds = [...kept, { header, packed, vertices, arrived: now, range: undefined }];
+    this.#newest = message;
+  }
+
+  update(): void {
+    // Other colours may need other bytes.
+    const last = this.#clouds.at(-1);
+    if (last === undefined || this.#newest === undefined) return;
+    this.#range = undefined;
+    for (const cloud of this.#clouds) cloud.range = undefined;
+    const newest = this.#newest;
+    this.#clouds = this.#clouds.filter((each) => each !== last);
+    last.vertices.close();
+    try {
+      this.receive(newest, last.arrived);
+    } catch (error) {
+      this.#context.fail((error as Error).message);
+    }
+  }
+
+  draw(view: View): void {
+    const { settings } = this.#context;
+    for (const cloud of this.#clouds) {
+      const model = view.place(cloud.header);
+      if (model === undefined) continue;
+      const { packed, vertices } = cloud;
+      const { count, stride, offset } = packed;
+      const paint = this.#paint(cloud, model);
+      const size = Number(settings.size);
+      const every = packed.isThinned ? 1 : packed.every;
+      renderer.points({ vertices, count, stride, offset, size, paint, every }, model);
+    }
+    const fault = this.#clouds.at(-1)?.packed.fault ?? "";
+    if (fault !== "") view.warning = fault;
+  }
+
+  #paint(cloud: Cloud, model: Transform): Paint {
+    const { settings } = this.#context;
+    const { paint } = cloud.packed;
+    const palette = settings.palette as Palette;
+    switch (paint.kind) {
+      case "bgr":
+        return paint;
+      case "flat":
+        return { kind: "flat", color: parseColor(String(settings.flat)) };
+      case "number":
+        return { ...paint, palette, ...this.#limits(cloud, undefined) };
+      case "z": {
+        // Heights are those of the fixed frame: cameras have z ahead.
+        const m = matrixOf(model);
+        const [x = 0, y = 0, z = 0, from = 0] = [m[2], m[6], m[10], m[14]];
+        const limits = this.#limits(cloud, model);
+        return { kind: "along", axis: { x, y, z }, from, palette, ...limits };
+      }
+    }
+  }
+
+  #limits(cloud: Cloud, model: Transform | undefined): { low: number; high: number } {
+    const { settings } = this.#context;
+    if (settings.isAuto !== true) return { low: Number(settings.low), high: Number(settings.high) };
+    if (cloud.range === undefined) {
+      cloud.range = percentiles(cloud.packed.count, valueReader(cloud.packed, model));
+      const [low, high] = cloud.range;
+      const [a, b] = this.#range ?? cloud.range;
+      this.#range = [a + SMOOTHING * (low - a), b + SMOOTHING * (high - b)];
+    }
+    const [low, high] = this.#range ?? cloud.range;
+    return { low, high };
+  }
+
+  facts(): string {
+    const cloud = this.#clouds.at(-1);
+    if (cloud === undefined) return "";
+    const { field, every, total } = cloud.packed;
+    const parts = [`${total.toLocaleString("en")} points`];
+    if (field !== "") parts.push(`coloured by ${field}`);
+    if (every > 1) parts.push(`every ${ordinal(every)} shown`);
+    return parts.join(", ");
+  }
+
+  pick(view: View, pointer: Pointer): Hit | undefined {
+    const cloud = this.#clouds.at(-1);
+    const model = cloud && view.place(cloud.header);
+    if (cloud === undefined || model === undefined) return undefined;
+    const { packed } = cloud;
+    const near = nearestPoint(view, pointer, model, ...numbersOf(packed));
+    if (near === undefined) return undefined;
+    let text = `point ${near.index * (packed.isThinned ? packed.every : 1)}`;
+    if (packed.paint.kind === "number") {
+      const value = valueReader(packed, undefined)(near.index);
+      text += `, ${packed.field} ${Number(value.toPrecision(5))}`;
+    }
+    return { distance: near.distance, place: near.place, text };
+  }
+
+  extent(view: View): Vector[] {
+    const cloud = this.#clouds.at(-1);
+    const model = cloud && view.place(cloud.header);
+    return cloud === undefined || model === undefined
+      ? []
+      : corners(...numbersOf(cloud.packed), model);
+  }
+
+  close(): void {
+    for (const { vertices } of this.#clouds) vertices.close();
+  }
+}
+
+/** The coordinates of the points, and how many numbers are between them. */
+function numbersOf({ data, stride, offset }: Packed): [numbers: Float32Array, step: number] {
+  const at = data.byteOffset + offset;
+  const length = Math.max(0, Math.floor((data.byteLength - offset) / 4));
+  // Fields in a message are not aligned: a copy is.
+  const numbers =
+    at % 4 === 0
+      ? new Float32Array(data.buffer, at, length)
+      : new Float32Array(data.slice(offset, offset + 4 * length).buffer);
+  return [numbers, stride / 4];
+}
+
+/** A function for the value of a point that its colour is for. */
+function valueReader(packed: Packed, model: Transform | undefined): (index: number) => number {
+  const { data, stride, offset, paint } = packed;
+  const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
+  if (paint.kind === "number") {
+    const datatype = DATATYPES.indexOf(paint.type);
+    const read = numberReader(view, datatype, true);
+    return (index) => read(index * stride + paint.offset);
+  }
+  return (index) => {
+    const at = index * stride + offset;
+    const [x, y, z] = [0, 4, 8].map((each) => view.getFloat32(at + each, true));
+    const point = { x: x as number, y: y as number, z: z as number };
+    return model === undefined ? point.z : applied(model, point).z;
+  };
+}
+
+function ordinal(number: number): string {
+  const suffix = ["st", "nd", "rd"][(number % 10) - 1];
+  return `${number}${suffix === undefined || (number >= 11 && number <= 13) ? "th" : suffix}`;
+}
