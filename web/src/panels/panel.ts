@@ -58,8 +58,27 @@ const KINDS: readonly Kind[] = [
   },
   {
     label: "Scene",
-    types: ["sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan"],
-    replacesEcho: true,
+    types: [
+      "sensor_msgs/LaserScan",
+      "sensor_msgs/MultiEchoLaserScan",
+      "sensor_msgs/PointCloud2",
+      "sensor_msgs/PointCloud",
+      "sensor_msgs/Range",
+      "nav_msgs/OccupancyGrid",
+      "nav_msgs/Odometry",
+      "nav_msgs/Path",
+      "nav_msgs/GridCells",
+      "geometry_msgs/PoseStamped",
+      "geometry_msgs/PoseWithCovarianceStamped",
+      "geometry_msgs/PoseArray",
+      "geometry_msgs/PolygonStamped",
+      "geometry_msgs/PointStamped",
+      "geometry_msgs/TwistStamped",
+      "geometry_msgs/WrenchStamped",
+      "tf2_msgs/TFMessage",
+      "tf/tfMessage",
+    ],
+    replacesEcho: false,
     load: () => import("./scene/panel"),
   },
   {
@@ -70,7 +89,12 @@ const KINDS: readonly Kind[] = [
   },
 ];
 
-/** The kind of panel for a type, if it has one. */
+/** The kinds of panels for a type. */
+export function kindsFor(type: string): readonly Kind[] {
+  return KINDS.filter(({ types }) => types.includes(type));
+}
+
+/** The first kind of panel for a type, if it has one. */
 export function kindFor(type: string): Kind | undefined {
   return KINDS.find(({ types }) => types.includes(type));
 }

@@ -5,7 +5,7 @@ import { expand } from "../element_names";
 import { bandwidth, hertz, plural } from "../format";
 import type { Hub } from "../hub";
 import type { Model, TopicInfo } from "../model";
-import { kindFor, type Panel } from "../panels/panel";
+import { kindsFor, type Panel } from "../panels/panel";
 import { definitions } from "../type_definition";
 import { type TypeDef, Types } from "../types";
 import { route } from "../view";
@@ -28,7 +28,8 @@ export class TopicPage {
   readonly #flow = h("p", { class: "soft small topic-flow" });
   readonly #notice = h("p", { class: "notice", role: "status", hidden: true });
   readonly #picker = h("div");
-  readonly #panelSection = section("", true);
+  /** A section for each panel. */
+  readonly #panelSections = h("div");
   readonly #echo = section("Echo", true);
   readonly #publish = section("Publish", false);
   readonly #connections = section("Connections", true);
@@ -38,8 +39,8 @@ export class TopicPage {
   /** Why the definition of that type is missing, if it is. */
   #typeError = "";
   #tools: { echo: Echo; publish: PublishForm | undefined } | undefined;
-  /** The panel for that type, if it has one. */
-  #panel: Panel | undefined;
+  /** The panels for that type, as far as they are loaded. */
+  #panels: { readonly panel: Panel; readonly section: HTMLDetailsElement }[] = [];
   #shownConnections = "";
   #stops: (() => void)[] = [];
 
@@ -57,14 +58,12 @@ export class TopicPage {
       this.#flow,
       this.#notice,
       this.#picker,
-      this.#panelSection.element,
+      this.#panelSections,
       this.#echo.element,
       this.#publish.element,
       this.#connections.element,
       this.#definition.element,
     );
-    this.#panelSection.element.hidden = true;
-    this.#panelSection.element.addEventListener("toggle", () => this.#togglePanel());
     this.#echo.element.addEventListener("toggle", () => this.#toggleEcho());
   }
 
@@ -75,7 +74,7 @@ export class TopicPage {
       this.#model.graph.watch(() => this.#update()),
       this.#model.rates.watch(() => this.#showRates()),
     ];
-    this.#togglePanel();
+    this.#togglePanels();
     this.#toggleEcho();
   }
 
@@ -83,7 +82,7 @@ export class TopicPage {
   hide(): void {
     for (const stop of this.#stops) stop();
     this.#stops = [];
-    this.#panel?.hide();
+    for (const { panel } of this.#panels) panel.hide();
     this.#tools?.echo.hide();
     this.#tools?.publish?.close();
   }
@@ -115,26 +114,31 @@ export class TopicPage {
       : "";
   }
 
-  async #createPanel(type: string): Promise<void> {
-    const kind = kindFor(type);
-    this.#panel?.hide();
-    this.#panel = undefined;
-    this.#panelSection.element.hidden = kind === undefined;
-    if (kind === undefined) return;
-    setText(this.#panelSection.heading, kind.label);
-    if (kind.replacesEcho) this.#echo.element.open = false;
-    const { makePanel } = await kind.load();
-    if (this.#toolsType !== type) return;
-    this.#panel = makePanel(this.#hub, this.#model, this.#name, type);
-    replace(this.#panelSection.body, this.#panel.element);
-    this.#togglePanel();
+  #createPanels(type: string): void {
+    for (const { panel } of this.#panels) panel.hide();
+    this.#panels = [];
+    const kinds = kindsFor(type);
+    if (kinds.some(({ replacesEcho }) => replacesEcho)) this.#echo.element.open = false;
+    const sections = kinds.map((kind) => {
+      const { element, body } = section(kind.label, true);
+      element.addEventListener("toggle", () => this.#togglePanels());
+      void kind.load().then(({ makePanel }) => {
+        if (this.#toolsType !== type) return;
+        const panel = makePanel(this.#hub, this.#model, this.#name, type);
+        this.#panels.push({ panel, section: element });
+        replace(body, panel.element);
+        this.#togglePanels();
+      });
+      return element;
+    });
+    replace(this.#panelSections, ...sections);
   }
 
   async #createTools(type: string, isNew: boolean): Promise<void> {
     this.#toolsType = type;
     this.#typeError = "";
     setName(this.#type, type);
-    void this.#createPanel(type);
+    this.#createPanels(type);
     let typedefs: TypeDef[];
     try {
       typedefs = await this.#model.typedefs(type);
@@ -168,9 +172,11 @@ export class TopicPage {
     this.#update();
   }
 
-  #togglePanel(): void {
-    if (this.#panelSection.element.open && this.#stops.length > 0) this.#panel?.show();
-    else this.#panel?.hide();
+  #togglePanels(): void {
+    for (const { panel, section } of this.#panels) {
+      if (section.open && this.#stops.length > 0) panel.show();
+      else panel.hide();
+    }
   }
 
   #toggleEcho(): void {
@@ -295,16 +301,11 @@ function connectionList(label: string, nodes: [node: string, note: string][]): H
 
 interface Section {
   readonly element: HTMLDetailsElement;
-  readonly heading: HTMLElement;
   readonly body: HTMLElement;
 }
 
 function section(label: string, open: boolean): Section {
   const body = h("div", { class: "browse-body" });
-  const heading = h("h3", {}, label);
-  return {
-    element: h("details", { class: "section", open }, h("summary", {}, heading), body),
-    heading,
-    body,
-  };
+  const summary = h("summary", {}, h("h3", {}, label));
+  return { element: h("details", { class: "section", open }, summary, body), body };
 }

@@ -123,6 +123,16 @@ export class Camera {
     this.#move();
   }
 
+  /** Look at a robot in the fixed frame, over its shoulder. */
+  placeBehind({ translation, rotation }: Transform): void {
+    const inside = inverse(this.#anchor);
+    this.focus = applied(inside, translation);
+    if (this.mode === "orbit") {
+      this.yaw = rollPitchYaw(rotation)[2] + rollPitchYaw(inside.rotation)[2];
+    }
+    this.#move();
+  }
+
   /** Turn by a movement of the pointer, in pixels. */
   turn(dx: number, dy: number): void {
     const scale = Math.PI / Math.max(200, Math.min(this.width, this.height));
@@ -133,9 +143,15 @@ export class Camera {
     this.#move();
   }
 
+  /** Turn about the vertical, as the picture turns by an angle in radians. */
+  spin(angle: number): void {
+    this.yaw += angle;
+    this.#move();
+  }
+
   /** Move along the ground by a movement of the pointer, in pixels. */
   pan(dx: number, dy: number): void {
-    const scale = this.#scale;
+    const scale = this.scale;
     const down = Math.sin(this.#pitch);
     const steep = Math.sign(down || 1) * Math.max(Math.abs(down), FLAT);
     const [cosine, sine] = [Math.cos(this.yaw), Math.sin(this.yaw)];
@@ -269,7 +285,7 @@ export class Camera {
   }
 
   /** The size of a pixel at the focus, in m. */
-  get #scale(): number {
+  get scale(): number {
     return (2 * this.distance * SLOPE) / this.height;
   }
 

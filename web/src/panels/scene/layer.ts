@@ -41,6 +41,8 @@ export interface LayerKind {
   updates?(topic: string): { topic: string; type: string };
   /** Whether a scene that belongs to no topic begins with it. */
   readonly isFirst?: boolean;
+  /** Whether it is shown with the layer of any topic, such as a map. */
+  readonly isContext?: boolean;
   /** Whether it makes its own subscriptions, instead of taking messages by `receive`. */
   readonly isOwn?: boolean;
   /** Whether a topic of its types can be drawn; all can without this. */

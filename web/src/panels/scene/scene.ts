@@ -175,6 +175,15 @@ export class Scene implements Surroundings {
     this.redraw();
   }
 
+  /** Look at the robot from behind; returns whether there is one. */
+  placeBehindRobot(): boolean {
+    const robot = this.#followed();
+    if (robot === undefined || this.followFrame === "") return false;
+    this.camera.placeBehind(robot);
+    this.redraw();
+    return true;
+  }
+
   #followed(): Transform | undefined {
     try {
       return this.transforms.lookup(this.fixedFrame, this.followFrame).transform;

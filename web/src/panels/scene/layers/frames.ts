@@ -10,6 +10,7 @@ export const FRAMES: LayerKind = {
   throttle: 0,
   isOwn: true,
   isFirst: true,
+  isContext: true,
   settings: [
     { name: "names", label: "Names", value: true },
     { name: "lines", label: "Lines to parents", value: true },

@@ -21,6 +21,7 @@ export const OCCUPANCY_GRID: LayerKind = {
   types: ["nav_msgs/OccupancyGrid"],
   throttle: 50,
   isFirst: true,
+  isContext: true,
   updates: (topic) => ({ topic: `${topic}_updates`, type: "map_msgs/OccupancyGridUpdate" }),
   settings: [
     { name: "palette", label: "Colours", value: "map", options: ["map", "costmap", "raw"] },
