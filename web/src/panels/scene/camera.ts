@@ -17,7 +17,9 @@ const MIN_DISTANCE = 0.05;
 const MAX_DISTANCE = 1e5;
 /** The angle from which the camera first looks down, from behind the robot. */
 const START_PITCH = Math.PI / 4;
-const START_DISTANCE = 12;
+const START_DISTANCE = 10;
+/** How far ahead of the robot it looks first, for a distance of 1. */
+const AHEAD = 0.2;
 /** The directions in which one looks down: with x to the right, and as from a robot. */
 const NORTH_UP = Math.PI / 2;
 /** The lowest angle for which dragging moves the ground as far as the pointer. */
@@ -126,10 +128,12 @@ export class Camera {
   /** Look at a robot in the fixed frame, over its shoulder. */
   placeBehind({ translation, rotation }: Transform): void {
     const inside = inverse(this.#anchor);
-    this.focus = applied(inside, translation);
-    if (this.mode === "orbit") {
-      this.yaw = rollPitchYaw(rotation)[2] + rollPitchYaw(inside.rotation)[2];
-    }
+    const yaw = rollPitchYaw(rotation)[2];
+    const { x, y, z } = translation;
+    const ahead = this.mode === "orbit" ? AHEAD * this.distance : 0;
+    const focus = { x: x + ahead * Math.cos(yaw), y: y + ahead * Math.sin(yaw), z };
+    this.focus = applied(inside, focus);
+    if (this.mode === "orbit") this.yaw = yaw + rollPitchYaw(inside.rotation)[2];
     this.#move();
   }
 

@@ -70,27 +70,42 @@ export class Entry {
   start(): void {
     this.isOn = true;
     if (this.#stop !== undefined) return;
+    let isStopped = false;
+    let ends: (() => void)[] = [];
+    this.#stop = () => {
+      isStopped = true;
+      for (const end of ends) end();
+      this.layer?.pause?.();
+    };
+    this.#make().then(
+      (layer) => {
+        if (isStopped) {
+          if (layer !== this.layer) layer.close();
+          return;
+        }
+        this.layer = layer;
+        layer.resume?.();
+        if (!this.kind.isOwn) ends = this.#subscriptions();
+        this.#scene.redraw();
+      },
+      (error: unknown) => this.#fail("layer", (error as Error).message),
+    );
+  }
+
+  /** The layer, for which code may have to be loaded. */
+  async #make(): Promise<Layer> {
     const { hub, model, transforms, redraw } = this.#scene;
-    this.layer ??= this.kind.make({
-      hub,
-      model,
-      topic: this.topic,
-      type: this.type,
-      settings: this.settings,
-      transforms,
-      redraw,
-      fail: (why) => this.#fail("layer", why),
-    });
-    if (this.kind.isOwn) {
-      this.#stop = () => undefined;
-      return;
-    }
+    const { topic, type, settings } = this;
+    const fail = (why: string): void => this.#fail("layer", why);
+    const context = { hub, model, topic, type, settings, transforms, redraw, fail };
+    return this.layer ?? (await this.kind.make(context));
+  }
+
+  #subscriptions(): (() => void)[] {
     const ends = [this.#subscribe(this.topic, this.type, 1, (message) => this.#receive(message))];
     const updates = this.kind.updates?.(this.topic);
     if (updates !== undefined) ends.push(this.#subscribeUpdates(updates));
-    this.#stop = () => {
-      for (const end of ends) end();
-    };
+    return ends;
   }
 
   #subscribe(

@@ -1,14 +1,204 @@
-/** The kinds of layers: to add one, add it to this list. */
-import type { LayerKind } from "./layer";
-import { FRAMES } from "./layers/frames";
-import { LASER_SCAN } from "./layers/laser_scan";
-import { GRID_CELLS, PATH, POLYGON } from "./layers/lines";
-import { OCCUPANCY_GRID } from "./layers/occupancy_grid";
-import { POINT_CLOUD } from "./layers/point_cloud";
-import { ODOMETRY, POSE, POSE_ARRAY } from "./layers/poses";
-import { POINT, RANGE, VECTORS } from "./layers/readings";
+/** The kinds of layers: to add one, add it to the list at the end. */
+import type { LayerKind, Setting } from "./layer";
+import { Frames } from "./layers/frames";
+import { LaserScan } from "./layers/laser_scan";
+import { OccupancyGrid } from "./layers/occupancy_grid";
 
-/** In the order of the list of layers. */
+const color = (value: string): Setting => ({ name: "color", label: "Colour", value });
+
+const width: Setting = { name: "width", label: "Width (px)", value: 3, min: 1, max: 8, step: 1 };
+const shape: Setting = {
+  name: "shape",
+  label: "Shape",
+  value: "arrow",
+  options: ["arrow", "axes"],
+};
+const covariance: Setting = { name: "covariance", label: "Covariance (95 %)", value: true };
+const size = (value: number): Setting => ({
+  name: "size",
+  label: "Size (m)",
+  value,
+  min: 0.01,
+  max: 10,
+  step: 0.05,
+});
+
+const OCCUPANCY_GRID: LayerKind = {
+  label: "Map",
+  types: ["nav_msgs/OccupancyGrid"],
+  throttle: 50,
+  isFirst: true,
+  isContext: true,
+  updates: (topic) => ({ topic: `${topic}_updates`, type: "map_msgs/OccupancyGridUpdate" }),
+  settings: [
+    { name: "palette", label: "Colours", value: "map", options: ["map", "costmap", "raw"] },
+    { name: "alpha", label: "Opacity", value: 0.8, min: 0, max: 1, step: 0.1 },
+  ],
+  make: (context) => new OccupancyGrid(context),
+};
+
+const LASER_SCAN: LayerKind = {
+  label: "Laser scan",
+  types: ["sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan"],
+  throttle: 20,
+  isStream: true,
+  isFirst: true,
+  settings: [
+    { name: "color", label: "Colour", value: "flat", options: ["flat", "range", "intensity"] },
+    { name: "flat", label: "Flat colour", value: "#e5484d" },
+    { name: "palette", label: "Palette", value: "turbo", options: ["turbo", "viridis", "grey"] },
+    { name: "size", label: "Point size (px)", value: 3, min: 1, max: 12, step: 1 },
+    { name: "decay", label: "Decay (s)", value: 0, min: 0, max: 10, step: 0.5 },
+  ],
+  make: (context) => new LaserScan(context),
+};
+
+const POINT_CLOUD: LayerKind = {
+  label: "Point cloud",
+  types: ["sensor_msgs/PointCloud2", "sensor_msgs/PointCloud"],
+  throttle: 30,
+  isStream: true,
+  isFirst: true,
+  settings: [
+    {
+      name: "color",
+      label: "Colour",
+      value: "auto",
+      options: ["auto", "rgb", "field", "z", "flat"],
+    },
+    { name: "field", label: "Field", value: "intensity" },
+    { name: "flat", label: "Flat colour", value: "#3e8ef7" },
+    { name: "palette", label: "Palette", value: "turbo", options: ["turbo", "viridis", "grey"] },
+    { name: "isAuto", label: "Range of the values", value: true },
+    { name: "low", label: "From", value: 0, step: 0.1 },
+    { name: "high", label: "To", value: 1, step: 0.1 },
+    { name: "size", label: "Point size (px)", value: 2, min: 1, max: 8, step: 1 },
+    { name: "decay", label: "Decay (s)", value: 0, min: 0, max: 10, step: 0.5 },
+  ],
+  make: async (context) => new (await import("./layers/point_cloud")).PointCloud(context),
+};
+
+const FRAMES: LayerKind = {
+  label: "Frames (tf)",
+  types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
+  throttle: 0,
+  isOwn: true,
+  isFirst: true,
+  isContext: true,
+  settings: [
+    { name: "names", label: "Names", value: true },
+    { name: "lines", label: "Lines to parents", value: true },
+    { name: "size", label: "Axes (m)", value: 0.3, min: 0.01, max: 10, step: 0.05 },
+    { name: "below", label: "Only below", value: "" },
+  ],
+  accepts: (topic) => topic === "/tf",
+  make: (context) => new Frames(context),
+};
+
+const ODOMETRY: LayerKind = {
+  label: "Odometry",
+  types: ["nav_msgs/Odometry"],
+  throttle: 30,
+  isStream: true,
+  isFirst: true,
+  settings: [
+    shape,
+    size(0.5),
+    color("#e5933b"),
+    { name: "trail", label: "Trail", value: true },
+    covariance,
+  ],
+  make: async (context) => new (await import("./layers/poses")).Poses(context),
+};
+
+const POSE: LayerKind = {
+  label: "Pose",
+  types: ["geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped"],
+  throttle: 30,
+  isFirst: true,
+  settings: [
+    shape,
+    size(0.6),
+    color("#b04fd8"),
+    { name: "trail", label: "Trail", value: false },
+    covariance,
+  ],
+  make: async (context) => new (await import("./layers/poses")).Poses(context),
+};
+
+const POSE_ARRAY: LayerKind = {
+  label: "Poses",
+  types: ["geometry_msgs/PoseArray"],
+  throttle: 50,
+  isFirst: true,
+  settings: [shape, size(0.25), color("#b04fd8")],
+  make: async (context) => new (await import("./layers/poses")).Poses(context),
+};
+
+const PATH: LayerKind = {
+  label: "Path",
+  types: ["nav_msgs/Path"],
+  throttle: 50,
+  isFirst: true,
+  settings: [color("#2fa84f"), width, { name: "arrows", label: "Arrows", value: false }],
+  make: async (context) => new (await import("./layers/lines")).Lines(context),
+};
+
+const POLYGON: LayerKind = {
+  label: "Polygon",
+  types: ["geometry_msgs/PolygonStamped"],
+  throttle: 50,
+  isFirst: true,
+  settings: [color("#2fa84f"), width],
+  make: async (context) => new (await import("./layers/lines")).Lines(context),
+};
+
+const GRID_CELLS: LayerKind = {
+  label: "Grid cells",
+  types: ["nav_msgs/GridCells"],
+  throttle: 50,
+  settings: [
+    color("#e58a2f"),
+    { name: "alpha", label: "Opacity", value: 0.6, min: 0, max: 1, step: 0.1 },
+  ],
+  make: async (context) => new (await import("./layers/lines")).GridCells(context),
+};
+
+const POINT: LayerKind = {
+  label: "Point",
+  types: ["geometry_msgs/PointStamped"],
+  throttle: 30,
+  isFirst: true,
+  settings: [
+    color("#d8b33f"),
+    { name: "size", label: "Size (m)", value: 0.15, min: 0.01, max: 5, step: 0.05 },
+  ],
+  make: async (context) => new (await import("./layers/readings")).Point(context),
+};
+
+const RANGE: LayerKind = {
+  label: "Range",
+  types: ["sensor_msgs/Range"],
+  throttle: 30,
+  isStream: true,
+  isFirst: true,
+  settings: [color("#3e8ef7")],
+  make: async (context) => new (await import("./layers/readings")).Range(context),
+};
+
+const VECTORS: LayerKind = {
+  label: "Twist or wrench",
+  types: ["geometry_msgs/TwistStamped", "geometry_msgs/WrenchStamped"],
+  throttle: 30,
+  settings: [
+    color("#2fa84f"),
+    { name: "turnColor", label: "Colour of turns", value: "#e58a2f" },
+    { name: "scale", label: "Metres per unit", value: 1, min: 0.001, max: 100, step: 0.1 },
+  ],
+  make: async (context) => new (await import("./layers/readings")).Vectors(context),
+};
+
+/** In the order of the list of layers. What most scenes do not need is loaded when it is shown. */
 export const LAYER_KINDS: readonly LayerKind[] = [
   OCCUPANCY_GRID,
   LASER_SCAN,

@@ -49,7 +49,8 @@ export interface LayerKind {
   accepts?(topic: string): boolean;
   /** Names to offer besides the topics of its types; each is the `topic` of a layer. */
   offers?(graph: Graph): readonly string[];
-  make(context: LayerContext): Layer;
+  /** Make a layer, for which code may have to be loaded first. */
+  make(context: LayerContext): Layer | Promise<Layer>;
 }
 
 export interface LayerContext {
@@ -83,6 +84,9 @@ export interface Layer {
   extent?(view: View): Vector[];
   /** Settings that depend on messages, such as namespaces, and their elements. */
   controls?(): HTMLElement | undefined;
+  /** The scene is hidden, and shown again: own subscriptions end, and begin. */
+  pause?(): void;
+  resume?(): void;
   /** End: free what the graphics card keeps, and end own subscriptions. */
   close(): void;
 }

@@ -79,9 +79,9 @@ class ScenePanel implements Panel, GestureTarget {
   readonly #follow = h(
     "select",
     { "aria-label": "Follow the robot", onchange: () => this.#setFollow() },
-    h("option", { value: "off" }, "Do not follow"),
-    h("option", { value: "position" }, "Follow position"),
-    h("option", { value: "heading" }, "Follow heading"),
+    h("option", { value: "off" }, "Follow: off"),
+    h("option", { value: "position" }, "Follow: position"),
+    h("option", { value: "heading" }, "Follow: heading"),
   );
   readonly #fixed = h("select", {
     "aria-label": "Fixed frame",
@@ -146,7 +146,7 @@ class ScenePanel implements Panel, GestureTarget {
         h("button", { type: "button", title: "Show all (0)", onclick: () => this.#fit() }, "Fit"),
         ...this.#tools.buttons,
         this.#follow,
-        h("label", { class: "small" }, "Fixed frame", this.#fixed),
+        this.#fixed,
       ),
       this.#tools.bar,
       this.#fault,
@@ -288,13 +288,12 @@ class ScenePanel implements Panel, GestureTarget {
     const key = [fixedFrame, fixedChoice, ...transforms.names].join();
     if (key === this.#frames) return;
     this.#frames = key;
-    const auto = fixedChoice === "" ? ` (${fixedFrame})` : "";
     replace(
       this.#fixed,
-      h("option", { value: "" }, `auto${auto}`),
+      h("option", { value: "" }, fixedChoice === "" ? `Frame: ${fixedFrame}` : "Frame: automatic"),
       ...[...new Set([...transforms.names, fixedChoice])]
         .filter((name) => name !== "")
-        .map((name) => h("option", { value: name }, name)),
+        .map((name) => h("option", { value: name }, `Frame: ${name}`)),
     );
     this.#fixed.value = fixedChoice;
   }

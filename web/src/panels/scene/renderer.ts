@@ -111,6 +111,8 @@ export interface Lines {
   readonly pairs?: boolean;
   /** In CSS pixels. */
   readonly width: number;
+  /** Whether maps lie above them. */
+  readonly isGround?: boolean;
   /** The colour of all; without one, each point has its own: red, green, blue, alpha. */
   readonly color?: Color;
 }
@@ -334,7 +336,8 @@ class Renderer {
 
   lines(lines: Lines, model: Transform = IDENTITY): void {
     const isClear = lines.color === undefined || lines.color[3] < 1;
-    this.#add(isClear ? CLEAR : SOLID, (gl) => this.#drawLines(gl, lines, model));
+    const order = lines.isGround ? GROUND : isClear ? CLEAR : SOLID;
+    this.#add(order, (gl) => this.#drawLines(gl, lines, model));
   }
 
   solids(solids: Solids, model: Transform = IDENTITY): void {

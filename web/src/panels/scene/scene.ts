@@ -13,6 +13,8 @@ import { frameName, TransformBuffer } from "./tf_buffer";
 
 /** Most labels: of more, the scene shows none. */
 const MAX_LABELS = 200;
+/** The height of a label, and the width of a letter, in CSS pixels. */
+const [LABEL_HEIGHT, LABEL_WIDTH] = [12, 6.5];
 /** Lines of the ground on either side of its middle. */
 const GROUND_LINES = 20;
 /** The frames that a scene is fixed to, the best first. */
@@ -252,6 +254,7 @@ export class Scene implements Surroundings {
       pairs: true,
       width: 1,
       color: theme.line,
+      isGround: true,
     };
     renderer.lines(lines, { translation: { x, y, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } });
   }
@@ -261,7 +264,7 @@ export class Scene implements Surroundings {
     const seen = labels.filter(
       ({ spot: { x, y } }) => x >= 0 && y >= 0 && x <= clientWidth && y <= clientHeight,
     );
-    const shown = seen.length > MAX_LABELS ? [] : seen;
+    const shown = seen.length > MAX_LABELS ? [] : spread(seen);
     while (this.labels.children.length > shown.length) this.labels.lastChild?.remove();
     while (this.labels.children.length < shown.length) this.labels.append(h("span", {}));
     for (const [at, { text, spot, color }] of shown.entries()) {
@@ -304,6 +307,24 @@ export class Scene implements Surroundings {
     }
     this.redraw();
   }
+}
+
+/** Move labels down that would cover others, such as those of frames at the same place. */
+function spread(labels: readonly Label[]): Label[] {
+  const placed: Label[] = [];
+  for (const label of labels) {
+    const { x } = label.spot;
+    let { y } = label.spot;
+    const covers = (other: Label): boolean =>
+      Math.abs(other.spot.y - y) < LABEL_HEIGHT &&
+      other.spot.x < x + label.text.length * LABEL_WIDTH &&
+      x < other.spot.x + other.text.length * LABEL_WIDTH;
+    for (let other = placed.find(covers); other !== undefined; other = placed.find(covers)) {
+      y = other.spot.y + LABEL_HEIGHT;
+    }
+    placed.push({ ...label, spot: { ...label.spot, y } });
+  }
+  return placed;
 }
 
 /** The colours of the page where an element is. */

@@ -13,6 +13,7 @@ export type ToolName = "goal" | "estimate" | "point" | "measure";
 
 interface Tool {
   readonly label: string;
+  readonly title: string;
   readonly key: string;
   readonly help: string;
   /** Where it publishes; a distance is only shown. */
@@ -23,26 +24,34 @@ interface Tool {
 export const TOOLS: Readonly<Record<ToolName, Tool>> = {
   goal: {
     label: "Goal",
+    title: "Send a goal",
     key: "g",
     help: "Press where the robot shall go, drag in the direction in which it shall look, release.",
     topic: "/move_base_simple/goal",
     type: "geometry_msgs/PoseStamped",
   },
   estimate: {
-    label: "Pose estimate",
+    label: "Pose",
+    title: "Estimate the robot's pose",
     key: "p",
     help: "Press where the robot is, drag in the direction in which it looks, release.",
     topic: "/initialpose",
     type: "geometry_msgs/PoseWithCovarianceStamped",
   },
   point: {
-    label: "Publish point",
+    label: "Point",
+    title: "Publish a point",
     key: "u",
     help: "Press on a point.",
     topic: "/clicked_point",
     type: "geometry_msgs/PointStamped",
   },
-  measure: { label: "Measure", key: "m", help: "Drag from one point to another." },
+  measure: {
+    label: "Measure",
+    title: "Measure a distance",
+    key: "m",
+    help: "Drag from one point to another.",
+  },
 };
 
 /** A drag that is shorter has no direction, in pixels. */
@@ -106,14 +115,14 @@ export class Tools {
     this.#hub = hub;
     this.#model = model;
     this.#onChange = onChange;
-    this.buttons = Object.entries(TOOLS).map(([name, { label, key }]) =>
+    this.buttons = Object.entries(TOOLS).map(([name, { label, title, key }]) =>
       h(
         "button",
         {
           type: "button",
           "aria-pressed": "false",
           "aria-keyshortcuts": key,
-          title: `${label} (${key})`,
+          title: `${title} (${key})`,
           "data-tool": name,
           onclick: () => this.choose(name === this.chosen ? undefined : (name as ToolName)),
         },

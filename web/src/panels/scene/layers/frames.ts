@@ -1,27 +1,10 @@
 /** The coordinate frames of tf: their axes, their names, and lines to their parents. */
 import type { Transform, Vector } from "../../../transforms";
-import type { Layer, LayerContext, LayerKind, View } from "../layer";
+import type { Layer, LayerContext, View } from "../layer";
 import { renderer, Vertices } from "../renderer";
 import { Axes } from "./arrows";
 
-export const FRAMES: LayerKind = {
-  label: "Frames (tf)",
-  types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
-  throttle: 0,
-  isOwn: true,
-  isFirst: true,
-  isContext: true,
-  settings: [
-    { name: "names", label: "Names", value: true },
-    { name: "lines", label: "Lines to parents", value: true },
-    { name: "size", label: "Axes (m)", value: 0.3, min: 0.01, max: 10, step: 0.05 },
-    { name: "below", label: "Only below", value: "" },
-  ],
-  accepts: (topic) => topic === "/tf",
-  make: (context) => new Frames(context),
-};
-
-class Frames implements Layer {
+export class Frames implements Layer {
   readonly #context: LayerContext;
   readonly #axes = new Axes();
   readonly #parents = new Vertices();

@@ -2,7 +2,7 @@
 import type { Fields } from "../../../messages/reader";
 import type { Vector } from "../../../transforms";
 import { parseColor, percentiles } from "../colors";
-import type { Header, Hit, Layer, LayerContext, LayerKind, Pointer, View } from "../layer";
+import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
 import { floats } from "../message";
 import { corners, nearestPoint } from "../picking";
 import { type Paint, renderer, Vertices } from "../renderer";
@@ -12,22 +12,6 @@ const NUMBERS = 5;
 const [RANGE, INTENSITY] = [12, 16];
 /** Scans that are kept at most, however long they stay. */
 const MAX_SCANS = 500;
-
-export const LASER_SCAN: LayerKind = {
-  label: "Laser scan",
-  types: ["sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan"],
-  throttle: 20,
-  isStream: true,
-  isFirst: true,
-  settings: [
-    { name: "color", label: "Colour", value: "flat", options: ["flat", "range", "intensity"] },
-    { name: "flat", label: "Flat colour", value: "#e5484d" },
-    { name: "palette", label: "Palette", value: "turbo", options: ["turbo", "viridis", "grey"] },
-    { name: "size", label: "Point size (px)", value: 3, min: 1, max: 12, step: 1 },
-    { name: "decay", label: "Decay (s)", value: 0, min: 0, max: 10, step: 0.5 },
-  ],
-  make: (context) => new LaserScan(context),
-};
 
 /** The points of one scan. */
 interface Scan {
@@ -40,7 +24,7 @@ interface Scan {
   readonly arrived: number;
 }
 
-class LaserScan implements Layer {
+export class LaserScan implements Layer {
   readonly #context: LayerContext;
   #scans: Scan[] = [];
   #facts = "";

@@ -3,47 +3,14 @@ import { plural } from "../../../format";
 import type { Fields } from "../../../messages/reader";
 import type { Vector } from "../../../transforms";
 import { parseColor } from "../colors";
-import type { Header, Hit, Layer, LayerContext, LayerKind, Pointer, Setting, View } from "../layer";
+import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
 import type { Pose } from "../message";
 import { corners, nearestPoint } from "../picking";
 import { renderer, Vertices } from "../renderer";
 import { Arrows } from "./arrows";
 
-const WIDTH: Setting = { name: "width", label: "Width (px)", value: 3, min: 1, max: 8, step: 1 };
-
-const color = (value: string): Setting => ({ name: "color", label: "Colour", value });
-
-export const PATH: LayerKind = {
-  label: "Path",
-  types: ["nav_msgs/Path"],
-  throttle: 50,
-  isFirst: true,
-  settings: [color("#2fa84f"), WIDTH, { name: "arrows", label: "Arrows", value: false }],
-  make: (context) => new Lines(context),
-};
-
-export const POLYGON: LayerKind = {
-  label: "Polygon",
-  types: ["geometry_msgs/PolygonStamped"],
-  throttle: 50,
-  isFirst: true,
-  settings: [color("#2fa84f"), WIDTH],
-  make: (context) => new Lines(context),
-};
-
-export const GRID_CELLS: LayerKind = {
-  label: "Grid cells",
-  types: ["nav_msgs/GridCells"],
-  throttle: 50,
-  settings: [
-    color("#e58a2f"),
-    { name: "alpha", label: "Opacity", value: 0.6, min: 0, max: 1, step: 0.1 },
-  ],
-  make: (context) => new GridCells(context),
-};
-
 /** One line through the poses of a path, or the edge of a polygon. */
-class Lines implements Layer {
+export class Lines implements Layer {
   readonly #context: LayerContext;
   readonly #vertices = new Vertices();
   readonly #arrows = new Arrows();
@@ -125,7 +92,7 @@ function length(points: readonly Vector[]): number {
   }, 0);
 }
 
-class GridCells implements Layer {
+export class GridCells implements Layer {
   readonly #context: LayerContext;
   readonly #vertices = new Vertices();
   #message: Fields | undefined;

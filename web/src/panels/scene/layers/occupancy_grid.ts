@@ -9,26 +9,12 @@ import {
   type Vector,
 } from "../../../transforms";
 import type { Palette } from "../colors";
-import type { Header, Hit, Layer, LayerContext, LayerKind, Pointer, View } from "../layer";
+import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
 import { bytes } from "../message";
 import { Cells, renderer } from "../renderer";
 
 const MAX_CELLS = 2 ** 26;
 const UNKNOWN = 255;
-
-export const OCCUPANCY_GRID: LayerKind = {
-  label: "Map",
-  types: ["nav_msgs/OccupancyGrid"],
-  throttle: 50,
-  isFirst: true,
-  isContext: true,
-  updates: (topic) => ({ topic: `${topic}_updates`, type: "map_msgs/OccupancyGridUpdate" }),
-  settings: [
-    { name: "palette", label: "Colours", value: "map", options: ["map", "costmap", "raw"] },
-    { name: "alpha", label: "Opacity", value: 0.8, min: 0, max: 1, step: 0.1 },
-  ],
-  make: (context) => new OccupancyGrid(context),
-};
 
 interface Info {
   readonly width: number;
@@ -38,7 +24,7 @@ interface Info {
   readonly origin: { readonly position: Vector; readonly orientation: Transform["rotation"] };
 }
 
-class OccupancyGrid implements Layer {
+export class OccupancyGrid implements Layer {
   readonly #context: LayerContext;
   readonly #cells = new Cells();
   #header: Header | undefined;

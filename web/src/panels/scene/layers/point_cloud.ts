@@ -2,16 +2,7 @@
 import type { Fields } from "../../../messages/reader";
 import { applied, type Transform, type Vector } from "../../../transforms";
 import { type Palette, parseColor, percentiles } from "../colors";
-import type {
-  Header,
-  Hit,
-  Layer,
-  LayerContext,
-  LayerKind,
-  Pointer,
-  Settings,
-  View,
-} from "../layer";
+import type { Header, Hit, Layer, LayerContext, Pointer, Settings, View } from "../layer";
 import { matrixOf } from "../matrix";
 import { bytes, floats } from "../message";
 import { corners, nearestPoint } from "../picking";
@@ -23,31 +14,6 @@ const MAX_CLOUDS = 100;
 const SMOOTHING = 0.3;
 /** Bytes from one point to the next that WebGL allows. */
 const MAX_STRIDE = 255;
-
-export const POINT_CLOUD: LayerKind = {
-  label: "Point cloud",
-  types: ["sensor_msgs/PointCloud2", "sensor_msgs/PointCloud"],
-  throttle: 30,
-  isStream: true,
-  isFirst: true,
-  settings: [
-    {
-      name: "color",
-      label: "Colour",
-      value: "auto",
-      options: ["auto", "rgb", "field", "z", "flat"],
-    },
-    { name: "field", label: "Field", value: "intensity" },
-    { name: "flat", label: "Flat colour", value: "#3e8ef7" },
-    { name: "palette", label: "Palette", value: "turbo", options: ["turbo", "viridis", "grey"] },
-    { name: "isAuto", label: "Range of the values", value: true },
-    { name: "low", label: "From", value: 0, step: 0.1 },
-    { name: "high", label: "To", value: 1, step: 0.1 },
-    { name: "size", label: "Point size (px)", value: 2, min: 1, max: 8, step: 1 },
-    { name: "decay", label: "Decay (s)", value: 0, min: 0, max: 10, step: 0.5 },
-  ],
-  make: (context) => new PointCloud(context),
-};
 
 /** Points as WebGL takes them. */
 export interface Packed {
@@ -284,7 +250,7 @@ interface Cloud {
   range: readonly [number, number] | undefined;
 }
 
-class PointCloud implements Layer {
+export class PointCloud implements Layer {
   readonly #context: LayerContext;
   #clouds: Cloud[] = [];
   #newest: Fields | undefined;

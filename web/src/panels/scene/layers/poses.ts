@@ -12,7 +12,7 @@ import {
   type Vector,
 } from "../../../transforms";
 import { type Color, parseColor } from "../colors";
-import type { Header, Hit, Layer, LayerContext, LayerKind, Pointer, Setting, View } from "../layer";
+import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
 import { floats, type Pose } from "../message";
 import { nearestPoint } from "../picking";
 import { renderer, Vertices } from "../renderer";
@@ -25,64 +25,7 @@ const TRAIL_STEP = 0.02;
 const DEVIATIONS = 2;
 export const FAN_STEPS = 16;
 
-const shape: Setting = {
-  name: "shape",
-  label: "Shape",
-  value: "arrow",
-  options: ["arrow", "axes"],
-};
-const size = (value: number): Setting => ({
-  name: "size",
-  label: "Size (m)",
-  value,
-  min: 0.01,
-  max: 10,
-  step: 0.05,
-});
-const color = (value: string): Setting => ({ name: "color", label: "Colour", value });
-const covariance: Setting = { name: "covariance", label: "Covariance (95 %)", value: true };
-
-export const ODOMETRY: LayerKind = {
-  label: "Odometry",
-  types: ["nav_msgs/Odometry"],
-  throttle: 30,
-  isStream: true,
-  isFirst: true,
-  settings: [
-    shape,
-    size(0.5),
-    color("#e5933b"),
-    { name: "trail", label: "Trail", value: true },
-    covariance,
-  ],
-  make: (context) => new Poses(context),
-};
-
-export const POSE: LayerKind = {
-  label: "Pose",
-  types: ["geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped"],
-  throttle: 30,
-  isFirst: true,
-  settings: [
-    shape,
-    size(0.6),
-    color("#b04fd8"),
-    { name: "trail", label: "Trail", value: false },
-    covariance,
-  ],
-  make: (context) => new Poses(context),
-};
-
-export const POSE_ARRAY: LayerKind = {
-  label: "Poses",
-  types: ["geometry_msgs/PoseArray"],
-  throttle: 50,
-  isFirst: true,
-  settings: [shape, size(0.25), color("#b04fd8")],
-  make: (context) => new Poses(context),
-};
-
-class Poses implements Layer {
+export class Poses implements Layer {
   readonly #context: LayerContext;
   readonly #arrows = new Arrows();
   readonly #axes = new Axes();

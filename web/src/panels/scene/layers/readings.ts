@@ -2,47 +2,11 @@
 import type { Fields } from "../../../messages/reader";
 import { applied, IDENTITY, type Vector } from "../../../transforms";
 import { parseColor } from "../colors";
-import type { Header, Layer, LayerContext, LayerKind, Setting, View } from "../layer";
+import type { Header, Layer, LayerContext, View } from "../layer";
 import { renderer, Vertices } from "../renderer";
 import { FAN_STEPS, fan } from "./poses";
 
-const color = (value: string): Setting => ({ name: "color", label: "Colour", value });
-
-export const POINT: LayerKind = {
-  label: "Point",
-  types: ["geometry_msgs/PointStamped"],
-  throttle: 30,
-  isFirst: true,
-  settings: [
-    color("#d8b33f"),
-    { name: "size", label: "Size (m)", value: 0.15, min: 0.01, max: 5, step: 0.05 },
-  ],
-  make: (context) => new Point(context),
-};
-
-export const RANGE: LayerKind = {
-  label: "Range",
-  types: ["sensor_msgs/Range"],
-  throttle: 30,
-  isStream: true,
-  isFirst: true,
-  settings: [color("#3e8ef7")],
-  make: (context) => new Range(context),
-};
-
-export const VECTORS: LayerKind = {
-  label: "Twist or wrench",
-  types: ["geometry_msgs/TwistStamped", "geometry_msgs/WrenchStamped"],
-  throttle: 30,
-  settings: [
-    color("#2fa84f"),
-    { name: "turnColor", label: "Colour of turns", value: "#e58a2f" },
-    { name: "scale", label: "Metres per unit", value: 1, min: 0.001, max: 100, step: 0.1 },
-  ],
-  make: (context) => new Vectors(context),
-};
-
-class Point implements Layer {
+export class Point implements Layer {
   readonly #context: LayerContext;
   readonly #vertices = new Vertices();
   #header: Header | undefined;
@@ -88,7 +52,7 @@ class Point implements Layer {
 }
 
 /** The cone of a sonar, seen from above: along x of its frame. */
-class Range implements Layer {
+export class Range implements Layer {
   readonly #context: LayerContext;
   readonly #vertices = new Vertices();
   #header: Header | undefined;
@@ -139,7 +103,7 @@ class Range implements Layer {
 }
 
 /** The two vectors of a twist or a wrench, from the origin of its frame. */
-class Vectors implements Layer {
+export class Vectors implements Layer {
   readonly #context: LayerContext;
   readonly #lines = [new Vertices(), new Vertices()] as const;
   #header: Header | undefined;
