@@ -13,6 +13,8 @@ import { frameName, TransformBuffer } from "./tf_buffer";
 
 /** Most labels: of more, the scene shows none. */
 const MAX_LABELS = 200;
+/** After a picture that takes longer, the page has as much time for other things, in ms. */
+const FAST = 8;
 /** The height of a label, and the width of a letter, in CSS pixels. */
 const [LABEL_HEIGHT, LABEL_WIDTH] = [12, 6.5];
 /** Lines of the ground on either side of its middle. */
@@ -45,6 +47,9 @@ export class Scene implements Surroundings {
   #theme: Theme | undefined;
   #view: View | undefined;
   #frame: number | undefined;
+  #timer: number | undefined;
+  /** How long the last picture took, in ms, and when it was ready. */
+  #last = { duration: 0, end: 0 };
   #isVisible = false;
   #stops: (() => void)[] = [];
 
@@ -80,7 +85,9 @@ export class Scene implements Surroundings {
     for (const stop of this.#stops) stop();
     this.#stops = [];
     for (const entry of this.entries) entry.pause();
+    window.clearTimeout(this.#timer);
     if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
+    this.#timer = undefined;
     this.#frame = undefined;
   }
 
@@ -196,10 +203,22 @@ export class Scene implements Surroundings {
 
   /** Draw soon, if anybody can see it. */
   redraw = (): void => {
-    if (!this.#isVisible || this.#frame !== undefined) return;
+    if (!this.#isVisible || this.#frame !== undefined || this.#timer !== undefined) return;
+    const { duration, end } = this.#last;
+    const rest = duration < FAST ? 0 : end + duration - performance.now();
+    if (rest > 0) {
+      this.#timer = window.setTimeout(() => {
+        this.#timer = undefined;
+        this.redraw();
+      }, rest);
+      return;
+    }
     this.#frame = requestAnimationFrame(() => {
       this.#frame = undefined;
+      const start = performance.now();
       this.#draw();
+      const now = performance.now();
+      this.#last = { duration: now - start, end: now };
     });
   };
 
@@ -316,7 +335,8 @@ function spread(labels: readonly Label[]): Label[] {
     const { x } = label.spot;
     let { y } = label.spot;
     const covers = (other: Label): boolean =>
-      Math.abs(other.spot.y - y) < LABEL_HEIGHT &&
+      // Less, since numbers are not exact: a label that was moved is free of the other.
+      Math.abs(other.spot.y - y) < LABEL_HEIGHT - 1 &&
       other.spot.x < x + label.text.length * LABEL_WIDTH &&
       x < other.spot.x + other.text.length * LABEL_WIDTH;
     for (let other = placed.find(covers); other !== undefined; other = placed.find(covers)) {

@@ -16,6 +16,8 @@ const RESTART = 2000;
 /** Most frames, and most transforms of a frame. */
 export const MAX_FRAMES = 1000;
 const MAX_SAMPLES = 4000;
+/** Letters of a name that are compared with others. */
+const MAX_NAME = 100;
 /** Levels after which a frame is not searched further: it is in a loop. */
 const MAX_DEPTH = 200;
 
@@ -211,14 +213,14 @@ function at({ samples, isStatic }: Place, stamp: number): Sample & { apart: numb
 
 /** The name that is most like another one; `undefined` if none is. */
 export function nearest(name: string, names: readonly string[]): string | undefined {
-  const plain = name.toLowerCase();
+  const plain = name.slice(0, MAX_NAME).toLowerCase();
   let found: string | undefined;
   // Other names have too little in common with it.
   let least = Math.max(2, Math.floor(plain.length / 3)) + 1;
-  for (const each of names.slice(0, MAX_FRAMES)) {
-    const other = each.toLowerCase();
-    const contains = plain.includes(other) || other.includes(plain);
-    const edits = contains ? Math.min(distance(plain, other), 2) : distance(plain, other);
+  for (const each of names) {
+    const other = each.slice(0, MAX_NAME).toLowerCase();
+    const isPart = other.length > 2 && (plain.includes(other) || other.includes(plain));
+    const edits = isPart ? 1 : distance(plain, other);
     if (edits < least) {
       least = edits;
       found = each;

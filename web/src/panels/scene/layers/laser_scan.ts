@@ -125,7 +125,8 @@ export function scanPoints(message: Fields): {
   nearest: { range: number; angle: number } | undefined;
 } {
   const { angle_min, angle_increment, range_min, range_max } = message as Record<string, number>;
-  const isMulti = Array.isArray(message.ranges) && typeof message.ranges[0] === "object";
+  const [first] = (message.ranges ?? []) as ArrayLike<unknown> & Iterable<unknown>;
+  const isMulti = typeof first === "object" && first !== null;
   const ranges = isMulti ? echoes(message.ranges) : [floats(message.ranges)];
   const strengths = isMulti ? echoes(message.intensities) : [floats(message.intensities)];
   const total = ranges.reduce((sum, each) => sum + each.length, 0);
