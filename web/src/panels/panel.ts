@@ -73,12 +73,11 @@ const KINDS: readonly Kind[] = [
       "geometry_msgs/PoseArray",
       "geometry_msgs/PolygonStamped",
       "geometry_msgs/PointStamped",
-      "geometry_msgs/TwistStamped",
       "geometry_msgs/WrenchStamped",
       "tf2_msgs/TFMessage",
       "tf/tfMessage",
     ],
-    replacesEcho: false,
+    replacesEcho: true,
     load: () => import("./scene/panel"),
   },
   {

@@ -91,7 +91,9 @@ const FRAMES: LayerKind = {
     { name: "size", label: "Axes (m)", value: 0.3, min: 0.01, max: 10, step: 0.05 },
     { name: "below", label: "Only below", value: "" },
   ],
+  // The static ones are enough, and a part of them.
   accepts: (topic) => topic === "/tf",
+  offers: ({ topics }) => (topics.some(({ name }) => name === "/tf_static") ? ["/tf"] : []),
   make: (context) => new Frames(context),
 };
 

@@ -64,6 +64,8 @@ class ScenePanel implements Panel, GestureTarget {
   #isAuto: boolean;
   /** Whether the camera is placed by what there is, until somebody moves it. */
   #isPlaced: boolean;
+  /** What the picture was last made to fit. */
+  #fitted = "";
   readonly #stage: HTMLElement;
   readonly #layersButton = h(
     "button",
@@ -148,9 +150,8 @@ class ScenePanel implements Panel, GestureTarget {
         this.#follow,
         this.#fixed,
       ),
-      this.#tools.bar,
       this.#fault,
-      h("div", { class: "scene-main" }, this.#list.element, this.#stage),
+      h("div", { class: "scene-main" }, this.#list.element, this.#stage, this.#tools.bar),
       this.#tools.status,
       this.#text,
     );
@@ -328,11 +329,18 @@ class ScenePanel implements Panel, GestureTarget {
     if (this.#pointer !== undefined) this.#showHover();
   }
 
-  /** Begin behind the robot; without one, with all that there is. */
+  /** Begin behind the robot; without one, with all that there is, whenever that is more. */
   #place(): void {
     const scene = this.#scene;
-    if (scene.placeBehindRobot()) this.#isPlaced = true;
-    else if (scene.entries.some(({ frame }) => frame !== "")) scene.fit();
+    if (scene.placeBehindRobot()) {
+      this.#isPlaced = true;
+      return;
+    }
+    const layers = scene.entries.filter(({ isOn, frame }) => isOn && frame !== "");
+    const fitted = [scene.fixedFrame, ...layers.map(({ topic }) => topic)].join();
+    if (layers.length === 0 || fitted === this.#fitted) return;
+    this.#fitted = fitted;
+    scene.fit();
   }
 
   moved(): void {
