@@ -69,7 +69,7 @@ const POINT_CLOUD: LayerKind = {
     { name: "field", label: "Field", value: "intensity" },
     { name: "flat", label: "Flat colour", value: "#3e8ef7" },
     { name: "palette", label: "Palette", value: "turbo", options: ["turbo", "viridis", "grey"] },
-    { name: "isAuto", label: "Range of the values", value: true },
+    { name: "isAuto", label: "Range by the values", value: true },
     { name: "low", label: "From", value: 0, step: 0.1 },
     { name: "high", label: "To", value: 1, step: 0.1 },
     { name: "size", label: "Point size (px)", value: 2, min: 1, max: 8, step: 1 },
