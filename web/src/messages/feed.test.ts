@@ -114,6 +114,31 @@ describe("Feed", () => {
     expect(receiver.messages.length).toBe(1);
   });
 
+  it("gives each subscriber of a topic bytes of its own", () => {
+    const feed = connected();
+    const typedefs = [typedef("x/Bytes", [["data", "uint8", 0]])];
+    const taken: Uint8Array[] = [];
+    const receive = ({ data }: Fields): void => {
+      const bytes = data as Uint8Array;
+      taken.push(structuredClone(bytes, { transfer: [bytes.buffer as ArrayBuffer] }));
+    };
+    const options = { topic: "/a", typedefs, throttle: 0, fail: receiver.fail.bind(receiver) };
+    feed.subscribe({ ...options, receive });
+    feed.subscribe({ ...options, receive, queue: 10 });
+    const socket = FakeSocket.newest;
+    socket.open();
+    expect(socket.sent.map(({ queue_length }) => queue_length)).toEqual([1, 10]);
+    for (const { id } of socket.sent) {
+      socket.receive({ op: "subscribed", id, topic_id: 7, type: "x/Bytes" });
+    }
+    socket.receiveNumber(7, 2, 0, 0, 0, 5, 6);
+    expect(taken.map((bytes) => [...bytes])).toEqual([
+      [5, 6],
+      [5, 6],
+    ]);
+    expect(receiver.faults).toEqual([]);
+  });
+
   it("reports messages that it cannot read, and goes on", () => {
     connected().subscribe(receiver);
     const socket = FakeSocket.newest;
