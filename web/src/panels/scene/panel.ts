@@ -346,7 +346,7 @@ class ScenePanel implements Panel, GestureTarget {
   moved(): void {
     this.#isPlaced = true;
     this.#showModes();
-    this.#scene.redraw();
+    this.#scene.moved();
   }
 
   #modeButton(mode: "orbit" | "top", label: string): HTMLButtonElement {

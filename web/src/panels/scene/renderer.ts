@@ -16,6 +16,8 @@ const MAX_RATIO = 2;
 /** Points of a cloud that are drawn at most, with a graphics card and without. */
 const POINTS = 1_000_000;
 const SOFTWARE_POINTS = 100_000;
+/** While the camera moves: every this many points, of clouds that have more than these. */
+const [HASTY, HASTY_POINTS] = [3, 20_000];
 /** Bytes from one vertex to the next that WebGL allows. */
 const MAX_STRIDE = 255;
 /** Bytes of an instance of a solid: see `Solids`. */
@@ -202,8 +204,8 @@ class Renderer {
   fault = "";
   /** Whether the processor draws: the picture is simpler then. */
   isSoftware = false;
-  /** How many pictures have been drawn since the page was opened. */
-  drawn = 0;
+  /** Whether clouds are thinner now: without a graphics card, while the camera moves. */
+  isHasty = false;
   #canvas: OffscreenCanvas | undefined;
   #gl: WebGL2RenderingContext | null = null;
   #programs = new Map<string, Program>();
@@ -322,7 +324,6 @@ class Renderer {
       for (const command of this.#commands) if (command.order === order) command.run(gl);
     }
     this.#commands = [];
-    this.drawn += 1;
     if (gl.isContextLost()) return false;
     context.transferFromImageBitmap(canvas.transferToImageBitmap());
     return true;
@@ -358,7 +359,9 @@ class Renderer {
 
   #drawPoints(gl: WebGL2RenderingContext, points: Points, model: Transform): void {
     const { vertices, stride, offset = 0, size, paint, alpha = 1 } = points;
-    const every = Math.max(1, Math.min(points.every ?? 1, Math.floor(MAX_STRIDE / stride)));
+    const hasty = this.isHasty && this.isSoftware && points.count > HASTY_POINTS ? HASTY : 1;
+    const most = Math.floor(MAX_STRIDE / stride);
+    const every = Math.max(1, Math.min((points.every ?? 1) * hasty, most));
     const program = this.#use(gl, "points", model);
     const step = stride * every;
     const attributes: Attribute[] = [{ at: 0, size: 3, stride: step, offset }];

@@ -15,6 +15,8 @@ import { frameName, TransformBuffer } from "./tf_buffer";
 const MAX_LABELS = 200;
 /** After a picture that takes longer, the page has as much time for other things, in ms. */
 const FAST = 8;
+/** The camera rests if it has not moved for this time, in ms. */
+const REST = 200;
 /** The height of a label, and the width of a letter, in CSS pixels. */
 const [LABEL_HEIGHT, LABEL_WIDTH] = [12, 6.5];
 /** Lines of the ground on either side of its middle. */
@@ -48,6 +50,8 @@ export class Scene implements Surroundings {
   #view: View | undefined;
   #frame: number | undefined;
   #timer: number | undefined;
+  #rest: number | undefined;
+  #isMoving = false;
   /** How long the last picture took, in ms, and when it was ready. */
   #last = { duration: 0, end: 0 };
   #isVisible = false;
@@ -86,6 +90,8 @@ export class Scene implements Surroundings {
     this.#stops = [];
     for (const entry of this.entries) entry.pause();
     window.clearTimeout(this.#timer);
+    window.clearTimeout(this.#rest);
+    this.#isMoving = false;
     if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
     this.#timer = undefined;
     this.#frame = undefined;
@@ -201,6 +207,17 @@ export class Scene implements Surroundings {
     }
   }
 
+  /** The camera has moved: draw soon, and in full once it rests. */
+  moved(): void {
+    window.clearTimeout(this.#rest);
+    this.#isMoving = true;
+    this.#rest = window.setTimeout(() => {
+      this.#isMoving = false;
+      if (renderer.isSoftware) this.redraw();
+    }, REST);
+    this.redraw();
+  }
+
   /** Draw soon, if anybody can see it. */
   redraw = (): void => {
     if (!this.#isVisible || this.#frame !== undefined || this.#timer !== undefined) return;
@@ -239,6 +256,7 @@ export class Scene implements Surroundings {
     camera.follow(this.follow, this.#followed());
     const view = this.#newView();
     this.#view = view;
+    renderer.isHasty = this.#isMoving;
     renderer.draw(canvas, camera, view.theme.background, () => {
       this.#drawGround(view);
       for (const entry of this.entries) if (entry.isOn) entry.draw(view);

@@ -57,6 +57,15 @@ describe("TransformBuffer", () => {
     expect(buffer.names).toEqual(["a", "mount"]);
   });
 
+  it("interpolates between some of many transforms", () => {
+    for (let at = 0; at <= 1000; at += 1) {
+      buffer.insert([stamped("map", "a", 100 + at / 1000, at)], false);
+    }
+    for (const at of [0, 333, 999, 1000]) {
+      expect(buffer.lookup("map", "a", 100_000 + at).transform.translation.x).toBeCloseTo(at);
+    }
+  });
+
   it("says which frame is missing, and which one may be meant", () => {
     expect(() => buffer.lookup("map", "lidar")).toThrow("frame lidar is unknown: there is no tf");
     buffer.insert([stamped("map", "base_link", 1, 0), stamped("base_link", "lidar", 1, 0)], true);

@@ -11,6 +11,8 @@ import {
 
 /** How far the history of a frame reaches back from its newest transform, in ms, as in tf2. */
 const HISTORY = 10_000;
+/** Transforms of a frame that are nearer to each other need not all be kept, in ms. */
+const SPACING = 20;
 /** A stamp that is this much older than the newest one: time has begun again, in ms. */
 const RESTART = 2000;
 /** Most frames, and most transforms of a frame. */
@@ -169,7 +171,13 @@ function add(samples: Sample[], sample: Sample): void {
   const { stamp } = sample;
   const last = samples.at(-1);
   if (last === undefined || stamp > last.stamp) {
-    samples.push(sample);
+    const before = samples.at(-2);
+    // Of fast ones, some are enough to interpolate between.
+    if (last !== undefined && before !== undefined && last.stamp - before.stamp < SPACING) {
+      samples[samples.length - 1] = sample;
+    } else {
+      samples.push(sample);
+    }
   } else if (stamp < last.stamp - RESTART) {
     samples.splice(0, samples.length, sample);
   } else {
