@@ -27,7 +27,7 @@ PACKAGES = json.loads((WEB / "package-lock.json").read_text())["packages"]
 LIMIT = 260 * 1024
 """Of all files; most of them are fetched when what they show is first opened."""
 SCENE_LIMIT = 25 * 1024
-"""Of what the first picture of a scene needs; layers that are rarer are loaded when they are shown."""
+"""Of what the first picture of a scene needs; rarer layers are loaded when they are shown."""
 
 FAKE = f"""\
 #!{sys.executable}

@@ -12,16 +12,23 @@ import fibws
 from fibws.action.move_base_msgs import MoveBase
 from fibws.cli import node_program
 from fibws.demo_robot.world import RADIUS, RESOLUTION, Robot, World, toward
+from fibws.msg.actionlib_msgs import GoalID
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 from fibws.msg.geometry_msgs import (
     Pose,
+    PoseStamped,
     Quaternion,
     Transform,
     TransformStamped,
     Twist,
     Vector3,
 )
-from fibws.msg.move_base_msgs import MoveBaseFeedback, MoveBaseGoal, MoveBaseResult
+from fibws.msg.move_base_msgs import (
+    MoveBaseActionGoal,
+    MoveBaseFeedback,
+    MoveBaseGoal,
+    MoveBaseResult,
+)
 from fibws.msg.nav_msgs import OccupancyGrid, Odometry
 from fibws.msg.sensor_msgs import Image, LaserScan
 from fibws.msg.std_msgs import Header
@@ -71,11 +78,20 @@ class RobotNode:
         async with asyncio.TaskGroup() as tasks:
             tasks.create_task(self._follow())
             tasks.create_task(self._simulate())
+            tasks.create_task(self._pass_goals())
             tasks.create_task(server.spin())
 
     async def _follow(self) -> None:
         async for command in self._node.subscribe("/cmd_vel", Twist, queue_size=1):
             self._command(command.linear.x, command.angular.z)
+
+    async def _pass_goals(self) -> None:
+        """Pass the goals that RViz and the page publish on to the action, as move_base does."""
+        topic = await self._node.advertise("/move_base/goal", MoveBaseActionGoal)
+        async for pose in self._node.subscribe("/move_base_simple/goal", PoseStamped, queue_size=1):
+            now = self._node.now()
+            goal_id = GoalID(now, f"{self._node.name}-{now.secs}.{now.nsecs}")
+            await topic.publish(MoveBaseActionGoal(Header(stamp=now), goal_id, MoveBaseGoal(pose)))
 
     def _command(self, speed: float, turn: float) -> None:
         self._robot.command(speed, turn)
@@ -240,7 +256,7 @@ def command(node: fibws.Node) -> None:
     """Simulate a robot that drives by /cmd_vel.
 
     It publishes /map, /scan, /camera/image, /odom, /tf, /tf_static and /diagnostics, and drives to
-    goals of the action /move_base in the frame map.
+    goals of the action /move_base and of /move_base_simple/goal, in the frame map.
     """
 
     async def program() -> None:

@@ -12,7 +12,7 @@ import fibws
 from fibws.action.move_base_msgs import MoveBase
 from fibws.hub import Hub
 from fibws.msg.diagnostic_msgs import DiagnosticArray
-from fibws.msg.geometry_msgs import Twist, Vector3
+from fibws.msg.geometry_msgs import PoseStamped, Twist, Vector3
 from fibws.msg.move_base_msgs import MoveBaseGoal
 from fibws.msg.nav_msgs import OccupancyGrid, Odometry
 from fibws.msg.sensor_msgs import Image, LaserScan
@@ -76,5 +76,15 @@ async def test_goals_are_reached_or_refused(node: fibws.Node) -> None:
     message = await node.wait_for_message("/odom", Odometry)
     place = message.pose.pose.position
     assert math.hypot(place.x - 2.2, place.y - 0.7) < 0.15
+    # RViz and the page publish goals without an action.
+    goals = await node.advertise("/move_base_simple/goal", PoseStamped, peers=True)
+    async for names in goals.peers.changes():
+        if names:
+            break
+    await goals.publish(goal(1.6, 0.7).target_pose)
+    async for message in node.subscribe("/odom", Odometry):
+        place = message.pose.pose.position
+        if math.hypot(place.x - 1.6, place.y - 0.7) < 0.15:
+            break
     with pytest.raises(fibws.FibwsError, match="in the frame map"):
         await (await client.send(goal(1, 1, "odom"))).result()
