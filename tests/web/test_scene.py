@@ -438,6 +438,17 @@ async def test_finger_sends_a_goal_by_a_button(
     await expect(page.get_by_role("checkbox", name="/tf")).to_be_visible()
 
 
+async def at_rest(page: Page) -> int:
+    """Wait until nothing is drawn for a second; return how many pictures there were."""
+    before, after = -1, 0
+    async with asyncio.timeout(30):
+        while after != before:
+            before = after
+            await page.wait_for_timeout(1000)
+            after = await page.evaluate("draws")
+    return after
+
+
 async def test_nothing_is_drawn_at_rest_and_when_hidden(
     hub: Hub, robot: fibws.Node, open_page: OpenPage
 ) -> None:
@@ -454,11 +465,16 @@ async def test_nothing_is_drawn_at_rest_and_when_hidden(
     page = await open_page(hub, "#/topics/%2Fscan", prepare=COUNT_DRAWS)
     await shown(page, RED)
     await subscribed(True)
-    await page.wait_for_timeout(300)
-    before = await page.evaluate("draws")
-    await page.wait_for_timeout(1000)
-    assert await page.evaluate("draws") == before > 0
+    before = await at_rest(page)
     await topic.publish(scan("laser", [2.0] * 4))
+    await until(page, f"draws > {before}")
+    # Nor is it drawn while it is scrolled away.
+    await page.evaluate("document.querySelector('.scene').style.marginTop = '3000px'")
+    before = await at_rest(page)
+    await topic.publish(scan("laser", [2.5] * 4))
+    await state(page, "/scan", "nearest 2.50 m")
+    assert await page.evaluate("draws") == before
+    await page.evaluate("document.querySelector('.scene').style.marginTop = ''")
     await until(page, f"draws > {before}")
     await page.locator("details.section", has_text="Scene").locator("summary").first.click()
     await subscribed(False)

@@ -55,6 +55,7 @@ export class Scene implements Surroundings {
   /** How long the last picture took, in ms, and when it was ready. */
   #last = { duration: 0, end: 0 };
   #isVisible = false;
+  #isInSight = true;
   #stops: (() => void)[] = [];
 
   constructor(hub: Hub, model: Model) {
@@ -74,11 +75,18 @@ export class Scene implements Surroundings {
     dark.addEventListener("change", newTheme);
     const sizes = new ResizeObserver(() => this.redraw());
     sizes.observe(this.canvas);
+    // What is scrolled away is not drawn.
+    const places = new IntersectionObserver((found) => {
+      this.#isInSight = found.at(-1)?.isIntersecting !== false;
+      this.redraw();
+    });
+    places.observe(this.canvas);
     this.#stops = [
       renderer.watch(() => this.redraw()),
       ...["/tf", "/tf_static"].map((topic) => this.#subscribe(topic)),
       () => dark.removeEventListener("change", newTheme),
       () => sizes.disconnect(),
+      () => places.disconnect(),
     ];
     for (const entry of this.entries) if (entry.isOn) entry.start();
     this.redraw();
@@ -220,7 +228,8 @@ export class Scene implements Surroundings {
 
   /** Draw soon, if anybody can see it. */
   redraw = (): void => {
-    if (!this.#isVisible || this.#frame !== undefined || this.#timer !== undefined) return;
+    const isWaiting = this.#frame !== undefined || this.#timer !== undefined;
+    if (!this.#isVisible || !this.#isInSight || isWaiting) return;
     const { duration, end } = this.#last;
     const rest = duration < FAST ? 0 : end + duration - performance.now();
     if (rest > 0) {

@@ -5,7 +5,7 @@ import type { Pose } from "../message";
 import { renderer, Vertices } from "../renderer";
 
 /** The thickness of an arrow, for a length of 1. */
-const THICK = 0.1;
+const THICK = 0.14;
 
 export class Arrows {
   readonly #vertices = new Vertices();
