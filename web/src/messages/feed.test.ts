@@ -128,6 +128,7 @@ describe("Feed", () => {
     const socket = FakeSocket.newest;
     socket.open();
     expect(socket.sent.map(({ queue_length }) => queue_length)).toEqual([1, 10]);
+    expect(socket.sent.map((each) => "credit" in each)).toEqual([true, false]);
     for (const { id } of socket.sent) {
       socket.receive({ op: "subscribed", id, topic_id: 7, type: "x/Bytes" });
     }

@@ -126,13 +126,16 @@ export class Feed {
   }
 
   #request({ id, subscriber }: Entry): void {
+    const { queue = 1 } = subscriber;
+    // With credit, only the newest message waits.
+    const credit = queue === 1 ? { credit: CREDIT } : {};
     this.#send({
       op: "subscribe",
       id,
       topic: subscriber.topic,
       throttle_rate: subscriber.throttle,
-      queue_length: subscriber.queue ?? 1,
-      ...(this.#isBinary ? { compression: "ros1", credit: CREDIT } : {}),
+      queue_length: queue,
+      ...(this.#isBinary ? { compression: "ros1", ...credit } : {}),
     });
   }
 

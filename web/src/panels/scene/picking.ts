@@ -4,7 +4,7 @@ import { type Pointer, REACH, type View } from "./layer";
 import { matrixOf, product } from "./matrix";
 
 /** Most points that are looked at; of more, only some are. */
-const MAX_POINTS = 200_000;
+const MAX_POINTS = 100_000;
 
 export interface NearPoint {
   readonly index: number;

@@ -16,6 +16,8 @@ const MAX_RATIO = 2;
 /** Points of a cloud that are drawn at most, with a graphics card and without. */
 const POINTS = 1_000_000;
 const SOFTWARE_POINTS = 100_000;
+/** What has not been drawn for this time is freed, in ms: its panel may have been closed. */
+const UNUSED = 60_000;
 /** While the camera moves: every this many points, of clouds that have more than these. */
 const [HASTY, HASTY_POINTS] = [3, 20_000];
 /** Bytes from one vertex to the next that WebGL allows. */
@@ -175,10 +177,19 @@ interface Tile {
   readonly height: number;
 }
 
+/** What has been made for the data of vertices, and when it was last drawn. */
+interface Uploaded {
+  readonly buffer: WebGLBuffer;
+  version: number;
+  size: number;
+  used: number;
+}
+
 interface Tiles {
   readonly width: number;
   readonly height: number;
   readonly tiles: readonly Tile[];
+  used: number;
 }
 
 /** Things are drawn in this order: maps never hide what lies on them. */
@@ -209,14 +220,17 @@ class Renderer {
   #canvas: OffscreenCanvas | undefined;
   #gl: WebGL2RenderingContext | null = null;
   #programs = new Map<string, Program>();
-  #buffers = new Map<Vertices, { readonly buffer: WebGLBuffer; version: number; size: number }>();
+  #buffers = new Map<Vertices, Uploaded>();
   #tiles = new Map<Cells, Tiles>();
   readonly #shapes = new Map<Shape, Vertices>();
   #palettes: WebGLTexture | null = null;
   #commands: Command[] = [];
   #enabled = 0;
   readonly #listeners = new Set<() => void>();
+  /** When memory was last freed. */
+  #freed = 0;
   // Of the picture that is being drawn.
+  #now = 0;
   #camera: Camera | undefined;
   #size: readonly [width: number, height: number, ratio: number] = [1, 1, 1];
 
@@ -224,7 +238,10 @@ class Renderer {
   watch(listener: () => void): () => void {
     this.#listeners.add(listener);
     this.#start();
-    return () => this.#listeners.delete(listener);
+    return () => {
+      this.#listeners.delete(listener);
+      if (this.#listeners.size === 0) this.#free(Infinity);
+    };
   }
 
   /** Points of a cloud that are drawn at most. */
@@ -281,6 +298,14 @@ class Renderer {
     for (const listener of [...this.#listeners]) listener();
   }
 
+  /** Free what was last drawn before a time: it is made again when it is drawn. */
+  #free(before: number): void {
+    for (const [made, { used }] of [...this.#buffers, ...this.#tiles]) {
+      if (used < before) this.forget(made);
+    }
+    this.#freed = this.#now;
+  }
+
   forget(made: Vertices | Cells): void {
     if (made instanceof Vertices) {
       this.#gl?.deleteBuffer(this.#buffers.get(made)?.buffer ?? null);
@@ -304,6 +329,8 @@ class Renderer {
     const { width, height } = target;
     if (canvas.width !== width) canvas.width = width;
     if (canvas.height !== height) canvas.height = height;
+    this.#now = performance.now();
+    if (this.#now - this.#freed > UNUSED) this.#free(this.#now - UNUSED);
     this.#camera = camera;
     this.#size = [width, height, this.ratio];
     this.#commands = [];
@@ -498,10 +525,12 @@ class Renderer {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     if (known?.width !== cells.width || known.height !== cells.height) {
       this.forget(cells);
-      known = { width: cells.width, height: cells.height, tiles: makeTiles(gl, cells) };
+      const { width, height } = cells;
+      known = { width, height, tiles: makeTiles(gl, cells), used: 0 };
       this.#tiles.set(cells, known);
       cells.changed = [0, cells.height];
     }
+    known.used = this.#now;
     const [from, to] = cells.changed;
     cells.changed = [0, 0];
     if (to <= from) return known.tiles;
@@ -549,9 +578,10 @@ class Renderer {
       if (vertices.data.byteLength === 0) return false;
       let known = this.#buffers.get(vertices);
       if (known === undefined) {
-        known = { buffer: gl.createBuffer(), version: -1, size: 0 };
+        known = { buffer: gl.createBuffer(), version: -1, size: 0, used: 0 };
         this.#buffers.set(vertices, known);
       }
+      known.used = this.#now;
       gl.bindBuffer(gl.ARRAY_BUFFER, known.buffer);
       const { data, version } = vertices;
       if (known.version !== version) {

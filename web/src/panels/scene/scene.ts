@@ -83,6 +83,10 @@ export class Scene implements Surroundings {
     places.observe(this.canvas);
     this.#stops = [
       renderer.watch(() => this.redraw()),
+      this.hub.state.watch((state) => {
+        // Meanwhile the robot may have moved, and its clock begun again.
+        if (state !== "open") this.transforms.clear();
+      }),
       ...["/tf", "/tf_static"].map((topic) => this.#subscribe(topic)),
       () => dark.removeEventListener("change", newTheme),
       () => sizes.disconnect(),
