@@ -102,7 +102,13 @@ function relay({ id, queue, ...subscription }: Request & { kind: "messages" }): 
       if (done === undefined) next();
     });
   const fail = (why: string): void => report({ kind: "fault", id, why });
-  const stop = feed.subscribe({ ...subscription, queue, receive, fail });
+  const end = feed.subscribe({ ...subscription, queue, receive, fail });
+  const stop = (): void => {
+    end();
+    // The hub waits for nothing that nobody takes.
+    done?.();
+    for (const { resolve } of waiting) resolve();
+  };
   const taken = (): void => {
     done?.();
     next();
