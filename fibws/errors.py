@@ -433,6 +433,10 @@ class UnsupportedBag(BagError):
         super().__init__(text)
 
 
+class AssetRefused(FibwsError):
+    """A file of a robot's packages is not served; the text says why."""
+
+
 class HubError(FibwsError):
     """The hub cannot start or continue."""
 

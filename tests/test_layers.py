@@ -101,7 +101,7 @@ BELOW_IN_HUB = {
     "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
     | {"hub.audit", "hub.delivery", "hub.log_text", "hub.settings", "hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
-    | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.settings"},
+    | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces", "protocol.websocket"}
     | {"credentials", "hub_address", "tls", "hub.federation", "hub.graph", "hub.audit"}
     | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}

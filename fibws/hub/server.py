@@ -6,6 +6,7 @@ import asyncio
 import errno
 import ipaddress
 import logging
+import os
 import secrets
 import socket
 import time
@@ -37,6 +38,7 @@ from fibws.hub.graph.topic import SinkReport
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
+from fibws.hub.robot_assets import AssetRoute, RobotAssets
 from fibws.hub.rosapi.clients import Client
 from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
@@ -120,6 +122,8 @@ class Hub:
             policy=policy,
             ticks=time.perf_counter_ns,
         )
+        self.assets = RobotAssets(self.graph, os.environ)
+        """The files of robots whose descriptions are loaded."""
         self.endpoints: Endpoints
         """The protocols that clients may speak, once entered."""
         self.federation: Federation
@@ -137,6 +141,8 @@ class Hub:
         self._shared: Shared
         self._sweeper: asyncio.TimerHandle
         self._threads: WorkerThreads
+        self._readers: WorkerThreads
+        """Read files: large ones must not delay the work of `_threads`."""
         self._requests: HttpRequests
         self._probes: Probes
         self._lag: LoopLag
@@ -211,6 +217,8 @@ class Hub:
         )
         self._probes.add_to(requests)
         LoginRoutes(requests, self._authentication, partial(_refuse_login, self.audit))
+        self._readers = WorkerThreads(loop, most=1)
+        AssetRoute(requests, self.assets, self._authentication, self._readers)
         self._limits = SharedLimits(
             self.settings,
             self._connections,
@@ -465,6 +473,7 @@ class Hub:
         self.federation.close()
         self._own.close()
         await self._threads.close()
+        await self._readers.close()
         with suppress(TimeoutError):  # Clients may be in the middle of their TLS handshake.
             await asyncio.wait_for(self._server.wait_closed(), self.settings.close_timeout)
         loop = asyncio.get_running_loop()

@@ -12,10 +12,15 @@ MOST_THREADS = 2
 
 
 class WorkerThreads:
-    """`Workers` in threads of their own, which exist once there was work."""
+    """`Workers` in threads of their own, which exist once there was work.
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+    Args:
+        most: how many work at once.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, most: int = MOST_THREADS) -> None:
         self._loop = loop
+        self._most = most
         self._executor: ThreadPoolExecutor | None = None
         self._is_closed = False
 
@@ -24,7 +29,7 @@ class WorkerThreads:
         if self._is_closed:
             return
         if self._executor is None:
-            self._executor = ThreadPoolExecutor(MOST_THREADS, "fibws-hub")
+            self._executor = ThreadPoolExecutor(self._most, "fibws-hub")
         self._executor.submit(self._perform, work, done)
 
     async def close(self) -> None:

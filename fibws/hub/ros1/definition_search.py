@@ -7,16 +7,13 @@ when a definition is needed: nothing here is read when the hub starts.
 from __future__ import annotations
 
 import asyncio
-import os
-import re
-import time
 from collections.abc import Iterable, Iterator, Mapping
-from glob import glob
 from pathlib import Path
 from threading import Lock
 from typing import NamedTuple
 
 from fibws.errors import InterfaceError, UnknownPackage, UnknownType
+from fibws.hub.package_folders import PackageFolders
 from fibws.hub.ros1.tcpros import ANY
 from fibws.interfaces import (
     ActionDefinition,
@@ -29,19 +26,6 @@ from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.client_definitions import LONGEST_TEXT
 from fibws.interfaces.definition import ACTION_SUFFIXES
 from fibws.interfaces.folders import STANDARD, Kind
-
-DISTRIBUTIONS = "/opt/ros/*/share"
-DEBIAN = "/usr/share"
-"""Where Debian's own packages of ROS have their definitions."""
-
-FRESH_FOR = 10.0
-"""Seconds for which a list of the packages in source trees is used for packages not in it."""
-MOST_FOLDERS = 20_000
-"""Folders of source trees that are looked at."""
-IGNORE = {"CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE"}
-"""Files that keep ROS's tools out of a folder."""
-
-_PACKAGE_NAME = re.compile(r"<name>\s*(\w+)\s*</name>", re.ASCII)
 
 
 class FoundDefinition(NamedTuple):
@@ -56,9 +40,8 @@ class FoundDefinition(NamedTuple):
 class DefinitionSearch:
     """Finds definitions by the names and md5s of types.
 
-    They are looked for in this order: the user's folders, those of $ROS_PACKAGE_PATH, ``share`` in
-    those of $CMAKE_PREFIX_PATH, all folders below those of $ROS_PACKAGE_PATH,
-    ``/opt/ros/*/share``, ``/usr/share``, and fibws's standard packages. `find` may be called in any
+    They are looked for in the user's folders first, then in the packages of an installed ROS and of
+    its workspaces (`PackageFolders`), then in fibws's standard ones. `find` may be called in any
     thread.
 
     Args:
@@ -68,11 +51,7 @@ class DefinitionSearch:
 
     def __init__(self, folders: Iterable[Path], environment: Mapping[str, str]) -> None:
         self._folders = tuple(folders)
-        self._trees = _paths(environment.get("ROS_PACKAGE_PATH", ""))
-        self._prefixes = _paths(environment.get("CMAKE_PREFIX_PATH", ""))
-        self._in_trees: dict[str, list[Path]] = {}
-        """The packages of the source trees, by name."""
-        self._listed = -FRESH_FOR
+        self._installed = PackageFolders(environment)
         self._lock = Lock()
 
     async def find_soon(self, kind: Kind, name: str, md5sum: str = ANY) -> FoundDefinition:
@@ -122,24 +101,8 @@ class DefinitionSearch:
             if folder.resolve().name == name:
                 yield folder
             yield folder / name
-        for tree in self._trees:
-            yield tree / name
-        for prefix in self._prefixes:
-            yield prefix / "share" / name
-        if self._trees:
-            yield from self._find_in_trees(name)
-        for share in sorted(glob(DISTRIBUTIONS), reverse=True):
-            yield Path(share, name)
-        yield Path(DEBIAN, name)
+        yield from self._installed.find(name)
         yield STANDARD / name
-
-    def _find_in_trees(self, name: str) -> list[Path]:
-        if name not in self._in_trees and time.monotonic() - self._listed >= FRESH_FOR:
-            self._in_trees = {}
-            for package, folder in _list_packages(self._trees):
-                self._in_trees.setdefault(package, []).append(folder)
-            self._listed = time.monotonic()
-        return self._in_trees.get(name, [])
 
     def _not_found(self, name: str, md5sum: str, faults: list[str]) -> str:
         package = name.partition("/")[0]
@@ -231,33 +194,3 @@ def _text(path: Path) -> str:
     if path.stat().st_size > LONGEST_TEXT:
         raise InterfaceError(f"{path} is too long (limit is {LONGEST_TEXT} bytes)")
     return path.read_text("utf-8-sig", errors="replace")
-
-
-def _list_packages(trees: Iterable[Path]) -> Iterator[tuple[str, Path]]:
-    """Yield the packages below some folders, with their names, as rospack finds them."""
-    seen: set[str] = set()
-    for tree in trees:
-        for top, folders, files in os.walk(tree, followlinks=True):
-            real = os.path.realpath(top)
-            if real in seen or len(seen) >= MOST_FOLDERS or IGNORE.intersection(files):
-                folders.clear()
-                continue
-            seen.add(real)
-            if "package.xml" in files:
-                folders.clear()
-                yield _name_of(Path(top)), Path(top)
-            folders[:] = sorted(each for each in folders if not each.startswith("."))
-
-
-def _name_of(package: Path) -> str:
-    """Return the name of a package, which its folder need not have."""
-    try:
-        with (package / "package.xml").open(encoding="utf-8", errors="replace") as file:
-            found = _PACKAGE_NAME.search(file.read(2**16))
-    except OSError:
-        found = None
-    return found[1] if found else package.name
-
-
-def _paths(variable: str) -> tuple[Path, ...]:
-    return tuple(Path(each) for each in variable.split(os.pathsep) if each)

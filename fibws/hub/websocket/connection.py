@@ -34,7 +34,7 @@ from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.client_log import ClientLog
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registration, limit_unsent
-from fibws.hub.websocket.http import HttpRequests, node_name, text_response
+from fibws.hub.websocket.http import DeferredResponse, HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
 from fibws.hub.websocket.proxies import TrustedProxies
@@ -118,6 +118,7 @@ class Connection(asyncio.BufferedProtocol):
     __slots__ = (
         "_again",
         "_busy",
+        "_deferred",
         "_head",
         "_keepalive",
         "_left",
@@ -128,6 +129,7 @@ class Connection(asyncio.BufferedProtocol):
         "_quotas",
         "_reader",
         "_request",
+        "_rest",
         "_shared",
         "_transport",
         "_waiting",
@@ -160,6 +162,10 @@ class Connection(asyncio.BufferedProtocol):
         """Whether the connection waits for its turn, and its socket is not read."""
         self._pong_bytes = 0
         self._left = False
+        self._deferred: DeferredResponse | None = None
+        """The response that takes long to make, until the connection ends."""
+        self._rest = memoryview(b"")
+        """What is not written yet of that response's body."""
         self._quotas = ClientQuotas(shared.limits.quotas)
         self._log = ClientLog(shared.audit)
         self.bytes_received = 0
@@ -247,6 +253,8 @@ class Connection(asyncio.BufferedProtocol):
             incoming.check()
         turns.began = began = perf_counter()
         self.bytes_received += nbytes
+        if self._deferred is not None:
+            return  # Nothing may follow a request whose response is on its way.
         if self._head is None:
             if self._busy and turns.is_spent():
                 self._reader.pause()
@@ -271,6 +279,8 @@ class Connection(asyncio.BufferedProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         try:
             self._leave()
+            if self._deferred is not None:
+                self._deferred.end()
         finally:
             self._quotas.leave(self)
             self._shared.observer.lost(self)
@@ -301,6 +311,8 @@ class Connection(asyncio.BufferedProtocol):
         self._pong_bytes = 0
         if self.endpoint is not None:
             self.queue.resume()
+        elif self._rest:
+            self._write_rest()
 
     # Turns.
 
@@ -374,6 +386,10 @@ class Connection(asyncio.BufferedProtocol):
             or self._refuse()
             or self._accept(request)
         )
+        if isinstance(response, DeferredResponse):
+            self._deferred = response
+            response.start(self._respond)
+            return
         self._protocol.send_response(response)
         if self._protocol.state is not State.OPEN:
             return
@@ -493,6 +509,25 @@ class Connection(asyncio.BufferedProtocol):
         response = text_response(http.HTTPStatus.TOO_MANY_REQUESTS, refusal)
         response.headers["Retry-After"] = "1"
         return response
+
+    def _respond(self, response: Response) -> None:
+        """Send a response that took long to make, and whose body may be large, piece by piece."""
+        if self._transport.is_closing():
+            return
+        self._rest, response.body = memoryview(response.body), b""
+        self._protocol.send_response(response)
+        for data in self._protocol.data_to_send():
+            if data:  # Otherwise it is the end, which comes after the body.
+                self._transport.write(data)
+        self._write_rest()
+
+    def _write_rest(self) -> None:
+        while self._rest and self._transport.get_write_buffer_size() <= HIGH_WATER:
+            self._transport.write(self._rest[:HIGH_WATER])
+            self._rest = self._rest[HIGH_WATER:]
+        if not self._rest:
+            self._write_eof()
+            self._keepalive.closing(self._shared.loop.time())
 
     def _identify(self, request: Request) -> None:
         """Take the client's address from a trusted proxy, if it comes through one."""
@@ -615,7 +650,8 @@ class Connection(asyncio.BufferedProtocol):
         if self._head is None:
             self._reader.release()
             del self._reader
-        self.endpoint = None
+        self.endpoint = self._deferred = None
+        self._rest = memoryview(b"")
         protocol, self._protocol = self._protocol, _ENDED
         vars(protocol).clear()
 

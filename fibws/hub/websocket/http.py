@@ -15,6 +15,7 @@ import email.utils
 import gzip
 import hashlib
 import http
+import logging
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,6 +34,8 @@ from fibws.hub.settings import Settings
 from fibws.hub.websocket.origins import AllowedOrigins, Origin, origin_of_url
 from fibws.hub.websocket.proxies import PROTO, is_secure
 
+logger = logging.getLogger("fibws.hub")
+
 BUILT = resources.files("fibws").joinpath("hub", "page")
 
 # The system's table of types, which the module mimetypes reads, may be wrong.
@@ -47,7 +50,7 @@ CONTENT_TYPES = {
     "txt": "text/plain",
     "woff2": "font/woff2",
 }
-COMPRESSED = {"png", "woff2"}
+COMPRESSED = {"jpeg", "jpg", "png", "woff2"}
 """Kinds of files that gzip cannot make smaller."""
 
 CONTENT_SECURITY_POLICY = "; ".join(
@@ -103,6 +106,57 @@ class Get:
     certificate: str | None = None
 
 
+class DeferredResponse(Response):
+    """A response that takes too long to make for the event loop; it is empty until `start` is done.
+
+    Args:
+        make: returns the response, in any thread.
+        run: calls its first argument in a thread, and then the second one in the event loop.
+        ended: called once the response is sent, or its connection lost.
+    """
+
+    def __init__(
+        self,
+        make: Callable[[], Response],
+        run: Callable[[Callable[[], object], Callable[[], object]], object],
+        ended: Callable[[], object] = lambda: None,
+    ) -> None:
+        super().__init__(http.HTTPStatus.OK, http.HTTPStatus.OK.phrase, Headers())
+        self.has_body = True
+        self._make = make
+        self._run = run
+        self._ended = ended
+        self._send: Callable[[Response], object] | None = None
+        """Takes the response; None once it is not wanted any more."""
+        self._made: Response | None = None
+
+    def start(self, send: Callable[[Response], object]) -> None:
+        """Make the response, and give it to a function in the event loop, unless it has ended."""
+        self._send = send
+        self._run(self._work, self._done)
+
+    def end(self) -> None:
+        """Forget the response."""
+        self._send = self._made = None
+        self._ended()
+
+    def _work(self) -> None:
+        if self._send is None:
+            return
+        try:
+            self._made = self._make()
+        except Exception:
+            logger.exception("A response could not be made.")
+            fault = "The hub failed; its log says why"
+            self._made = text_response(http.HTTPStatus.INTERNAL_SERVER_ERROR, fault)
+
+    def _done(self) -> None:
+        if self._send is not None and self._made is not None:
+            if not self.has_body:
+                self._made.body = b""
+            self._send(self._made)
+
+
 Route: TypeAlias = Callable[[Get], Response]
 """Responds to a GET request."""
 
@@ -131,6 +185,7 @@ class HttpRequests:
         self._closed = ""
         """Why no WebSocket may open any more."""
         self._routes: dict[str, Route] = {"/": _respond_not_built, "/origin": self._describe_origin}
+        self._folders: dict[str, Route] = {}
         for path, content in files.items():
             self._routes[f"/{path}"] = File(path, content).respond
         if "/index.html" in self._routes:
@@ -156,6 +211,10 @@ class HttpRequests:
     def add_route(self, path: str, route: Route) -> None:
         """Add a resource that decides itself who may read it."""
         self._routes[path] = route
+
+    def add_folder(self, path: str, route: Route) -> None:
+        """Add all resources below a path, which ends in ``/``; others may be at paths in it."""
+        self._folders[path] = route
 
     def refuse_websockets(self, reason: str) -> None:
         """Let no WebSocket open from now on; plain requests still get their responses.
@@ -224,16 +283,32 @@ class HttpRequests:
             refusal.headers["Allow"] = "GET, HEAD"
             return refusal
         path = get.path.partition("?")[0]
-        route = self._routes.get(path)
+        route = self._routes.get(path) or self._folder_of(path)
         if route is None:
-            found = text_response(
-                http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see {self._base}/"
-            )
+            fault = f"Nothing is at {path}; see {self._base}/"
+            found = text_response(http.HTTPStatus.NOT_FOUND, fault)
         else:
             found = route(get)
         if method == "HEAD":
-            found.body = b""
+            if isinstance(found, DeferredResponse):
+                found.has_body = False
+            else:
+                found.body = b""
         return found
+
+    def _folder_of(self, path: str) -> Route | None:
+        for folder, route in self._folders.items():
+            if path.startswith(folder):
+                return route
+        return None
+
+    def refusal(self, get: Get) -> str | None:
+        """Return why a page may not read what it could learn by a WebSocket; None if it may.
+
+        Raises:
+            MultipleValuesError: a header is repeated.
+        """
+        return self._origins.refusal(get.headers) or self.host_refusal(get)
 
     def host_refusal(self, get: Get) -> str | None:
         """Return why a page may not read this that gave the hub's address a name of its own."""

@@ -52,9 +52,15 @@ class Keepalive:
             self._pong_due = now + self._settings.ping_timeout
 
     def paused(self, now: float, unsent: int) -> None:
-        """Take note that the socket takes no more; ``unsent`` decreases while the client reads."""
+        """Take note that the socket takes no more; ``unsent`` decreases while the client reads.
+
+        A client that asks for a large file needs no handshake: it has the time of one for each
+        piece that it is sent.
+        """
         self._paused_since = now
         self._unsent = unsent
+        if not self._open:
+            self._since = now
 
     def resumed(self) -> None:
         """Take note that the socket takes data again."""
@@ -96,6 +102,8 @@ class Keepalive:
             if unsent < self._unsent:
                 self._paused_since = now
                 self._pong_due = None
+                if not self._open:
+                    self._since = now
             self._unsent = unsent
 
     def _ping(self, now: float) -> Literal["ping"] | None:

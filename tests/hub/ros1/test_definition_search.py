@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fibws.errors import InterfaceError, InvalidTypeName
-from fibws.hub.ros1 import definition_search
+from fibws.hub import package_folders
 from fibws.hub.ros1.definition_search import DefinitionSearch
 from fibws.interfaces import Interfaces
 
@@ -116,5 +116,5 @@ def test_package_added_later_is_found_after_a_while(
     with pytest.raises(InterfaceError):
         search.find("srv", "maths/Double")
     path = write(tmp_path, "deep/maths/srv/Double.srv", DOUBLE)
-    monkeypatch.setattr(definition_search, "FRESH_FOR", 0.0)
+    monkeypatch.setattr(package_folders, "FRESH_FOR", 0.0)
     assert search.find("srv", "maths/Double").path == path

@@ -29,6 +29,16 @@ def test_handshake_must_end_in_time() -> None:
     assert keepalive.verdict(15.1, unsent=0) == "abort"
 
 
+def test_client_of_a_large_file_has_time_for_each_piece() -> None:
+    keepalive = Keepalive(Settings(open_timeout=5), now=10)
+    keepalive.paused(14, unsent=100)
+    assert keepalive.verdict(18, unsent=100) is None
+    assert keepalive.verdict(19, unsent=50) is None
+    keepalive.paused(23, unsent=100)
+    assert keepalive.verdict(28, unsent=100) is None
+    assert keepalive.verdict(28.1, unsent=100) == "abort"
+
+
 def test_client_is_pinged_in_every_interval() -> None:
     keepalive = opened()
     pinged = []

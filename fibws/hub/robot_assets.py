@@ -1,0 +1,348 @@
+"""The files of robots: meshes and pictures of the packages that a robot's description names.
+
+A robot's description names its meshes by URIs such as ``package://my_robot/meshes/arm.stl``, which
+only a machine with the package can open. ``GET /assets/package/my_robot/meshes/arm.stl`` reads them
+for the hub's page.
+
+Whoever may set a robot's description decides which packages are open, and nobody else; so only
+files of the kinds in `CONTENT_TYPES` are, of packages with a package.xml.
+"""
+
+from __future__ import annotations
+
+import http
+import re
+import stat
+import zlib
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
+from pathlib import Path
+from threading import Lock
+from typing import TypeAlias
+from urllib.parse import unquote
+
+from pydantic_core import to_json
+from websockets.datastructures import Headers
+from websockets.http11 import Response
+
+from fibws.access.rights import Right
+from fibws.errors import AssetRefused, AuthenticationError
+from fibws.hub.access.authentication import Authentication
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.publication import Publication
+from fibws.hub.package_folders import MANIFEST, PackageFolders, name_of
+from fibws.hub.settings import MIB
+from fibws.hub.websocket.http import (
+    COMPRESSED,
+    DeferredResponse,
+    Get,
+    HttpRequests,
+    accepts_gzip,
+    response,
+)
+from fibws.hub.worker_threads import WorkerThreads
+
+DESCRIPTION = "/robot_description"
+"""The end of the names of parameters and topics with robots' descriptions."""
+STRING = "std_msgs/String"
+SCHEME = "package://"
+CONTENT_TYPES = {
+    ".stl": "model/stl",
+    ".dae": "model/vnd.collada+xml",
+    ".obj": "model/obj",
+    ".mtl": "model/mtl",
+    ".png": "image/png",
+    ".jpg": "image/jpeg",
+    ".jpeg": "image/jpeg",
+}
+"""The files that are served, by their suffixes in lower case."""
+LARGEST = 64 * MIB
+MOST_UNSENT = 2 * LARGEST
+"""Bytes of files that may be on their way to clients at once."""
+LONGEST_URI = 2000
+QUICK = 1
+"""zlib's level, at which a mesh of 10 MB takes 0.15 s; the best one would save a tenth more."""
+
+Allows: TypeAlias = Callable[[Right, str], bool]
+"""Returns whether a client may use a name."""
+
+_URI = re.compile(rb"package://([A-Za-z][\w-]*)/", re.ASCII)
+_PACKAGE = re.compile(r"[A-Za-z][\w-]*", re.ASCII)
+_PREFIXES = ("CMAKE_PREFIX_PATH", "AMENT_PREFIX_PATH")
+
+
+class RobotAssets:
+    """Finds the files of the robots whose descriptions are loaded.
+
+    A description is a parameter, or the latched message of a topic of std_msgs/String, whose name
+    ends in ``/robot_description``.
+
+    Args:
+        environment: has the variables that name folders of packages, as `PackageFolders`.
+    """
+
+    def __init__(self, graph: Graph, environment: Mapping[str, str]) -> None:
+        self._graph = graph
+        self._packages = PackageFolders(environment, _PREFIXES)
+        self._parameters: dict[str, frozenset[str]] | None = None
+        """The packages that parameters name; None after a parameter has changed."""
+        graph.parameters.watch(self._forget)
+
+    def named(self, allows: Allows) -> frozenset[str]:
+        """Return the packages in the descriptions that a client may read, in the event loop."""
+        graph = self._graph
+        if self._parameters is None:
+            names = [each for each in graph.parameters.names() if each.endswith(DESCRIPTION)]
+            self._parameters = {name: _packages_in(graph.parameters.text(name)) for name in names}
+        found = frozenset[str]()
+        for name, packages in self._parameters.items():
+            if allows("param_read", name):
+                found |= packages
+        for name, topic in graph.topics.items():
+            if name.endswith(DESCRIPTION) and allows("subscribe", name):
+                for source in topic.sources.values():
+                    latched = source.recall() if source.type.name == STRING else None
+                    if latched is not None:
+                        found |= latched.cached("packages", partial(_packages_of, latched))
+        return found
+
+    def resolve(self, uri: str, named: Collection[str]) -> Path:
+        """Return the file that a URI names, in any thread.
+
+        Args:
+            uri: ``package://PACKAGE/PATH``; the path may be percent-encoded.
+            named: the packages whose files may be read, from `named`.
+
+        Raises:
+            AssetRefused: there is no such file, or it is not to be served.
+        """
+        if not uri.startswith(SCHEME) or len(uri) > LONGEST_URI:
+            raise AssetRefused(f"expected {SCHEME}PACKAGE/PATH, got {uri[:200]}")
+        package, _, path = unquote(uri.removeprefix(SCHEME)).partition("/")
+        parts = path.split("/")
+        if not _PACKAGE.fullmatch(package) or not all(map(_is_plain, parts)):
+            raise AssetRefused(f"invalid address of a file: {uri}")
+        _check_suffix(parts[-1])
+        if package not in named:
+            raise AssetRefused(_why_not_named(package, named))
+        folders = [each for each in self._packages.find(package) if (each / MANIFEST).is_file()]
+        if not folders:
+            raise AssetRefused(
+                f"package {package} was not found on the hub's machine; start the hub where its "
+                "workspace is set up (ROS_PACKAGE_PATH)"
+            )
+        for folder in folders:
+            file = folder.joinpath(*parts)
+            if file.is_file():
+                return _checked(file, folder, package)
+        raise AssetRefused(f"package {package} has no file {path} on the hub's machine")
+
+    def _forget(self, name: str, node: str) -> None:
+        self._parameters = None
+
+
+def _packages_in(text: bytes | bytearray | memoryview) -> frozenset[str]:
+    return frozenset(each.decode() for each in _URI.findall(text))
+
+
+def _packages_of(publication: Publication) -> frozenset[str]:
+    return _packages_in(publication.ros1())
+
+
+def _is_plain(part: str) -> bool:
+    """Return whether a part of a path leads down to a file or a folder that is not hidden."""
+    return part != "" and not part.startswith(".") and not any(each in part for each in "\\\0")
+
+
+def _check_suffix(name: str) -> None:
+    suffix = Path(name).suffix.lower()
+    if suffix not in CONTENT_TYPES:
+        raise AssetRefused(
+            f"files of the kind {suffix or name!r} are not served, only {' '.join(CONTENT_TYPES)}"
+        )
+
+
+def _why_not_named(package: str, named: Collection[str]) -> str:
+    if not named:
+        return f"no robot_description is loaded that names {SCHEME}{package}/"
+    others = ", ".join(sorted(named))
+    return f"package {package} is not in the loaded robot_description, which names {others}"
+
+
+def _checked(file: Path, folder: Path, package: str) -> Path:
+    """Return a file without symbolic links, which must be in its package and not too large."""
+    real = file.resolve()
+    if not real.is_relative_to(folder.resolve()) and not _is_of(real, package):
+        raise AssetRefused(f"{file.name} is a link to a file that is not in package {package}")
+    _check_suffix(real.name)
+    size = real.stat().st_size
+    if size > LARGEST:
+        raise AssetRefused(f"{file.name} is too large: {size} bytes (limit {LARGEST})")
+    return real
+
+
+def _is_of(file: Path, package: str) -> bool:
+    """Return whether a file is in a source folder of a package.
+
+    ``colcon build --symlink-install`` installs links to these.
+    """
+    for folder in file.parents:
+        if (folder / MANIFEST).is_file():
+            return name_of(folder) == package
+    return False
+
+
+class _Room:
+    """Bounds the bytes of files that are kept in memory."""
+
+    def __init__(self) -> None:
+        self._left = MOST_UNSENT
+        self._lock = Lock()
+
+    def take(self, size: int) -> bool:
+        """Take room, in any thread; return whether there is enough."""
+        with self._lock:
+            if size > self._left:
+                return False
+            self._left -= size
+            return True
+
+    def give_back(self, size: int) -> None:
+        """Return room that was taken."""
+        with self._lock:
+            self._left += size
+
+
+class _Download:
+    """One file on its way to a client."""
+
+    def __init__(self, room: _Room) -> None:
+        self._room = room
+        self._size = 0
+        self._has_ended = False
+        self._lock = Lock()
+
+    def reserve(self, size: int) -> bool:
+        """Return whether there is room for the file, and somebody waits for it."""
+        with self._lock:
+            if self._has_ended or not self._room.take(size):
+                return False
+            self._size = size
+            return True
+
+    def end(self) -> None:
+        """Take note that the file is sent, or not wanted any more."""
+        with self._lock:
+            self._has_ended = True
+            self._room.give_back(self._size)
+            self._size = 0
+
+
+class AssetRoute:
+    """``/assets/package/``.
+
+    Who may read a robot's description may read its files: pages that may open a WebSocket, with
+    the same token. Refusals are 404, with ``{"reason": "..."}``.
+
+    Args:
+        requests: what the resources are added to.
+        authentication: None on a hub without authentication.
+        threads: read and compress the files.
+    """
+
+    PATH = "/assets/package/"
+
+    def __init__(
+        self,
+        requests: HttpRequests,
+        assets: RobotAssets,
+        authentication: Authentication | None,
+        threads: WorkerThreads,
+    ) -> None:
+        self._requests = requests
+        self._assets = assets
+        self._authentication = authentication
+        self._threads = threads
+        self._room = _Room()
+        requests.add_folder(self.PATH, self._respond)
+
+    def _respond(self, get: Get) -> Response:
+        refusal = self._requests.refusal(get)
+        if refusal is not None:
+            return _refusal(http.HTTPStatus.FORBIDDEN, refusal)
+        origin = get.headers.get("Origin")
+        try:
+            named = self._assets.named(self._rights(get))
+        except AuthenticationError as error:
+            found = _refusal(http.HTTPStatus.UNAUTHORIZED, str(error))
+            found.headers["WWW-Authenticate"] = "Bearer"
+            return _shared(found, origin)
+        path = get.path.partition("?")[0].removeprefix(self.PATH)
+        download = _Download(self._room)
+        make = partial(self._make, f"{SCHEME}{path}", named, get.headers, download)
+        return DeferredResponse(make, self._threads.run, download.end)
+
+    def _rights(self, get: Get) -> Allows:
+        if self._authentication is None:
+            return lambda right, name: True
+        login = self._authentication.log_in(get.headers, get.path, (), get.certificate, get.address)
+        if login is None:
+            raise AuthenticationError("missing token")
+        return login.principal.rights.allows
+
+    def _make(
+        self, uri: str, named: Collection[str], headers: Headers, download: _Download
+    ) -> Response:
+        try:
+            found = self._read(self._assets.resolve(uri, named), headers, download)
+        except AssetRefused as error:
+            found = _refusal(http.HTTPStatus.NOT_FOUND, str(error))
+        except OSError as error:
+            found = _refusal(http.HTTPStatus.NOT_FOUND, f"the hub cannot read it: {error.strerror}")
+        return _shared(found, headers.get("Origin"))
+
+    def _read(self, path: Path, headers: Headers, download: _Download) -> Response:
+        with path.open("rb") as file:
+            info = path.stat()
+            if not stat.S_ISREG(info.st_mode):
+                raise AssetRefused(f"{path.name} is not a file")
+            etag = f'W/"{info.st_mtime_ns:x}-{info.st_size:x}"'
+            known = ",".join(headers.get_all("If-None-Match"))
+            if any(tag.strip() in (etag, "*") for tag in known.split(",")):
+                found = response(http.HTTPStatus.NOT_MODIFIED)
+            elif not download.reserve(info.st_size):
+                fault = "the hub is busy with other files; try again"
+                found = _refusal(http.HTTPStatus.SERVICE_UNAVAILABLE, fault)
+                found.headers["Retry-After"] = "1"
+                return found
+            else:
+                found = _content(path.suffix.lower(), file.read(info.st_size), headers)
+        found.headers["Cache-Control"] = "no-cache"
+        found.headers["ETag"] = etag
+        return found
+
+
+def _content(suffix: str, data: bytes, headers: Headers) -> Response:
+    is_zipped = suffix[1:] not in COMPRESSED and accepts_gzip(headers)
+    if is_zipped:
+        data = zlib.compress(data, QUICK, zlib.MAX_WBITS | 16)
+    found = response(http.HTTPStatus.OK, CONTENT_TYPES[suffix], data)
+    if is_zipped:
+        found.headers["Content-Encoding"] = "gzip"
+    return found
+
+
+def _refusal(status: http.HTTPStatus, reason: str) -> Response:
+    found = response(status, "application/json", to_json({"reason": reason}))
+    found.headers["Cache-Control"] = "no-store"
+    return found
+
+
+def _shared(found: Response, origin: str | None) -> Response:
+    """Let the page of an allowed origin read a response, and no other."""
+    found.headers["Content-Security-Policy"] = "default-src 'none'; sandbox"
+    found.headers["Vary"] = "Accept-Encoding, Origin"
+    found.headers["Cross-Origin-Resource-Policy"] = "cross-origin" if origin else "same-origin"
+    if origin:
+        found.headers["Access-Control-Allow-Origin"] = origin
+    return found
