@@ -187,7 +187,7 @@ PURE = modules(
             *("serialized", "transform"),
         )
     ),
-    *("demo_robot/world.py", "turtlesim/canvas.py", "turtlesim/field.py"),
+    *("demo_robot/body.py", "demo_robot/world.py", "turtlesim/canvas.py", "turtlesim/field.py"),
 )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import struct
 from typing import TypeAlias
 
 import click
@@ -11,6 +12,7 @@ import click
 import fibws
 from fibws.action.move_base_msgs import MoveBase
 from fibws.cli import node_program
+from fibws.demo_robot.body import CAMERA, DESCRIPTION, LASER, WHEEL_JOINTS
 from fibws.demo_robot.world import RADIUS, RESOLUTION, Robot, World, toward
 from fibws.msg.actionlib_msgs import GoalID
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -30,21 +32,39 @@ from fibws.msg.move_base_msgs import (
     MoveBaseResult,
 )
 from fibws.msg.nav_msgs import OccupancyGrid, Odometry
-from fibws.msg.sensor_msgs import Image, LaserScan
-from fibws.msg.std_msgs import Header
+from fibws.msg.sensor_msgs import (
+    CameraInfo,
+    Image,
+    JointState,
+    LaserScan,
+    PointCloud2,
+    PointField,
+)
+from fibws.msg.std_msgs import ColorRGBA, Header, String
 from fibws.msg.tf2_msgs import TFMessage
+from fibws.msg.visualization_msgs import Marker, MarkerArray
 
 HZ = 20.0
 """Steps of the simulation, odometry and tf per second; scans, images and diagnostics are fewer."""
-SCAN_EVERY, IMAGE_EVERY, DIAGNOSTICS_EVERY = 2, 4, 20
+SCAN_EVERY, IMAGE_EVERY, DEPTHS_EVERY, DIAGNOSTICS_EVERY = 2, 4, 10, 20
 RAYS, RANGE = 180, 8.0
 WIDTH, HEIGHT, FIELD = 160, 120, 1.2
+COLUMNS, ROWS = 48, 24
+"""Rays of the depths."""
 SILENCE = 0.5
 """Seconds without a command after which the robot stops."""
 BLOCKED = 2.0
 """Seconds at a wall after which a goal is given up."""
 NEAR = 0.1
 """Meters from the place of a goal at which it is reached."""
+
+ROOMS = (
+    ("Workshop", 2.5, 1.2, (0.9, 0.6, 0.2)),
+    ("Kitchen", 2.5, 3.6, (0.3, 0.7, 0.4)),
+    ("Hall", 7.4, 3.6, (0.3, 0.5, 0.9)),
+    ("Store", 7.4, 1.2, (0.7, 0.4, 0.8)),
+)
+"""Names of the rooms, where they are, and the colours of their carpets."""
 
 Goal: TypeAlias = fibws.ServerGoal[MoveBaseGoal, MoveBaseResult, MoveBaseFeedback]
 
@@ -61,6 +81,8 @@ class RobotNode:
         self._robot = Robot(World())
         self._last_command = -math.inf
         self._images = 0
+        self._target: Pose | None = None
+        """Where the robot drives to."""
 
     async def run(self) -> None:
         """Simulate until the node ends."""
@@ -71,7 +93,13 @@ class RobotNode:
         self._odometry = await node.advertise("/odom", Odometry)
         self._scan = await node.advertise("/scan", LaserScan)
         self._camera = await node.advertise("/camera/image", Image)
+        self._info = await node.advertise("/camera/camera_info", CameraInfo)
+        self._depths = await node.advertise("/camera/points", PointCloud2)
+        self._joints = await node.advertise("/joint_states", JointState)
+        self._markers = await node.advertise("/markers", MarkerArray)
         self._diagnostics = await node.advertise("/diagnostics", DiagnosticArray)
+        description = await node.advertise("/robot_description", String, latch=True)
+        await description.publish(String(DESCRIPTION))
         await static.publish(TFMessage(self._mounts()))
         await grid.publish(self._map())
         server = await node.action_server("/move_base", MoveBase, self._go, over="topics")
@@ -112,18 +140,30 @@ class RobotNode:
         await self._odometry.publish(self._odometry_at(now))
         if step % SCAN_EVERY == 0:
             await self._scan.publish(self._scan_at(now))
+            await self._joints.publish(self._joints_at(now))
         if step % IMAGE_EVERY == 0:
             self._images += 1
             await self._camera.publish(self._image_at(now))
+            await self._info.publish(self._info_at(now))
+        if step % DEPTHS_EVERY == 0:
+            await self._depths.publish(self._depths_at(now))
         if step % DIAGNOSTICS_EVERY == 0:
             await self._diagnostics.publish(self._status_at(now))
+            await self._markers.publish(self._markers_at(now))
 
     async def _go(self, goal: Goal) -> MoveBaseResult:
         """Drive straight to the place of a goal; a wall in between ends it."""
+        try:
+            return await self._drive(goal)
+        finally:
+            self._target = None
+
+    async def _drive(self, goal: Goal) -> MoveBaseResult:
         target = goal.request.target_pose
         if target.header.frame_id.lstrip("/") != "map":
             reason = f"expected a goal in the frame map, got {target.header.frame_id!r}"
             return goal.aborted(text=reason)
+        self._target = target.pose
         x, y = target.pose.position.x, target.pose.position.y
         blocked = 0
         while not goal.cancel_requested:
@@ -158,9 +198,9 @@ class RobotNode:
         """Return the frames that do not move."""
         stamp = self._node.now()
         # The odometry of this robot does not drift.
-        places = [("map", "odom", 0.0, 0.0), ("base_link", "laser", 0.0, 0.2)]
-        places.append(("base_link", "camera", 0.15, 0.3))
-        return [
+        places = [("map", "odom", 0.0, 0.0), ("base_link", "laser", *LASER)]
+        places.append(("base_link", "camera", *CAMERA))
+        frames = [
             TransformStamped(
                 Header(stamp=stamp, frame_id=parent),
                 child,
@@ -168,6 +208,10 @@ class RobotNode:
             )
             for parent, child, x, z in places
         ]
+        # z ahead and x to the right, as cameras have it (REP 103).
+        turn = Transform(Vector3(), Quaternion(-0.5, 0.5, -0.5, 0.5))
+        header = Header(stamp=stamp, frame_id="camera")
+        return [*frames, TransformStamped(header, "camera_optical", turn)]
 
     def _base(self, now: fibws.Time) -> TransformStamped:
         pose = _pose(self._robot.pose.x, self._robot.pose.y, self._robot.pose.yaw)
@@ -195,9 +239,69 @@ class RobotNode:
             ranges=self._robot.scan(RAYS, RANGE),
         )
 
+    def _joints_at(self, now: fibws.Time) -> JointState:
+        return JointState(Header(stamp=now), list(WHEEL_JOINTS), list(self._robot.wheels))
+
+    def _info_at(self, now: fibws.Time) -> CameraInfo:
+        header = Header(stamp=now, frame_id="camera_optical")
+        info = CameraInfo(header, HEIGHT, WIDTH, "plumb_bob", D=[0.0] * 5)
+        focus = WIDTH / 2 / math.tan(FIELD / 2)
+        info.K = [focus, 0.0, WIDTH / 2, 0.0, focus, HEIGHT / 2, 0.0, 0.0, 1.0]
+        info.R = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+        info.P = [*info.K[:3], 0.0, *info.K[3:6], 0.0, *info.K[6:], 0.0]
+        return info
+
+    def _depths_at(self, now: fibws.Time) -> PointCloud2:
+        """Return the points that the camera sees; the colours are bytes: blue, green and red."""
+        points = self._robot.depths(COLUMNS, ROWS, FIELD, *CAMERA, RANGE)
+        size = 16
+        data = bytearray(len(points) * size)
+        for at, (x, y, z, shade) in enumerate(points):
+            color = (shade * 7 // 10, shade * 9 // 10, shade, 0)
+            struct.pack_into("<3f4B", data, at * size, x, y, z, *color)
+        fields = [
+            PointField(name, offset, PointField.FLOAT32, 1)
+            for name, offset in (("x", 0), ("y", 4), ("z", 8), ("rgb", 12))
+        ]
+        return PointCloud2(
+            Header(stamp=now, frame_id="camera"),
+            height=1,
+            width=len(points),
+            fields=fields,
+            point_step=size,
+            row_step=len(data),
+            data=bytes(data),
+            is_dense=True,
+        )
+
+    def _markers_at(self, now: fibws.Time) -> MarkerArray:
+        """Return the rooms, the robot's speed above it, and where it drives to."""
+        still = Header(stamp=now, frame_id="map")
+        markers = []
+        for number, (name, x, y, (red, green, blue)) in enumerate(ROOMS):
+            text = Marker(still, "rooms", number, Marker.TEXT_VIEW_FACING, text=name)
+            text.pose = _pose(x, y, 0.0)
+            text.scale.z, text.color = 0.4, ColorRGBA(red, green, blue, 1.0)
+            carpet = Marker(still, "carpets", number, Marker.CUBE)
+            carpet.pose = _pose(x, y, 0.0)
+            carpet.scale = Vector3(1.8, 1.0, 0.01)
+            carpet.color = ColorRGBA(red, green, blue, 0.5)
+            markers += [text, carpet]
+        header = Header(frame_id="base_link")
+        speed = Marker(header, "speed", 0, Marker.TEXT_VIEW_FACING, frame_locked=True)
+        speed.text = "blocked" if self._robot.is_blocked else f"{self._robot.speed:.1f} m/s"
+        speed.pose.position.z = 0.5
+        speed.scale.z, speed.color = 0.2, ColorRGBA(0.9, 0.4, 0.1, 1.0)
+        speed.lifetime = fibws.Duration(2)
+        goal = Marker(still, "goal", 0, Marker.ARROW, Marker.DELETE)
+        if self._target is not None:
+            goal.action, goal.pose = Marker.ADD, self._target
+            goal.scale, goal.color = Vector3(0.5, 0.06, 0.06), ColorRGBA(0.8, 0.2, 0.7, 1.0)
+        return MarkerArray([*markers, speed, goal])
+
     def _image_at(self, now: fibws.Time) -> Image:
         return Image(
-            Header(stamp=now, frame_id="camera"),
+            Header(stamp=now, frame_id="camera_optical"),
             HEIGHT,
             WIDTH,
             "rgb8",
@@ -255,8 +359,9 @@ async def simulate(node: fibws.Node) -> None:
 def command(node: fibws.Node) -> None:
     """Simulate a robot that drives by /cmd_vel.
 
-    It publishes /map, /scan, /camera/image, /odom, /tf, /tf_static and /diagnostics, and drives to
-    goals of the action /move_base and of /move_base_simple/goal, in the frame map.
+    It publishes /map, /scan, /camera/image, /camera/points, /odom, /tf, /joint_states, /markers,
+    /robot_description and /diagnostics, and drives to goals of the action /move_base and of
+    /move_base_simple/goal, in the frame map.
     """
 
     async def program() -> None:

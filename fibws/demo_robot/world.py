@@ -37,6 +37,10 @@ START = (1.0, 0.6, 0.0)
 RADIUS = 0.2
 """The robot's."""
 MOST_SPEED, MOST_TURN = 1.0, 2.0
+WHEEL, TRACK = 0.07, 0.34
+"""The radius of the wheels, and the distance between them."""
+WALL = 0.5
+"""The height of the walls, for the depths that the camera sees."""
 
 
 @dataclass(slots=True)
@@ -116,6 +120,7 @@ class Robot:
         speed: forwards, at most `MOST_SPEED`.
         turn: to the left, at most `MOST_TURN`.
         is_blocked: whether a wall has kept it from moving.
+        wheels: the angles of the left and of the right one.
     """
 
     def __init__(self, world: World, start: Sequence[float] = START) -> None:
@@ -124,6 +129,7 @@ class Robot:
         self.speed = 0.0
         self.turn = 0.0
         self.is_blocked = False
+        self.wheels = [0.0, 0.0]
 
     def command(self, speed: float, turn: float) -> None:
         """Set the velocity, within its limits; numbers that are not finite are ignored."""
@@ -141,6 +147,9 @@ class Robot:
         self.is_blocked = not self.world.is_free(x, y)
         if not self.is_blocked:
             pose.x, pose.y = x, y
+        forward = 0.0 if self.is_blocked else self.speed
+        for wheel, side in enumerate((-1, 1)):
+            self.wheels[wheel] += (forward + side * self.turn * TRACK / 2) * seconds / WHEEL
 
     def scan(self, count: int, most: float) -> list[float]:
         """Return the distances to the walls all around, from behind the robot to the left."""
@@ -173,6 +182,39 @@ class Robot:
             empty = b"\x8c\xb4\xdc" if row < height / 2 else b"\x5a\x64\x50"
             rows.append(b"".join(wall if away < half else empty for half, wall in columns))
         return b"".join(rows)
+
+    def depths(
+        self, columns: int, rows: int, field: float, ahead: float, height: float, most: float
+    ) -> list[tuple[float, float, float, int]]:
+        """Return the points that a camera sees of walls and of the floor.
+
+        Args:
+            columns, rows: how many rays there are.
+            field: the angle between those at the left and at the right edge.
+            ahead: how far the camera is in front of the robot's middle.
+            height: how high it is.
+            most: how far it sees.
+
+        Returns:
+            Of each point x, y and z in the camera's frame, of which x is ahead and z upwards, and
+            its brightness from 0 to 255.
+        """
+        pose, points = self.pose, []
+        x = pose.x + ahead * math.cos(pose.yaw)
+        y = pose.y + ahead * math.sin(pose.yaw)
+        for column in range(columns):
+            angle = field * (0.5 - (column + 0.5) / columns)
+            wall = self.world.distance(x, y, pose.yaw + angle, most)
+            for row in range(rows):
+                slope = math.tan(0.75 * field * (0.5 - (row + 0.5) / rows))
+                length, shade = wall, max(40, 230 - int(min(wall, most) * 22))
+                if slope < 0 and -height / slope < wall:
+                    length, shade = -height / slope, 90
+                if length < most and height + length * slope < WALL:
+                    points.append(
+                        (length * math.cos(angle), length * math.sin(angle), length * slope, shade)
+                    )
+        return points
 
 
 def toward(pose: Pose, x: float, y: float) -> tuple[float, float]:

@@ -6,7 +6,17 @@ import math
 
 import pytest
 
-from fibws.demo_robot.world import PLAN, RESOLUTION, START, Pose, Robot, World, toward
+from fibws.demo_robot.world import (
+    PLAN,
+    RESOLUTION,
+    START,
+    TRACK,
+    WHEEL,
+    Pose,
+    Robot,
+    World,
+    toward,
+)
 
 ROOM = """\
 ######
@@ -71,6 +81,29 @@ def test_robot_drives_until_a_wall() -> None:
     robot.command(0.0, 1.0)
     robot.move(0.1)
     assert robot.pose.yaw > before and not robot.is_blocked
+
+
+def test_wheels_turn_as_far_as_the_robot_drives() -> None:
+    robot = Robot(World())
+    robot.command(0.7, 0.0)
+    robot.move(0.5)
+    assert robot.wheels == pytest.approx([0.35 / WHEEL] * 2)
+    robot.command(0.0, 1.0)
+    robot.move(0.5)
+    left, right = robot.wheels
+    assert right - left == pytest.approx(0.5 * TRACK / WHEEL)
+
+
+def test_depths_end_at_walls_and_at_the_floor() -> None:
+    robot = Robot(World(ROOM), (0.6, 0.5, 0.0))
+    points = robot.depths(1, 31, 2.0, 0.1, 0.3, 5.0)
+    assert all(y == pytest.approx(0.0) for _, y, _, _ in points)
+    # The wall is 0.55 m ahead; its foot is hidden by nothing.
+    ahead = [x for x, _, z, _ in points if z > -0.29]
+    assert ahead == pytest.approx([0.55] * len(ahead)) and len(ahead) > 10
+    floor = [x for x, _, z, _ in points if z == pytest.approx(-0.3)]
+    assert floor and max(floor) < 0.55
+    assert max(z for _, _, z, _ in points) < 0.2
 
 
 def test_velocity_has_limits() -> None:

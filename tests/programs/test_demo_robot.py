@@ -15,8 +15,11 @@ from fibws.msg.diagnostic_msgs import DiagnosticArray
 from fibws.msg.geometry_msgs import PoseStamped, Twist, Vector3
 from fibws.msg.move_base_msgs import MoveBaseGoal
 from fibws.msg.nav_msgs import OccupancyGrid, Odometry
-from fibws.msg.sensor_msgs import Image, LaserScan
+from fibws.msg.sensor_msgs import CameraInfo, Image, JointState, LaserScan, PointCloud2
+from fibws.msg.std_msgs import String
 from fibws.msg.tf2_msgs import TFMessage
+from fibws.msg.visualization_msgs import MarkerArray
+from fibws.ros1.urdf import read_urdf
 
 
 @pytest.fixture
@@ -47,7 +50,26 @@ async def test_robot_publishes_what_robots_have(node: fibws.Node) -> None:
     diagnostics = await node.wait_for_message("/diagnostics", DiagnosticArray)
     assert [status.level for status in diagnostics.status] == [0, 1, 0]
     frames = await node.wait_for_message("/tf_static", TFMessage)
-    assert [each.child_frame_id for each in frames.transforms] == ["odom", "laser", "camera"]
+    names = [each.child_frame_id for each in frames.transforms]
+    assert names == ["odom", "laser", "camera", "camera_optical"]
+
+
+async def test_robot_has_a_body_whose_wheels_turn(node: fibws.Node) -> None:
+    description = await node.wait_for_message("/robot_description", String)
+    model = read_urdf(description.data)
+    joints = await node.wait_for_message("/joint_states", JointState)
+    assert {name for name, joint in model.joints.items() if joint.moves} == set(joints.name)
+    assert {"base_link", "laser", "camera"} <= set(model.links)
+
+
+async def test_robot_sees_depths_and_marks_what_it_knows(node: fibws.Node) -> None:
+    cloud = await node.wait_for_message("/camera/points", PointCloud2)
+    assert len(cloud.data) == cloud.width * cloud.point_step
+    info = await node.wait_for_message("/camera/camera_info", CameraInfo)
+    image = await node.wait_for_message("/camera/image", Image)
+    assert (info.width, info.header.frame_id) == (image.width, image.header.frame_id)
+    markers = (await node.wait_for_message("/markers", MarkerArray)).markers
+    assert {marker.ns for marker in markers} == {"rooms", "carpets", "speed", "goal"}
 
 
 async def test_robot_drives_by_commands_and_stops_without_them(node: fibws.Node) -> None:
