@@ -59,10 +59,10 @@ NEAR = 0.1
 """Meters from the place of a goal at which it is reached."""
 
 ROOMS = (
-    ("Workshop", 2.5, 1.2, (0.9, 0.6, 0.2)),
-    ("Kitchen", 2.5, 3.6, (0.3, 0.7, 0.4)),
-    ("Hall", 7.4, 3.6, (0.3, 0.5, 0.9)),
-    ("Store", 7.4, 1.2, (0.7, 0.4, 0.8)),
+    ("Workshop", 3.7, 1.2, (0.9, 0.6, 0.2)),
+    ("Kitchen", 3.1, 3.4, (0.3, 0.7, 0.4)),
+    ("Hall", 6.1, 3.4, (0.3, 0.5, 0.9)),
+    ("Store", 6.0, 1.2, (0.7, 0.4, 0.8)),
 )
 """Names of the rooms, where they are, and the colours of their carpets."""
 

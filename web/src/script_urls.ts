@@ -1,6 +1,7 @@
 /** The addresses from which the page loads further scripts, as its Trusted Types policy wants. */
 import layoutUrl from "./graph/layout.worker.ts?worker&url";
 import dataUrl from "./messages/data.worker.ts?worker&url";
+import meshUrl from "./panels/scene/robot/mesh.worker.ts?worker&url";
 
 /** In the same folder as the page. */
 const ROSLIB_URL = "roslib.js";
@@ -16,7 +17,7 @@ interface TrustedTypes {
 
 const { trustedTypes } = globalThis as { trustedTypes?: TrustedTypes };
 
-const TRUSTED = [layoutUrl, dataUrl, ROSLIB_URL];
+const TRUSTED = [layoutUrl, dataUrl, meshUrl, ROSLIB_URL];
 
 const policy = trustedTypes?.createPolicy("fibws", {
   createScriptURL(url) {
@@ -28,6 +29,8 @@ const policy = trustedTypes?.createPolicy("fibws", {
 export const layoutWorker = trusted(layoutUrl);
 
 export const dataWorker = trusted(dataUrl);
+
+export const meshWorker = trusted(meshUrl);
 
 export const roslibScript = trusted(ROSLIB_URL);
 

@@ -102,8 +102,10 @@ export class Entry {
   }
 
   #subscriptions(): (() => void)[] {
-    const ends = [this.#subscribe(this.topic, this.type, 1, (message) => this.#receive(message))];
-    const updates = this.kind.updates?.(this.topic);
+    const { topic, type, kind } = this;
+    const receive = (message: Fields): void => this.#receive(message);
+    const ends = [this.#subscribe(topic, type, kind.queue ?? 1, receive)];
+    const updates = kind.updates?.(topic);
     if (updates !== undefined) ends.push(this.#subscribeUpdates(updates));
     return ends;
   }

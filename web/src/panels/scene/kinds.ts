@@ -1,5 +1,5 @@
 /** The kinds of layers: to add one, add it to the list at the end. */
-import type { LayerKind, Setting } from "./layer";
+import type { Layer, LayerContext, LayerKind, Setting } from "./layer";
 import { Frames } from "./layers/frames";
 import { LaserScan } from "./layers/laser_scan";
 import { OccupancyGrid } from "./layers/occupancy_grid";
@@ -200,9 +200,78 @@ const VECTORS: LayerKind = {
   make: async (context) => new (await import("./layers/readings")).Vectors(context),
 };
 
+const markers = async (context: LayerContext): Promise<Layer> =>
+  new (await import("./layers/markers")).Markers(context);
+const hidden: Setting = { name: "hidden", label: "Hidden namespaces", value: "" };
+/** Markers that wait: each one is a change, so that none may be skipped. */
+const MARKER_QUEUE = 200;
+
+const MARKER: LayerKind = {
+  label: "Markers",
+  types: ["visualization_msgs/Marker", "visualization_msgs/MarkerArray"],
+  throttle: 0,
+  queue: MARKER_QUEUE,
+  isFirst: true,
+  settings: [hidden],
+  make: markers,
+};
+
+const INTERACTIVE_MARKERS: LayerKind = {
+  label: "Interactive markers",
+  types: ["visualization_msgs/InteractiveMarkerInit"],
+  throttle: 0,
+  queue: MARKER_QUEUE,
+  updates: (topic) => ({
+    topic: topic.replace(/_full$/, ""),
+    type: "visualization_msgs/InteractiveMarkerUpdate",
+  }),
+  isFirst: true,
+  settings: [hidden],
+  make: markers,
+};
+
+const DESCRIPTION = "/robot_description";
+
+const ROBOT_MODEL: LayerKind = {
+  label: "Robot model",
+  types: ["std_msgs/String"],
+  throttle: 0,
+  isOwn: true,
+  isFirst: true,
+  isContext: true,
+  settings: [
+    { name: "visual", label: "Visual", value: true },
+    { name: "collision", label: "Collision", value: false },
+    { name: "alpha", label: "Opacity", value: 1, min: 0, max: 1, step: 0.1 },
+    { name: "joints", label: "Joint states", value: "" },
+    { name: "prefix", label: "Prefix of frames", value: "" },
+  ],
+  accepts: (topic) => topic.endsWith(DESCRIPTION),
+  // The description may be a parameter of that name.
+  offers: ({ topics }) => [
+    ...topics
+      .filter(({ type }) => type === "sensor_msgs/JointState")
+      .map(({ name }) => name.slice(0, name.lastIndexOf("/")) + DESCRIPTION),
+    ...(topics.some(({ name }) => name === "/tf") ? [DESCRIPTION] : []),
+  ],
+  make: async (context) => new (await import("./layers/robot_model")).RobotModel(context),
+};
+
+const CAMERA_INFO: LayerKind = {
+  label: "Camera's view",
+  types: ["sensor_msgs/CameraInfo"],
+  throttle: 100,
+  settings: [
+    color("#8a6fd1"),
+    { name: "depth", label: "Length (m)", value: 1, min: 0.01, max: 100, step: 0.1 },
+  ],
+  make: async (context) => new (await import("./layers/camera_info")).CameraInfo(context),
+};
+
 /** In the order of the list of layers. What most scenes do not need is loaded when it is shown. */
 export const LAYER_KINDS: readonly LayerKind[] = [
   OCCUPANCY_GRID,
+  ROBOT_MODEL,
   LASER_SCAN,
   POINT_CLOUD,
   FRAMES,
@@ -215,4 +284,7 @@ export const LAYER_KINDS: readonly LayerKind[] = [
   POINT,
   RANGE,
   VECTORS,
+  MARKER,
+  INTERACTIVE_MARKERS,
+  CAMERA_INFO,
 ];

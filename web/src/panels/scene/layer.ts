@@ -35,6 +35,8 @@ export interface LayerKind {
   readonly settings: readonly Setting[];
   /** The least time between two messages, in ms. */
   readonly throttle: number;
+  /** How many messages wait while one is processed, if none may be skipped. */
+  readonly queue?: number;
   /** A message is expected again and again: say so if none has come for some seconds. */
   readonly isStream?: boolean;
   /** Another topic that changes what has been received: its messages go to `receiveUpdate`. */

@@ -59,7 +59,11 @@ export class LayerList {
       const { level, text } = entry.state(now, published.has(entry.topic));
       row.box.checked = entry.isOn;
       row.gear.hidden = !entry.isOn;
-      if (!entry.isOn) this.#openSettings(row, false);
+      if (!entry.isOn) {
+        this.#openSettings(row, false);
+        // Another layer has other ones.
+        row.settings.replaceChildren();
+      }
       setAttribute(row.element, "data-level", level);
       setText(row.sign, SIGNS[level]);
       setText(row.text, text);

@@ -100,6 +100,8 @@ export interface Points {
   readonly offset?: number;
   /** The edge of a point, in CSS pixels. */
   readonly size: number;
+  /** Whether `size` is in m. */
+  readonly isMetric?: boolean;
   readonly paint: Paint;
   /** Draw only every this many of them. */
   readonly every?: number;
@@ -115,6 +117,8 @@ export interface Lines {
   readonly pairs?: boolean;
   /** In CSS pixels. */
   readonly width: number;
+  /** Whether `width` is in m. */
+  readonly isMetric?: boolean;
   /** Whether maps lie above them. */
   readonly isGround?: boolean;
   /** The colour of all; without one, each point has its own: red, green, blue, alpha. */
@@ -422,7 +426,7 @@ class Renderer {
     }
     gl.uniform1i(program("kind"), ["flat", "bgr", "number", "along"].indexOf(paint.kind));
     gl.uniform4f(program("color"), ...color);
-    gl.uniform1f(program("size"), Math.max(1, size * this.#size[2]));
+    gl.uniform2f(program("size"), ...this.#thickness(size, points.isMetric));
     if ("palette" in paint) {
       gl.uniform2f(program("range"), paint.low, paint.high);
       this.#usePalette(gl, program, paint.palette);
@@ -430,6 +434,12 @@ class Renderer {
     if (!this.#bind(gl, vertices, attributes)) return;
     const count = Math.ceil(points.count / every);
     gl.drawArrays(gl.POINTS, 0, count);
+  }
+
+  /** A size in pixels and 0, or in m and the pixels of 1 m at a distance of 1 m. */
+  #thickness(size: number, isMetric = false): [size: number, focus: number] {
+    if (!isMetric) return [Math.max(1, size * this.#size[2]), 0];
+    return [size, ((this.#camera as Camera).projection[5] as number) * (this.#size[1] / 2)];
   }
 
   #drawLines(gl: WebGL2RenderingContext, lines: Lines, model: Transform): void {
@@ -449,7 +459,8 @@ class Renderer {
     }
     gl.uniform1i(program("hasColors"), color === undefined ? 1 : 0);
     gl.uniform4f(program("color"), ...(color ?? ([1, 1, 1, 1] as const)));
-    gl.uniform3f(program("screen"), this.#size[0], this.#size[1], width * this.#size[2]);
+    const thickness = this.#thickness(width, lines.isMetric);
+    gl.uniform4f(program("screen"), this.#size[0], this.#size[1], ...thickness);
     if (!this.#bind(gl, vertices, attributes, 0)) return;
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, segments);
   }

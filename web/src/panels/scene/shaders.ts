@@ -33,13 +33,13 @@ layout(location = 2) in float number;
 uniform mat4 matrix;
 uniform vec4 color, axis;
 uniform vec2 range;
-uniform float size;
+uniform vec2 size;
 uniform int kind, row;
 uniform sampler2D palettes;
 out vec4 tint;
 void main() {
   gl_Position = isFinite(place) ? matrix * vec4(place, 1.0) : AWAY;
-  gl_PointSize = size;
+  gl_PointSize = size.y == 0.0 ? size.x : max(1.0, size.x * size.y / gl_Position.w);
   if (kind == 0) {
     tint = color;
   } else if (kind == 1) {
@@ -61,7 +61,7 @@ layout(location = 2) in vec4 startColor;
 layout(location = 3) in vec4 endColor;
 uniform mat4 matrix;
 uniform vec4 color;
-uniform vec3 screen;
+uniform vec4 screen;
 uniform int hasColors;
 out vec4 tint;
 void main() {
@@ -78,8 +78,9 @@ void main() {
   else if (b.w < near) b = mix(b, a, (near - b.w) / (a.w - b.w));
   vec2 along = (b.xy / b.w - a.xy / a.w) * screen.xy;
   float length = max(length(along), 1e-6);
-  vec2 across = vec2(-along.y, along.x) / length * screen.z / screen.xy;
   vec4 place = atEnd ? b : a;
+  float width = screen.w == 0.0 ? screen.z : max(1.0, screen.z * screen.w / place.w);
+  vec2 across = vec2(-along.y, along.x) / length * width / screen.xy;
   place.xy += across * ((gl_VertexID & 2) == 0 ? 1.0 : -1.0) * place.w;
   gl_Position = place;
 }
