@@ -137,3 +137,36 @@ describe("rotations", () => {
     expect(joint && jointAt(joint, 1)).toBe(joint?.origin);
   });
 });
+
+interface Case {
+  readonly urdf: string;
+  readonly known: Readonly<Record<string, number>>;
+  /** By links: x, y and z, and the rotation's x, y, z and w. */
+  readonly places: Readonly<Record<string, readonly number[]>>;
+}
+
+/** The module with the cases of tests/web/test_urdf.py; none but in that test. */
+const file = import.meta.env.VITE_URDF_CASES as string | undefined;
+const { cases } = file ? ((await import(file)) as { cases: Case[] }) : { cases: [] };
+
+describe.runIf(file)("robot_state_publisher", () => {
+  it.each(cases)("has links at the same places %#", ({ urdf, known, places }) => {
+    const model = readUrdf(urdf);
+    const found = placesOf(model, positionsOf(model, new Map(Object.entries(known))));
+    expect([...found.keys()].sort()).toEqual(Object.keys(places).sort());
+    for (const [link, expected] of Object.entries(places)) {
+      const { translation, rotation } = found.get(link) as Transform;
+      const { x, y, z, w } = rotation;
+      const turn = [x, y, z, w];
+      // Two quaternions are the same rotation.
+      const sign = turn.reduce((sum, each, at) => sum + each * (expected[3 + at] ?? 0), 0) < 0;
+      const numbers = [
+        ...[translation.x, translation.y, translation.z],
+        ...turn.map((each) => (sign ? -each : each)),
+      ];
+      for (const [at, number] of numbers.entries()) {
+        expect(number).toBeCloseTo(expected[at] ?? Number.NaN, 9);
+      }
+    }
+  });
+});
