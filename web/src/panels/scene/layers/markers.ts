@@ -36,6 +36,8 @@ import { type Solid, SolidBatch } from "../solid_batch";
 const MAX_TIMER = 2 ** 31 - 1;
 /** The part of an arrow between two points that is its head, if its length is not given. */
 const HEAD = 0.23;
+/** How the namespace without a name is called. */
+const NO_NAME = "(none)";
 
 /** What is drawn of a marker, in its own frame. */
 interface Drawn {
@@ -148,7 +150,7 @@ export class Markers implements Layer {
     const draws: (() => void)[] = [];
     this.#batch.begin();
     for (const { marker, drawn } of this.#set) {
-      if (hidden.has(marker.ns)) continue;
+      if (hidden.has(settingName(marker.ns))) continue;
       const frame = this.#frameOf(marker, view, frames);
       if (frame === undefined) continue;
       const model = multiplied(frame, drawn.pose);
@@ -208,16 +210,16 @@ export class Markers implements Layer {
       ...found.map((name) => {
         const box = h("input", {
           type: "checkbox",
-          checked: !hidden.has(name),
+          checked: !hidden.has(settingName(name)),
           onchange: () => {
             const names = this.#hidden;
-            if (box.checked) names.delete(name);
-            else names.add(name);
+            if (box.checked) names.delete(settingName(name));
+            else names.add(settingName(name));
             settings.hidden = [...names].filter((each) => each !== "").join(", ");
             this.#context.redraw();
           },
         });
-        return h("label", {}, box, h("span", { class: "mono" }, name === "" ? "(none)" : name));
+        return h("label", {}, box, h("span", { class: "mono" }, name || NO_NAME));
       }),
     );
   }
@@ -267,6 +269,11 @@ export class Markers implements Layer {
     this.#batch.close();
     this.#meshes.close();
   }
+}
+
+/** A namespace as it is in the list of hidden ones. */
+function settingName(name: string): string {
+  return name.replaceAll(",", "%2C") || NO_NAME;
 }
 
 /** The markers of an interactive one, in its own namespace. */
