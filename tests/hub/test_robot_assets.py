@@ -132,6 +132,7 @@ async def test_hub_below_a_path_serves_files_there(start_hub: StartHub, workspac
     assert (await get(hub, "/assets/package/arm/meshes/a.stl"))[0] == 404
 
 
+@pytest.mark.both_loops
 async def test_large_file_arrives_whole_and_delays_nobody(robot: Hub, workspace: Path) -> None:
     data = os.urandom(24 * 2**20)  # More than sockets buffer.
     write(workspace, "arm", "big.stl", data)
