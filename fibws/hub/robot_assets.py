@@ -61,7 +61,7 @@ MOST_UNSENT = 2 * LARGEST
 """Bytes of files that may be on their way to clients at once."""
 LONGEST_URI = 2000
 QUICK = 1
-"""zlib's level, at which a mesh of 10 MB takes 0.08 s; level 6 saves a tenth more in 0.2 to 0.4 s."""
+"""zlib's level, at which 10 MB take 0.08 s; level 6 saves a tenth more, in 0.2 to 0.4 s."""
 
 Allows: TypeAlias = Callable[[Right, str], bool]
 """Returns whether a client may use a name."""

@@ -1,5 +1,5 @@
 /** The robot of a description in URDF, whose links are where tf or its joints have them. */
-import { h, replace, setText } from "../../../dom";
+import { h, replace, setName, setText } from "../../../dom";
 import { plural } from "../../../format";
 import { dataClient } from "../../../messages/data_client";
 import type { Graph, TopicInfo } from "../../../model";
@@ -283,7 +283,9 @@ export class RobotModel implements Layer {
       },
     });
     show(value);
-    return h("label", { class: "field" }, h("span", { class: "mono" }, name), input, output);
+    const label = h("span", { class: "mono" });
+    setName(label, name);
+    return h("label", { class: "field" }, label, input, output);
   }
 
   pick(view: View, pointer: Pointer): Hit | undefined {
