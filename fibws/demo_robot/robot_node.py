@@ -156,7 +156,8 @@ class RobotNode:
         try:
             return await self._drive(goal)
         finally:
-            self._target = None
+            if self._target is goal.request.target_pose.pose:  # Otherwise another goal is newer.
+                self._target = None
 
     async def _drive(self, goal: Goal) -> MoveBaseResult:
         target = goal.request.target_pose
