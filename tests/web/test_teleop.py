@@ -80,7 +80,7 @@ async def drive(page: Page, robot: Robot) -> None:
 @asynccontextmanager
 async def held(page: Page, x: float, y: float) -> AsyncIterator[None]:
     """Hold the stick at a place, by parts of its radius to the right and down."""
-    stick = page.locator(".teleop-stick")
+    stick = page.locator(".teleop-stick").first
     await stick.scroll_into_view_if_needed()
     box = await stick.bounding_box()
     assert box is not None
@@ -150,7 +150,7 @@ async def test_keys_drive_while_the_panel_has_the_focus(
 
 async def test_stop_holds_until_it_is_released(hub: Hub, robot: Robot, open_page: OpenPage) -> None:
     page = await open_page(hub, CMD)
-    stick = page.locator(".teleop-stick")
+    stick = page.locator(".teleop-stick").first
     await drive(page, robot)
     await page.keyboard.press("Space")
     await robot.stops()

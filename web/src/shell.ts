@@ -14,6 +14,7 @@ import { showHelp } from "./welcome";
 
 export const TABS = [
   { name: "graph", label: "Graph" },
+  { name: "dashboard", label: "Dashboard" },
   { name: "topics", label: "Topics" },
   { name: "services", label: "Services" },
   { name: "actions", label: "Actions" },

@@ -9,6 +9,7 @@ import type { ActionInfo, Model } from "../model";
 import { Types } from "../types";
 import { route } from "../view";
 import { type Goal, type GoalSender, isFinal, OperationSender, TopicSender } from "./goals";
+import "./actions.css";
 
 /** How many goals are shown; older ones are removed once they have ended. */
 const MAX_GOALS = 20;
@@ -89,9 +90,10 @@ export class ActionPage {
     else setText(this.#node, known ? "No node provides this action now." : "Waiting for the hub …");
   }
 
-  /** Stop following the goals. */
+  /** Stop following the goals; the next one is followed again. */
   close(): void {
     this.#sender?.close();
+    this.#sender = undefined;
   }
 
   async #loadTypes(): Promise<void> {

@@ -8,7 +8,6 @@ import type { ActionInfo, Graph, Model } from "../model";
 import { NameTable } from "../name_table";
 import { type MakeView, route, saveState } from "../view";
 import { ActionPage } from "./action_page";
-import "./actions.css";
 
 export const makeView: MakeView = (hub, model) => new ActionsView(hub, model);
 

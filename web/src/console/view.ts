@@ -25,11 +25,12 @@ const MAX_NAMES = 500;
 /** The list counts as scrolled to its end up to this distance, in px. */
 const AT_END = 8;
 
-export const makeView: MakeView = (_hub, model) => new ConsoleView(model);
+export const makeView: MakeView = (_hub, model) => new ConsoleView(model, saveState);
 
-class ConsoleView implements View {
+export class ConsoleView implements View {
   readonly element: HTMLElement;
   readonly #log: Log;
+  readonly #saveState: typeof saveState;
   readonly #filter: EntryFilter = { level: 0, node: "", text: new Filter() };
   readonly #rows = h("ol", { class: "log" });
   readonly #scroller = h("div", {
@@ -66,8 +67,10 @@ class ConsoleView implements View {
   #following = true;
   #stop: (() => void) | undefined;
 
-  constructor({ log }: Model) {
+  /** `save` is called with the state that belongs into the URL. */
+  constructor({ log }: Model, save: typeof saveState) {
     this.#log = log;
+    this.#saveState = save;
     this.#scroller.append(this.#rows);
     this.#scroller.addEventListener("scroll", () => this.#scrolled(), { passive: true });
     this.#pause.addEventListener("click", () => this.#setPaused(!this.#paused));
@@ -123,7 +126,7 @@ class ConsoleView implements View {
   /** `?level=warn&node=/talker&filter=motor` */
   #save(): void {
     const { level, node, text } = this.#filter;
-    saveState({
+    this.#saveState({
       level: level === 0 ? "" : levelName(level).toLowerCase(),
       node,
       filter: text.text,

@@ -2,6 +2,10 @@
 import { PLAYBACK } from "../bags/names";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
+import { own } from "../types";
+
+/** A panel's own settings, as JSON has them: they are part of the dashboard's layouts. */
+export type Config = Readonly<Record<string, unknown>>;
 
 /** A view of one topic, on the topic's page for example. */
 export interface Panel {
@@ -10,13 +14,16 @@ export interface Panel {
   show(): void;
   /** The panel becomes hidden: it ends its subscriptions. */
   hide(): void;
+  /** The settings that a new panel is to have if it is to look like this one. */
+  config?(): Config;
 }
 
 export interface PanelModule {
-  makePanel(hub: Hub, model: Model, topic: string, type: string): Panel;
+  /** `config` is what a panel's `config` returned once, or anything that somebody wrote in its place. */
+  makePanel(hub: Hub, model: Model, topic: string, type: string, config?: Config): Panel;
 }
 
-interface Kind {
+export interface Kind {
   /** The heading of its section. */
   readonly label: string;
   readonly types: readonly string[];
@@ -25,7 +32,7 @@ interface Kind {
   load(): Promise<PanelModule>;
 }
 
-const KINDS: readonly Kind[] = [
+export const KINDS: readonly Kind[] = [
   {
     label: "Picture",
     types: ["sensor_msgs/Image", "sensor_msgs/CompressedImage"],
@@ -101,4 +108,15 @@ export function kindsFor(type: string): readonly Kind[] {
 /** The first kind of panel for a type, if it has one. */
 export function kindFor(type: string): Kind | undefined {
   return KINDS.find(({ types }) => types.includes(type));
+}
+
+/** A number of a panel's settings; undefined if it is none, or out of its range. */
+export function numberIn(
+  config: Config | undefined,
+  name: string,
+  low: number,
+  high: number,
+): number | undefined {
+  const value = own(config, name);
+  return typeof value === "number" && value >= low && value <= high ? value : undefined;
 }

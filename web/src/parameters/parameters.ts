@@ -12,8 +12,13 @@ export class ParameterServer {
   }
 
   /** All parameters as one JSON text. */
-  async all(): Promise<string> {
-    const request = { name: "/", default: MISSING };
+  all(): Promise<string> {
+    return this.get("/", MISSING);
+  }
+
+  /** A parameter or a namespace as JSON text; another text if it is not set. */
+  async get(name: string, otherwise: string): Promise<string> {
+    const request = { name, default: otherwise };
     return (await this.#call<{ value: string }>("get_param", "GetParam", request)).value;
   }
 

@@ -5,6 +5,7 @@ import { ago, plural } from "../format";
 import type { Hub, Message } from "../hub";
 import { MessageTree, type PlotPath } from "../message_tree";
 import type { Types } from "../types";
+import "./echo.css";
 
 /** Minimum time between two messages, in ms. */
 const THROTTLE = 100;

@@ -1,11 +1,11 @@
 /** Shows diagnostics as rqt_robot_monitor does: a tree, the worst first, and what has changed. */
 import "./diagnostics.css";
 
-import { h, reorder, replace, setText } from "../../dom";
+import { h, reorder, replace, setAttribute, setText } from "../../dom";
 import { plural, timeOfDay } from "../../format";
 import type { Hub } from "../../hub";
 import type { Model } from "../../model";
-import type { Panel } from "../panel";
+import type { Config, Panel } from "../panel";
 import {
   DiagnosticsTree,
   type Item,
@@ -29,8 +29,14 @@ const SIGNS: Record<Level, readonly [sign: string, word: string]> = {
   stale: ["?", "Stale"],
 };
 
-export function makePanel(hub: Hub, _model: Model, topic: string): Panel {
-  return new DiagnosticsPanel(hub, topic);
+export function makePanel(
+  hub: Hub,
+  _model: Model,
+  topic: string,
+  _type: string,
+  config?: Config,
+): Panel {
+  return new DiagnosticsPanel(hub, topic, config);
 }
 
 /** One item on the page. */
@@ -66,9 +72,10 @@ class DiagnosticsPanel implements Panel {
   #timer: number | undefined;
   #isNew = false;
 
-  constructor(hub: Hub, topic: string) {
+  constructor(hub: Hub, topic: string, config?: Config) {
     this.#hub = hub;
     this.#topic = topic;
+    if (typeof config?.filter === "string") this.#filter.value = config.filter;
     this.element = h(
       "div",
       { class: "diagnostics" },
@@ -110,6 +117,10 @@ class DiagnosticsPanel implements Panel {
     this.#stop?.();
     this.#stop = undefined;
     window.clearInterval(this.#timer);
+  }
+
+  config(): Config {
+    return this.#filter.value === "" ? {} : { filter: this.#filter.value };
   }
 
   #show(): void {
@@ -184,9 +195,9 @@ class DiagnosticsPanel implements Panel {
 
   #update(row: Row, { level, status }: Item): void {
     const [sign, word] = SIGNS[level];
-    row.element.className = `level-${level}`;
-    if (row.sign.textContent !== sign)
+    if (setAttribute(row.element, "class", `level-${level}`)) {
       replace(row.sign, sign, h("span", { class: "visually-hidden" }, word));
+    }
     setText(row.message, cut(status?.message ?? ""));
     if (status === row.shown || status === undefined) return;
     row.shown = status;

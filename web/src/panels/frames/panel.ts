@@ -6,14 +6,20 @@ import { hertz, plural } from "../../format";
 import type { Hub } from "../../hub";
 import type { Model } from "../../model";
 import { rollPitchYaw, type TransformStamped } from "../../transforms";
-import type { Panel } from "../panel";
+import type { Config, Panel } from "../panel";
 import { type Frame, Frames, MAX_FRAMES } from "./frames";
 
 /** Time between two updates, in ms. */
 const TICK = 250;
 
-export function makePanel(hub: Hub, _model: Model, topic: string): Panel {
-  return new FramesPanel(hub, topic);
+export function makePanel(
+  hub: Hub,
+  _model: Model,
+  topic: string,
+  _type: string,
+  config?: Config,
+): Panel {
+  return new FramesPanel(hub, topic, config);
 }
 
 /** One frame on the page. */
@@ -39,12 +45,15 @@ class FramesPanel implements Panel {
   readonly #lookup: HTMLElement;
   readonly #empty = h("p", { class: "soft" }, "No transform yet.");
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
+  /** The frames that the user has chosen, which may not have been received yet. */
+  #chosen: Config;
   #names = "";
   #stops: (() => void)[] = [];
   #timer: number | undefined;
 
-  constructor(hub: Hub, topic: string) {
+  constructor(hub: Hub, topic: string, config: Config = {}) {
     this.#hub = hub;
+    this.#chosen = config;
     // The tree is in both topics of a namespace.
     const base = /^(.*\/tf)(_static)?$/.exec(topic)?.[1];
     this.#topics = base === undefined ? [topic] : [base, `${base}_static`];
@@ -91,11 +100,15 @@ class FramesPanel implements Panel {
     window.clearInterval(this.#timer);
   }
 
+  config(): Config {
+    return this.#chosen;
+  }
+
   #select(label: string): HTMLSelectElement {
     return h("select", {
       class: "mono",
       "aria-label": label,
-      onchange: () => this.#showTransform(),
+      onchange: () => this.#choose(),
     });
   }
 
@@ -159,7 +172,7 @@ class FramesPanel implements Panel {
     const children = h("ul", {});
     const choose = (): void => {
       this.#source.value = name;
-      this.#showTransform();
+      this.#choose();
     };
     const element = h(
       "li",
@@ -187,14 +200,20 @@ class FramesPanel implements Panel {
     this.#names = text;
     const root = this.#frames.roots()[0] ?? "";
     const base = names.find((name) => /base_(link|footprint)$/.test(name)) ?? names.at(-1) ?? "";
-    for (const [select, first] of [
-      [this.#target, root],
-      [this.#source, base],
+    for (const [select, key, first] of [
+      [this.#target, "target", root],
+      [this.#source, "source", base],
     ] as const) {
-      const chosen = names.includes(select.value) ? select.value : first;
+      const wanted = String(this.#chosen[key] ?? select.value);
+      const chosen = names.includes(wanted) ? wanted : first;
       replace(select, ...names.map((name) => h("option", { value: name }, name)));
       select.value = chosen;
     }
+  }
+
+  #choose(): void {
+    this.#chosen = { target: this.#target.value, source: this.#source.value };
+    this.#showTransform();
   }
 
   #showTransform(): void {

@@ -7,7 +7,7 @@ import type { Hub } from "../../hub";
 import { dataClient } from "../../messages/data_client";
 import type { Report } from "../../messages/worker_messages";
 import type { Model } from "../../model";
-import type { Panel } from "../panel";
+import { type Config, numberIn, type Panel } from "../panel";
 import type { PictureState } from "./picture";
 import type { Options } from "./pixels";
 
@@ -29,11 +29,11 @@ const MAX_ZOOM = 32;
 const SQUARES = 2;
 
 /** The least time between two images, in ms, with some play for cameras of exactly that rate. */
-const RATES: readonly (readonly [label: string, throttle: number])[] = [
-  ["30 Hz", 25],
-  ["15 Hz", 60],
-  ["5 Hz", 190],
-  ["1 Hz", 980],
+const RATES: readonly (readonly [hertz: number, throttle: number])[] = [
+  [30, 25],
+  [15, 60],
+  [5, 190],
+  [1, 980],
 ];
 
 /** The first rate of each type, as an index of `RATES`. */
@@ -44,8 +44,14 @@ const FIRST_RATES: Readonly<Record<string, number>> = {
 
 type Send = ReturnType<ReturnType<typeof dataClient>["open"]>;
 
-export function makePanel(hub: Hub, model: Model, topic: string, type: string): Panel {
-  return new ImagePanel(hub, model, topic, type);
+export function makePanel(
+  hub: Hub,
+  model: Model,
+  topic: string,
+  type: string,
+  config?: Config,
+): Panel {
+  return new ImagePanel(hub, model, topic, type, config);
 }
 
 class ImagePanel implements Panel {
@@ -74,7 +80,7 @@ class ImagePanel implements Panel {
   readonly #rate = h(
     "select",
     { "aria-label": "Most images per second", onchange: () => this.#subscribe() },
-    ...RATES.map(([label], at) => h("option", { value: at }, `≤ ${label}`)),
+    ...RATES.map(([most], at) => h("option", { value: at }, `≤ ${most} Hz`)),
   );
   readonly #palette = h(
     "select",
@@ -101,13 +107,16 @@ class ImagePanel implements Panel {
   /** Whether it is visible: the definition of the type may arrive later. */
   #visible = false;
 
-  constructor(hub: Hub, model: Model, topic: string, type: string) {
+  constructor(hub: Hub, model: Model, topic: string, type: string, config?: Config) {
     this.#hub = hub;
     this.#model = model;
     this.#topic = topic;
     this.#type = type;
     this.#isCamera = type !== "nav_msgs/OccupancyGrid";
-    this.#rate.value = String(FIRST_RATES[type] ?? 0);
+    const rate = RATES.findIndex(([most]) => most === config?.max_hz);
+    this.#rate.value = String(rate === -1 ? (FIRST_RATES[type] ?? 0) : rate);
+    if (config?.palette === "color") this.#palette.value = "color";
+    this.#zoom = numberIn(config, "zoom", MIN_ZOOM, MAX_ZOOM);
     const button = (label: string, title: string, onclick: () => void) =>
       h("button", { type: "button", title, "aria-label": title, onclick }, label);
     this.element = h(
@@ -158,6 +167,14 @@ class ImagePanel implements Panel {
     this.#showFault("");
     setText(this.#facts, "");
     setText(this.#value, "");
+  }
+
+  config(): Config {
+    return {
+      max_hz: RATES[Number(this.#rate.value)]?.[0],
+      palette: this.#palette.value,
+      ...(this.#zoom === undefined ? {} : { zoom: this.#zoom }),
+    };
   }
 
   async #open(): Promise<void> {

@@ -4,7 +4,7 @@ import "./teleop.css";
 import { h, setText } from "../../dom";
 import type { Hub, Message, Publication } from "../../hub";
 import type { Model } from "../../model";
-import type { Panel } from "../panel";
+import { type Config, numberIn, type Panel } from "../panel";
 import {
   type Direction,
   Drive,
@@ -18,11 +18,26 @@ import {
 /** Seconds without a message after which the hub stops the robot: the page or its network is dead. */
 const LEASE = 0.4;
 const LIMITS: Limits = { speed: 0.5, turn: 1, ramp: 0.5 };
+/** The greatest limits that one can set. */
+const MOST: Limits = { speed: 20, turn: 20, ramp: 10 };
 const STAMPED = "geometry_msgs/TwistStamped";
 const STORED = "fibws.teleop";
 
-export function makePanel(hub: Hub, model: Model, topic: string, type: string): Panel {
-  return new TeleopPanel(hub, model, topic, type);
+export function makePanel(
+  hub: Hub,
+  model: Model,
+  topic: string,
+  type: string,
+  config?: Config,
+): Panel {
+  return new TeleopPanel(hub, model, topic, type, config);
+}
+
+/** A stick, with its knob and the pointer that holds it. */
+interface Stick {
+  readonly element: HTMLElement;
+  readonly knob: HTMLElement;
+  pointer: number | undefined;
 }
 
 class TeleopPanel implements Panel {
@@ -32,14 +47,16 @@ class TeleopPanel implements Panel {
   readonly #topic: string;
   readonly #type: string;
   readonly #drive: Drive;
-  readonly #knob = h("div", { class: "teleop-knob" });
-  readonly #stick: HTMLElement;
+  readonly #stick = this.#newStick("stick");
+  /** Turns, beside the other one that moves: on the screen of a phone, or if the user wants two. */
+  readonly #turnStick = this.#newStick("turn");
   readonly #stop = h(
     "button",
     { type: "button", class: "teleop-stop", onclick: () => this.#toggleStop() },
     "STOP",
   );
   readonly #sideways = h("input", { type: "checkbox" });
+  readonly #two = h("input", { type: "checkbox", onchange: () => this.#showSticks() });
   readonly #inputs: Record<keyof Limits, HTMLInputElement>;
   readonly #status = h("p", { class: "teleop-status", role: "status" }, "stopped");
   readonly #velocity = h("p", { class: "soft small mono" });
@@ -47,50 +64,38 @@ class TeleopPanel implements Panel {
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
   #publication: Publication | undefined;
   #dropped = false;
-  /** The pointer that holds the stick. */
-  #pointer: number | undefined;
   /** The next look at the gamepads. */
   #gamepad: number | undefined;
   #stops: (() => void)[] = [];
 
-  constructor(hub: Hub, model: Model, topic: string, type: string) {
+  constructor(hub: Hub, model: Model, topic: string, type: string, config?: Config) {
     this.#hub = hub;
     this.#model = model;
     this.#topic = topic;
     this.#type = type;
-    const limits = storedLimits(topic);
+    const limits = { ...storedLimits(topic), ...limitsIn(config) };
+    this.#sideways.checked = config?.sideways === true;
+    this.#two.checked = config?.two_sticks === true;
     this.#drive = new Drive(limits, {
       begin: () => this.#begin(),
       send: (velocity) => this.#send(velocity),
       end: () => this.#end(),
     });
-    const limit = (name: keyof Limits, label: string, most: number) =>
+    const limit = (name: keyof Limits, label: string) =>
       h("input", {
         type: "number",
         min: name === "ramp" ? 0 : 0.01,
-        max: most,
+        max: MOST[name],
         step: "any",
         value: String(limits[name]),
         "aria-label": label,
         onchange: () => this.#readLimits(),
       });
     this.#inputs = {
-      speed: limit("speed", "Greatest speed in m/s", 20),
-      turn: limit("turn", "Greatest turn in rad/s", 20),
-      ramp: limit("ramp", "Seconds to the greatest speed", 10),
+      speed: limit("speed", "Greatest speed in m/s"),
+      turn: limit("turn", "Greatest turn in rad/s"),
+      ramp: limit("ramp", "Seconds to the greatest speed"),
     };
-    this.#stick = h(
-      "div",
-      {
-        class: "teleop-stick",
-        onpointerdown: (event: PointerEvent) => this.#grab(event),
-        onpointermove: (event: PointerEvent) => this.#move(event),
-        onpointerup: () => this.#drop(),
-        onpointercancel: () => this.#drop(),
-        onlostpointercapture: () => this.#drop(),
-      },
-      this.#knob,
-    );
     const { speed, turn, ramp } = this.#inputs;
     this.element = h(
       "div",
@@ -107,8 +112,9 @@ class TeleopPanel implements Panel {
       h(
         "div",
         { class: "teleop-controls" },
-        this.#stick,
+        this.#stick.element,
         h("div", { class: "teleop-side" }, this.#stop, this.#status, this.#velocity, this.#others),
+        this.#turnStick.element,
       ),
       h(
         "div",
@@ -117,13 +123,23 @@ class TeleopPanel implements Panel {
         h("label", {}, "≤", turn, "rad/s"),
         h("label", {}, "ramp", ramp, "s"),
         h("label", {}, this.#sideways, "Sideways"),
+        h("label", {}, this.#two, "Two sticks"),
       ),
       h(
         "p",
-        { class: "soft small" },
+        { class: "soft small teleop-hint" },
         "The stick, or arrow keys and WASD once this has the focus, or a gamepad while one of its shoulder buttons is held.",
       ),
     );
+    this.#showSticks();
+  }
+
+  config(): Config {
+    return {
+      ...this.#drive.limits,
+      sideways: this.#sideways.checked,
+      two_sticks: this.#two.checked,
+    };
   }
 
   show(): void {
@@ -190,7 +206,7 @@ class TeleopPanel implements Panel {
     this.#publication?.clearWill();
     setText(this.#status, this.#drive.isStopped ? "stopped until you resume" : "stopped");
     this.element.classList.remove("driving");
-    this.#center(0, 0);
+    for (const stick of [this.#stick, this.#turnStick]) center(stick, 0, 0);
   }
 
   #message({ forward, left, turn }: Velocity): Message {
@@ -221,46 +237,71 @@ class TeleopPanel implements Panel {
     );
   }
 
-  // The stick.
+  // The sticks.
 
-  #grab(event: PointerEvent): void {
-    if (event.button !== 0) return;
-    // Before the capture: the panel may have the focus already, or a field in it.
-    this.element.focus({ preventScroll: true });
-    this.#stick.setPointerCapture(event.pointerId);
-    this.#pointer = event.pointerId;
-    this.#move(event);
-    event.preventDefault();
+  #newStick(kind: "stick" | "turn"): Stick {
+    const knob = h("div", { class: "teleop-knob" });
+    const drop = (): void => {
+      center(stick, 0, 0);
+      this.#drive.release(kind);
+    };
+    const move = (event: PointerEvent): void => {
+      if (!stick.element.hasPointerCapture(event.pointerId)) return;
+      const box = stick.element.getBoundingClientRect();
+      const radius = box.width / 2;
+      const x = (event.clientX - box.left) / radius - 1;
+      const y = (event.clientY - box.top) / radius - 1;
+      this.#hold(kind, this.#directionOf(kind, x, y));
+      const size = Math.max(1, Math.hypot(x, y));
+      center(stick, x / size, y / size);
+    };
+    const grab = (event: PointerEvent): void => {
+      if (event.button !== 0) return;
+      // Before the capture: the panel may have the focus already, or a field in it.
+      this.element.focus({ preventScroll: true });
+      stick.element.setPointerCapture(event.pointerId);
+      stick.pointer = event.pointerId;
+      move(event);
+      event.preventDefault();
+    };
+    const element = h(
+      "div",
+      {
+        class: kind === "turn" ? "teleop-stick teleop-turn" : "teleop-stick",
+        onpointerdown: grab,
+        onpointermove: move,
+        onpointerup: drop,
+        onpointercancel: drop,
+        onlostpointercapture: drop,
+      },
+      knob,
+    );
+    const stick: Stick = { element, knob, pointer: undefined };
+    return stick;
   }
 
-  #move(event: PointerEvent): void {
-    if (!this.#stick.hasPointerCapture(event.pointerId)) return;
-    const box = this.#stick.getBoundingClientRect();
-    const radius = box.width / 2;
-    const x = (event.clientX - box.left) / radius - 1;
-    const y = (event.clientY - box.top) / radius - 1;
-    this.#hold("stick", directionOfStick(x, y, this.#sideways.checked));
-    const size = Math.max(1, Math.hypot(x, y));
-    this.#center(x / size, y / size);
+  /** The direction of a stick: with two of them, one moves and the other one turns. */
+  #directionOf(kind: "stick" | "turn", x: number, y: number): Direction {
+    if (kind === "turn") return { ...directionOfStick(x, y, false), forward: 0 };
+    const direction = directionOfStick(x, y, this.#sideways.checked);
+    return this.#turnStick.element.checkVisibility() ? { ...direction, turn: 0 } : direction;
   }
 
-  /** Release everything; a finger that is still on the stick must be put on it again. */
+  #showSticks(): void {
+    this.#releaseAll();
+    this.element.classList.toggle("two", this.#two.checked);
+  }
+
+  /** Release everything; a finger that is still on a stick must be put on it again. */
   #releaseAll(): void {
-    if (this.#pointer !== undefined && this.#stick.hasPointerCapture(this.#pointer)) {
-      this.#stick.releasePointerCapture(this.#pointer);
+    for (const stick of [this.#stick, this.#turnStick]) {
+      const { element, pointer } = stick;
+      if (pointer !== undefined && element.hasPointerCapture(pointer)) {
+        element.releasePointerCapture(pointer);
+      }
+      stick.pointer = undefined;
     }
-    this.#pointer = undefined;
     this.#drive.releaseAll();
-  }
-
-  #drop(): void {
-    this.#center(0, 0);
-    this.#drive.release("stick");
-  }
-
-  /** Move the knob from the middle of the stick, by parts of its radius. */
-  #center(x: number, y: number): void {
-    this.#knob.style.translate = `${x * 100}% ${y * 100}%`;
   }
 
   #hold(kind: string, direction: Direction): void {
@@ -327,6 +368,21 @@ class TeleopPanel implements Panel {
       // The browser keeps nothing: they hold until the page is closed.
     }
   }
+}
+
+/** Move the knob of a stick from its middle, by parts of its radius. */
+function center({ knob }: Stick, x: number, y: number): void {
+  knob.style.translate = `${x * 100}% ${y * 100}%`;
+}
+
+/** The limits in a layout. */
+function limitsIn(config: Config | undefined): Partial<Limits> {
+  const limits: Record<string, number> = {};
+  for (const [name, most] of Object.entries(MOST)) {
+    const limit = numberIn(config, name, name === "ramp" ? 0 : 0.01, most);
+    if (limit !== undefined) limits[name] = limit;
+  }
+  return limits;
 }
 
 /** The limits that somebody has set for a topic in this browser. */

@@ -1,0 +1,255 @@
+/** One pane of the dashboard: its head, the panel that it shows, and the choice of another one. */
+import { h, replace, setText, svg } from "../dom";
+import type { Graph } from "../model";
+import type { Config, Panel } from "../panels/panel";
+import type { Pane, Side } from "./layout";
+import { type Context, VIEWS, type ViewKind, viewNamed } from "./views";
+
+/** From as many names on, those of a view are folded. */
+const FOLDED = 9;
+
+/** What the pane's buttons do to the layout. */
+export interface Changes {
+  choose(id: number, view: string, name: string): void;
+  split(id: number, side: Side): void;
+  move(id: number, at: number, side: Side): void;
+  maximize(id: number): void;
+  close(id: number): void;
+  /** The other panes, to move this one beside them. */
+  others(id: number): PaneView[];
+}
+
+const SIDES: readonly Side[] = ["left", "right", "above", "below"];
+
+export class PaneView {
+  readonly element: HTMLElement;
+  readonly id: number;
+  readonly view: string;
+  readonly name: string;
+  /** What it shows, in words. */
+  readonly title: string;
+  panel: Panel | undefined;
+  readonly #kind: ViewKind | undefined;
+  readonly #config: Config;
+  readonly #context: Context;
+  readonly #changes: Changes;
+  readonly #body = h("div", { class: "pane-body" });
+  readonly #notice = h("p", { class: "pane-notice soft", role: "status" });
+  readonly #chooser = h("div", { class: "pane-chooser", hidden: true });
+  readonly #title: HTMLButtonElement;
+  /** The type that the panel is for, or that is being loaded. */
+  #type: string | undefined;
+  #isVisible = false;
+
+  constructor({ id, view, name, config }: Pane, context: Context, changes: Changes) {
+    this.id = id;
+    this.view = view;
+    this.name = name;
+    this.#config = config;
+    this.#context = context;
+    this.#changes = changes;
+    this.#kind = viewNamed(view);
+    const label = view === "" ? "New panel" : (this.#kind?.label ?? view);
+    this.title = `${label} ${name}`.trim();
+    const toggle = (): void => this.#toggleChooser(context.model.graph.value);
+    this.#title = h(
+      "button",
+      {
+        type: "button",
+        class: "quiet pane-title",
+        "aria-expanded": "false",
+        title: "Choose what it shows, or move it",
+        onclick: toggle,
+      },
+      h("b", {}, label),
+      h("span", { class: "mono ros-name" }, name),
+    );
+    const button = (text: string, path: string, work: () => void) =>
+      h(
+        "button",
+        { type: "button", class: "quiet", title: text, "aria-label": text, onclick: work },
+        icon(path),
+      );
+    const split = (side: Side) => () => changes.split(id, side);
+    const maximize = (): void => changes.maximize(id);
+    this.element = h(
+      "section",
+      { class: `pane pane-${this.#kind?.name ?? "none"}`, "aria-label": this.title, tabindex: -1 },
+      h(
+        "header",
+        {
+          class: "pane-head",
+          ondblclick: ({ target }: MouseEvent) => {
+            // On a button it is two clicks.
+            if (target instanceof Element && target.closest("button") === null) maximize();
+          },
+        },
+        h("h3", {}, this.#title),
+        h(
+          "div",
+          { class: "pane-tools" },
+          h(
+            "span",
+            { class: "pane-splits" },
+            button("Split right", "M2 3h12v10H2z M9 3v10 M11.5 6.5v3 M10 8h3", split("right")),
+            button("Split below", "M2 3h12v10H2z M2 8.5h12 M8 9.8v2.4 M6.8 11h2.4", split("below")),
+          ),
+          button("Maximize", "M2.5 6V2.5H6 M10 2.5h3.5V6 M13.5 10v3.5H10 M6 13.5H2.5V10", maximize),
+          button("Close", "M3.5 3.5l9 9 M12.5 3.5l-9 9", () => changes.close(id)),
+        ),
+      ),
+      this.#chooser,
+      this.#body,
+    );
+  }
+
+  /** The settings of its panel, or those that the panel will get. */
+  get config(): Config {
+    return this.panel?.config?.() ?? this.#config;
+  }
+
+  /** Show the panel, or end its subscriptions. */
+  setVisible(visible: boolean): void {
+    this.#isVisible = visible;
+    this.#showPanel();
+  }
+
+  /** The graph has changed: what the pane shows may exist by now. */
+  update(graph: Graph | null): void {
+    if (this.view === "") {
+      if (this.#chooser.hidden) this.#toggleChooser(graph);
+      else if (this.#chooser.dataset.revision !== String(graph?.revision)) this.#offer(graph);
+      return;
+    }
+    const type = graph === null ? undefined : this.#kind?.typeOf(graph, this.name);
+    // A panel whose topic has gone says so itself, and goes on when it comes back.
+    if (type === undefined || type === this.#type) {
+      if (this.#type === undefined) this.#showNotice(this.#whyEmpty(graph));
+      return;
+    }
+    this.#type = type;
+    void this.#make(type);
+  }
+
+  async #make(type: string): Promise<void> {
+    const config = this.config;
+    this.panel?.hide();
+    this.panel = undefined;
+    try {
+      const panel = await this.#kind?.make(this.#context, this.name, type, config);
+      if (this.#type !== type || panel === undefined) return;
+      this.panel = panel;
+      replace(this.#body, panel.element);
+      this.#showPanel();
+    } catch (error) {
+      // It may load when the graph changes again.
+      if (this.#type === type) this.#type = undefined;
+      this.#showNotice(`${this.title} could not be loaded: ${(error as Error).message}`);
+    }
+  }
+
+  #showPanel(): void {
+    if (this.#isVisible && this.#chooser.hidden) this.panel?.show();
+    else this.panel?.hide();
+  }
+
+  #showNotice(text: string): void {
+    setText(this.#notice, text);
+    if (!this.#notice.isConnected) replace(this.#body, this.#notice);
+  }
+
+  #whyEmpty(graph: Graph | null): string {
+    if (this.#kind === undefined) {
+      return `This page has no view “${this.view}”: a hub of another version may have it.`;
+    }
+    if (graph === null) return "Waiting for the hub …";
+    const topic = graph.topics.find(({ name }) => name === this.name);
+    if (topic !== undefined && topic.type !== "") {
+      return `${this.title}: the topic has the type ${topic.type}, which this view cannot show.`;
+    }
+    return `${this.name} does not exist now. It appears here when a node has it.`;
+  }
+
+  // The choice of another view.
+
+  #toggleChooser(graph: Graph | null): void {
+    // A pane without a view has nothing else to show.
+    this.#chooser.hidden = this.view !== "" && !this.#chooser.hidden;
+    const isOpen = !this.#chooser.hidden;
+    this.#body.hidden = isOpen;
+    this.#title.setAttribute("aria-expanded", String(isOpen));
+    if (isOpen) this.#offer(graph);
+    this.#showPanel();
+  }
+
+  #offer(graph: Graph | null): void {
+    this.#chooser.dataset.revision = String(graph?.revision);
+    const groups = VIEWS.flatMap(({ name: view, label, offers }) => {
+      const names = graph === null ? [] : offers(graph);
+      if (names.length === 0) return [];
+      const buttons = names.map((name) =>
+        h(
+          "button",
+          {
+            type: "button",
+            class: name === "" ? "" : "mono",
+            "aria-current": view === this.view && name === this.name && "true",
+            onclick: () => this.#changes.choose(this.id, view, name),
+          },
+          name === "" ? label : name,
+        ),
+      );
+      return h(
+        "details",
+        { open: names.length < FOLDED },
+        h("summary", {}, label, names.length < FOLDED ? null : ` (${names.length})`),
+        ...buttons,
+      );
+    });
+    const nothing = h(
+      "p",
+      { class: "soft" },
+      graph === null ? "Waiting for the hub …" : "Nothing.",
+    );
+    replace(
+      this.#chooser,
+      h("div", { class: "pane-offers" }, ...(groups.length === 0 ? [nothing] : groups)),
+      this.#moveForm(),
+    );
+  }
+
+  #moveForm(): HTMLElement | null {
+    const others = this.#changes.others(this.id);
+    if (others.length === 0) return null;
+    const side = h(
+      "select",
+      { "aria-label": "Side" },
+      ...SIDES.map((each) => h("option", { value: each }, each.replace(/t$/, "t of"))),
+    );
+    const at = h(
+      "select",
+      { "aria-label": "Panel", class: "grow" },
+      ...others.map(({ id, title }) => h("option", { value: id }, title)),
+    );
+    const onsubmit = (event: Event): void => {
+      event.preventDefault();
+      this.#changes.move(this.id, Number(at.value), side.value as Side);
+    };
+    return h(
+      "form",
+      { class: "toolbar pane-move", onsubmit },
+      side,
+      at,
+      h("button", { type: "submit" }, "Move"),
+    );
+  }
+}
+
+function icon(path: string): SVGElement {
+  const line = { fill: "none", stroke: "currentColor", "stroke-width": 1.3 };
+  return svg(
+    "svg",
+    { viewBox: "0 0 16 16", "aria-hidden": "true" },
+    svg("path", { d: path, ...line }),
+  );
+}

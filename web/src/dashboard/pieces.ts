@@ -1,0 +1,178 @@
+/** Pieces of other tabs as panels: plot, echo, a service, an action, and the console. */
+import { ActionPage } from "../actions/action_page";
+import { ConsoleView } from "../console/view";
+import { h, replace } from "../dom";
+import { isHidden } from "../hidden_names";
+import type { Config, Panel } from "../panels/panel";
+import { ServicePage } from "../services/service_page";
+import { Echo } from "../topics/echo";
+import { Plot } from "../topics/plot";
+import { Types } from "../types";
+import type { Context } from "./views";
+
+/** How many topics and fields the lists of a plot offer. */
+const MAX_OFFERS = 500;
+
+/** A panel to which curves can be added. */
+export interface PlotPanel extends Panel {
+  add(topic: string, path: string): void;
+}
+
+/** A plot that begins with the numbers of a topic, or is empty. */
+export function plotPanel(
+  { hub, model }: Context,
+  topic: string,
+  type: string,
+  config: Config,
+): PlotPanel {
+  let state: Config = config;
+  let isFirst = true;
+  const empty = h("p", { class: "soft" }, "No curves: choose a topic and a number in it.");
+  const plot = new Plot(hub, model, () => {
+    state = plot.state;
+    empty.hidden = Object.keys(state).length > 0;
+  });
+  const fields = h("datalist", { id: `plot-fields-${Math.random()}` });
+  const field = h("input", {
+    class: "mono grow",
+    list: fields.id,
+    placeholder: "field",
+    "aria-label": "Field to plot",
+    autocomplete: "off",
+    spellcheck: "false",
+  });
+  const topics = h("select", {
+    class: "mono",
+    "aria-label": "Topic to plot",
+    onfocus: () => offerTopics(),
+    onpointerdown: () => offerTopics(),
+    onchange: () => void offerFields(),
+  });
+  const offerTopics = (): void => {
+    const names = (model.graph.value?.topics ?? [])
+      .map(({ name }) => name)
+      .filter((name) => name === topic || !isHidden(name))
+      .sort();
+    if (names.length === topics.options.length) return;
+    const chosen = topics.value || topic || names[0] || "";
+    replace(topics, ...names.slice(0, MAX_OFFERS).map((value) => h("option", { value }, value)));
+    topics.value = chosen;
+    void offerFields();
+  };
+  const offerFields = async (): Promise<void> => {
+    const chosen = model.graph.value?.topics.find(({ name }) => name === topics.value);
+    if (chosen === undefined || chosen.type === "") return;
+    const types = new Types(await model.typedefs(chosen.type).catch(() => []));
+    if (topics.value !== chosen.name) return;
+    const paths = types.numberPaths();
+    replace(fields, ...paths.slice(0, MAX_OFFERS).map((value) => h("option", { value })));
+    field.value = types.plotPaths()[0] ?? paths[0] ?? "";
+  };
+  const add = (event: Event): void => {
+    event.preventDefault();
+    if (topics.value !== "" && field.value.trim() !== "")
+      plot.add(topics.value, field.value.trim());
+  };
+  const form = h(
+    "form",
+    { class: "toolbar plot-picker", onsubmit: add },
+    topics,
+    field,
+    fields,
+    h("button", { type: "submit" }, "Plot"),
+  );
+  const begin = async (): Promise<void> => {
+    const types = new Types(await model.typedefs(type).catch(() => []));
+    for (const path of types.plotPaths()) plot.add(topic, path);
+  };
+  return {
+    element: h("div", { class: "plot-pane" }, form, empty, plot.element),
+    show() {
+      const isNew = isFirst && !("plot" in config);
+      plot.show("", isFirst ? query(config) : null);
+      isFirst = false;
+      offerTopics();
+      if (isNew && topic !== "") void begin();
+    },
+    hide: () => plot.hide(),
+    add: (name, path) => plot.add(name, path),
+    config: () => state,
+  };
+}
+
+/** The newest message of a topic. */
+export async function echoPanel(
+  { hub, model, plot }: Context,
+  topic: string,
+  type: string,
+): Promise<Panel> {
+  const typedefs = await model.typedefs(type).catch(() => []);
+  const types = typedefs.length > 0 ? new Types(typedefs) : undefined;
+  return new Echo(hub, topic, type, types, (path) => plot(topic, path));
+}
+
+/** The form of a service. */
+export function servicePanel({ hub, model }: Context, name: string, type: string): Panel {
+  const page = new ServicePage(hub, model, name, type);
+  let stop: (() => void) | undefined;
+  return {
+    element: page.element,
+    show() {
+      stop ??= model.graph.watch((graph) => {
+        const found = graph?.services.find((service) => service.name === name);
+        page.showNode(found?.node, graph !== null);
+      });
+    },
+    hide() {
+      stop?.();
+      stop = undefined;
+    },
+  };
+}
+
+/** The form of an action, and its goals. */
+export function actionPanel({ hub, model }: Context, name: string): Panel {
+  const find = () => model.graph.value?.actions.find((action) => action.name === name);
+  const page = new ActionPage(hub, model, find() ?? { name, type: "", over_topics: true });
+  let stop: (() => void) | undefined;
+  return {
+    element: page.element,
+    show() {
+      stop ??= model.graph.watch((graph) => page.showNode(find()?.node, graph !== null));
+    },
+    hide() {
+      stop?.();
+      stop = undefined;
+      // Goals that have not ended are followed to their end.
+      if (!page.isActive) page.close();
+    },
+  };
+}
+
+/** What nodes log. */
+export function consolePanel({ model }: Context, config: Config): Panel {
+  let state: Config = config;
+  let isFirst = true;
+  const view = new ConsoleView(model, (next) => {
+    state = Object.fromEntries(Object.entries(next).filter(([, value]) => value !== ""));
+  });
+  return {
+    element: view.element,
+    show() {
+      view.show([], isFirst ? query(config) : null);
+      isFirst = false;
+    },
+    hide: () => view.hide(),
+    config: () => state,
+  };
+}
+
+/** Settings as the state in a URL. */
+function query(config: Config): URLSearchParams {
+  const state = new URLSearchParams();
+  for (const [name, value] of Object.entries(config)) {
+    if (typeof value === "string" && value !== "") state.set(name, value);
+    if (value === true) state.set(name, "1");
+  }
+  return state;
+}
