@@ -123,6 +123,43 @@ async def test_failed_goal_shows_the_text_of_the_server(
     assert await page.evaluate("window.harmed") is None
 
 
+@both_kinds
+async def test_states_of_a_goal_are_a_line_of_steps(
+    hub: Hub, node: fibws.Node, open_page: OpenPage, over: Over
+) -> None:
+    page = await open_action(hub, node, open_page, over)
+    goal = await send(page, ENDLESS)
+    steps = goal.locator(".goal-steps li")
+    await expect(steps).to_have_text(["PENDING", "ACTIVE", "SUCCEEDED"])
+    await expect(goal.locator(".goal-status")).to_have_text("ACTIVE")
+    await goal.get_by_role("button", name="Cancel").click()
+    await expect(goal.get_by_role("status")).to_have_text("PREEMPTED")
+    await expect(steps.last).to_have_text("PREEMPTED")
+    assert (await steps.all_text_contents())[:2] == ["PENDING", "ACTIVE"]
+
+
+async def test_feedback_is_plotted_on_the_page_of_the_action(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_action(hub, node, open_page, "topics")
+    goal = await send(page, ENDLESS)
+    await goal.locator(".goal-feedback").get_by_role("button", name="Plot sequence[3]").click()
+    plot = page.locator(".plot")
+    await expect(plot.locator(".plot-legend li")).to_contain_text("feedback.sequence[3]")
+    second = await send(page, 3)
+    await expect(second.get_by_role("status")).to_have_text("SUCCEEDED")
+    # The plot shows the values at the time under the mouse.
+    await page.mouse.move(0, 0)
+    await expect(plot.locator(".plot-value")).to_have_text("2")
+    # It ends with the visit, and goes on with the next one.
+    await page.get_by_role("link", name="Services", exact=True).click()
+    await page.go_back()
+    await expect(plot.locator(".plot-value")).to_have_text("\N{EN DASH}")
+    await send(page, 4)
+    await page.mouse.move(0, 0)
+    await expect(plot.locator(".plot-value")).to_have_text("2")
+
+
 async def test_invalid_goal_is_not_sent(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
     page = await open_action(hub, node, open_page, "topics")
     await page.get_by_label("order int32").fill("many")

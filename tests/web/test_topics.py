@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import csv
 import re
+import time
 from collections.abc import AsyncIterator
 from itertools import count
 
@@ -286,6 +288,30 @@ async def test_plot_draws_a_curve(hub: Hub, fibonacci: None, open_page: OpenPage
     while len(shown) < 3:
         await expect(output).not_to_have_text(shown[-1])
         shown.append(await output.inner_text())
+
+
+async def test_samples_of_a_plot_are_saved_as_csv(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    joints = await node.advertise("/joint_states", JointState, latch=True)
+    await joints.publish(JointState(name=["hip", "knee, left"], position=[0.5, 1.5]))
+    temperature = await node.advertise("/temperature", Float64, latch=True)
+    await temperature.publish(data=-0.25)
+    page = await open_page(hub, "#/topics/%2Fjoint_states")
+    await page.get_by_label("Field to plot").fill("position[1]")
+    await page.keyboard.press("Enter")
+    await row(page, "/temperature").get_by_role("button", name="Plot").click()
+    await expect(curve(page, "position[knee, left]").locator("output")).to_have_text("1.5")
+    await expect(curve(page, "/temperature").locator("output")).to_have_text("-0.25")
+    async with page.expect_download() as download:
+        await page.get_by_role("button", name="CSV").click()
+    saved = await download.value
+    assert saved.suggested_filename == "plot.csv"
+    text = await asyncio.to_thread((await saved.path()).read_text)
+    head, *rows = csv.reader(text.splitlines())
+    assert head == ["time", "/joint_states position[knee, left]", "/temperature data"]
+    assert sorted(line[1:] for line in rows) == [["", "-0.25"], ["1.5", ""]]
+    assert all(abs(float(at) - time.time()) < 120 for at, *_ in rows)
 
 
 async def test_plot_has_several_fields_of_several_topics(

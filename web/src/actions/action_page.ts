@@ -4,20 +4,38 @@ import { h, replace, setText } from "../dom";
 import { MessageForm } from "../form/message_form";
 import { plural, timeOfDay } from "../format";
 import type { Hub } from "../hub";
-import { MessageTree } from "../message_tree";
+import { MessageTree, type PlotPath } from "../message_tree";
 import type { ActionInfo, Model } from "../model";
+import type { Plot } from "../topics/plot";
 import { Types } from "../types";
 import { route } from "../view";
-import { type Goal, type GoalSender, isFinal, OperationSender, TopicSender } from "./goals";
+import {
+  type Goal,
+  type GoalSender,
+  isFinal,
+  OperationSender,
+  type Status,
+  TopicSender,
+} from "./goals";
 import "./actions.css";
 
 /** How many goals are shown; older ones are removed once they have ended. */
 const MAX_GOALS = 20;
 
-/** The types of what a goal's server sends; undefined while they are unknown. */
+/** The statuses that usually follow. */
+const AHEAD: Partial<Record<Status, readonly Status[]>> = {
+  PENDING: ["ACTIVE", "SUCCEEDED"],
+  ACTIVE: ["SUCCEEDED"],
+  PREEMPTING: ["PREEMPTED"],
+  RECALLING: ["RECALLED"],
+};
+
+/** What is known of what a goal's server sends; types are undefined while they are unknown. */
 interface ServerTypes {
   feedback: Types | undefined;
   result: Types | undefined;
+  /** Plots a number of the feedback, if that is possible. */
+  plot: PlotPath | undefined;
 }
 
 export class ActionPage {
@@ -31,20 +49,34 @@ export class ActionPage {
   readonly #fields = h("div", { class: "browse-body" });
   readonly #button = h("button", { type: "submit", class: "primary", disabled: true }, "Send goal");
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
+  readonly #plotPlace = h("div", { class: "goals-plot" });
   readonly #list = h("ol", { class: "goals", "aria-label": "Goals" });
-  readonly #types: ServerTypes = { feedback: undefined, result: undefined };
+  readonly #types: ServerTypes = { feedback: undefined, result: undefined, plot: undefined };
   #goals: GoalBox[] = [];
   #count = 0;
   #form: MessageForm | undefined;
   #sender: GoalSender | undefined;
   #shownNode: string | undefined;
+  #plot: Plot | undefined;
+  #isShown = false;
 
-  constructor(hub: Hub, model: Model, { name, type, over_topics }: Omit<ActionInfo, "node">) {
+  /** `plot` plots a number of the feedback; by default, in a plot on the page itself. */
+  constructor(
+    hub: Hub,
+    model: Model,
+    { name, type, over_topics }: Omit<ActionInfo, "node">,
+    plot?: (topic: string, path: string) => void,
+  ) {
     this.#hub = hub;
     this.#model = model;
     this.name = name;
     this.type = type;
     this.#overTopics = over_topics;
+    // Only feedback over topics can be subscribed to.
+    if (over_topics) {
+      const add = plot ?? ((topic, path) => void this.#plotHere(topic, path));
+      this.#types.plot = (path) => add(`${name}/feedback`, `feedback.${path}`);
+    }
     this.element = browsePage(
       name,
       "actions",
@@ -65,6 +97,7 @@ export class ActionPage {
         h("div", { class: "toolbar" }, this.#button),
       ),
       this.#error,
+      this.#plotPlace,
       this.#list,
     );
     if (type !== "") void this.#loadTypes();
@@ -90,10 +123,32 @@ export class ActionPage {
     else setText(this.#node, known ? "No node provides this action now." : "Waiting for the hub …");
   }
 
+  /** The page becomes visible. */
+  show(): void {
+    this.#isShown = true;
+    this.#plot?.show("", null);
+  }
+
+  /** The page becomes hidden: goals are still followed, and nothing is drawn. */
+  hide(): void {
+    this.#isShown = false;
+    this.#plot?.hide();
+  }
+
   /** Stop following the goals; the next one is followed again. */
   close(): void {
     this.#sender?.close();
     this.#sender = undefined;
+  }
+
+  async #plotHere(topic: string, path: string): Promise<void> {
+    const { Plot } = await import("../topics/plot");
+    if (this.#plot === undefined) {
+      this.#plot = new Plot(this.#hub, this.#model, () => undefined);
+      replace(this.#plotPlace, this.#plot.element);
+      if (this.#isShown) this.#plot.show("", null);
+    }
+    this.#plot.add(topic, path);
   }
 
   async #loadTypes(): Promise<void> {
@@ -136,7 +191,10 @@ class GoalBox {
   readonly element: HTMLElement;
   readonly goal: Goal;
   readonly #types: ServerTypes;
-  readonly #status = h("span", { class: "goal-status", role: "status" });
+  readonly #status = h("span", { class: "visually-hidden", role: "status" });
+  readonly #steps = h("ol", { class: "goal-steps", "aria-hidden": "true" });
+  /** The statuses that the goal has had. */
+  readonly #path: Status[] = [];
   readonly #elapsed = h("span", { class: "soft small" });
   readonly #cancel = h("button", { type: "button" }, "Cancel");
   readonly #text = h("p", { class: "goal-text", hidden: true });
@@ -161,6 +219,7 @@ class GoalBox {
         { class: "toolbar" },
         h("strong", {}, `Goal ${number}`),
         this.#status,
+        this.#steps,
         h("time", { class: "soft small" }, timeOfDay(Date.now() / 1000)),
         this.#elapsed,
         this.#cancel,
@@ -178,11 +237,26 @@ class GoalBox {
     this.#draw();
   }
 
+  /** Show the statuses so far, and those that usually follow. */
+  #showSteps(status: Status): void {
+    if (this.#path.at(-1) === status) return;
+    this.#path.push(status);
+    const last = this.#path.length - 1;
+    replace(
+      this.#steps,
+      ...this.#path.map((each, at) =>
+        h("li", { class: at === last ? "goal-status" : "goal-past" }, each),
+      ),
+      ...(AHEAD[status] ?? []).map((each) => h("li", { class: "goal-ahead" }, each)),
+    );
+  }
+
   #draw(): void {
     this.#frame = undefined;
     const { status, text, feedback, feedbackCount, result } = this.goal.progress.value;
     this.element.dataset.status = status;
     setText(this.#status, status);
+    this.#showSteps(status);
     setText(this.#text, text);
     this.#text.hidden = text === "";
     this.#cancel.hidden = isFinal(status);
@@ -193,7 +267,7 @@ class GoalBox {
     }
     if (feedback !== undefined) {
       if (this.#tree === undefined) {
-        this.#tree = treeOf(this.#types.feedback);
+        this.#tree = treeOf(this.#types.feedback, this.#types.plot);
         replace(this.#feedback, this.#feedbackCount, this.#tree.element);
         this.#feedback.hidden = false;
       }
@@ -209,8 +283,8 @@ class GoalBox {
   }
 }
 
-function treeOf(types: Types | undefined): MessageTree {
-  return new MessageTree(types, types?.root ?? "");
+function treeOf(types: Types | undefined, plot?: PlotPath): MessageTree {
+  return new MessageTree(types, types?.root ?? "", plot);
 }
 
 /** An action's type as its messages spell it: ROS 2's `a/action/B` is `a/B`. */

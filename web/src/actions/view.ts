@@ -25,6 +25,7 @@ class ActionsView {
   readonly #place = h("div", { class: "browse-place scroll" });
   /** The page that is shown, and those with goals that have not ended, by their links. */
   readonly #pages = new Map<string, ActionPage>();
+  #shown: ActionPage | undefined;
   /** The name, and the transport if the URL names it: an action may exist once over each. */
   #path: string[] = [];
   #stop: (() => void) | undefined;
@@ -63,6 +64,7 @@ class ActionsView {
   }
 
   hide(): void {
+    this.#shown?.hide();
     this.#stop?.();
     this.#stop = undefined;
   }
@@ -120,6 +122,7 @@ class ActionsView {
   /** Show the page of the chosen action; an open page keeps its form and its goals. */
   #open(chosen: ActionInfo | undefined, known: boolean): void {
     if (chosen === undefined) {
+      this.#shown?.hide();
       replace(this.#place);
       this.#closeOthers("");
       return;
@@ -131,7 +134,12 @@ class ActionsView {
       page = new ActionPage(this.#hub, this.#model, chosen);
       this.#pages.set(key, page);
     }
-    if (this.#place.firstElementChild !== page.element) replace(this.#place, page.element);
+    if (this.#place.firstElementChild !== page.element) {
+      this.#shown?.hide();
+      replace(this.#place, page.element);
+    }
+    this.#shown = page;
+    page.show();
     page.showNode(chosen.node, known);
     this.#closeOthers(key);
   }

@@ -131,9 +131,10 @@ export function servicePanel({ hub, model }: Context, name: string, type: string
 }
 
 /** The form of an action, and its goals. */
-export function actionPanel({ hub, model }: Context, name: string): Panel {
+export function actionPanel({ hub, model, plot }: Context, name: string): Panel {
   const find = () => model.graph.value?.actions.find((action) => action.name === name);
-  const page = new ActionPage(hub, model, find() ?? { name, type: "", over_topics: true });
+  const info = find() ?? { name, type: "", over_topics: true };
+  const page = new ActionPage(hub, model, info, plot);
   let stop: (() => void) | undefined;
   return {
     element: page.element,

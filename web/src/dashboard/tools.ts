@@ -1,5 +1,6 @@
 /** The tools above the panels: which layout is shown, and saving, exporting and importing it. */
 import { h, replace, setText } from "../dom";
+import { download } from "../download";
 import { route } from "../view";
 import { fromFile, type Layout, LayoutError, toFile } from "./layout";
 import type { LayoutStore } from "./store";
@@ -193,10 +194,7 @@ export class Tools {
   #export(): void {
     const name = this.#store.name || "dashboard";
     const text = JSON.stringify(JSON.parse(toFile(name, this.#dashboard.layout)), null, 2);
-    const href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
-    h("a", { href, download: `${name}.json` }).click();
-    // The browser may still read it.
-    setTimeout(() => URL.revokeObjectURL(href), 60_000);
+    download(`${name}.json`, new Blob([text], { type: "application/json" }));
   }
 
   async #import(): Promise<void> {

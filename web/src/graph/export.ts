@@ -4,14 +4,6 @@ import { h, svg } from "../dom";
 import type { Bounds } from "./layout_types";
 import type { Edge, Element, Group, Kind, Picture } from "./picture";
 
-/** Ask the browser to save a text as a file. */
-export function download(name: string, type: string, text: string): void {
-  const href = URL.createObjectURL(new Blob([text], { type }));
-  h("a", { href, download: name }).click();
-  // The browser may still read it.
-  setTimeout(() => URL.revokeObjectURL(href), 60_000);
-}
-
 const SHAPES: Record<Kind, string> = {
   node: "ellipse",
   topic: "box",

@@ -3,12 +3,13 @@
 import "./view.css";
 
 import { h, replace, setText } from "../dom";
+import { download } from "../download";
 import type { Graph, Model, Rates } from "../model";
 import { type MakeView, route, saveState, type View } from "../view";
 import { asText } from "./as_text";
 import { Details } from "./details";
 import { Drawing } from "./drawing";
-import { dotFile, download, svgFile } from "./export";
+import { dotFile, svgFile } from "./export";
 import { anchored, LayoutClient, layoutRequest } from "./layout_client";
 import { around, type Box, type Layout, type Point, prefersDown } from "./layout_types";
 import type { Kind, Picture } from "./picture";
@@ -134,10 +135,10 @@ class GraphView implements View {
       h("span", { class: "soft", "aria-hidden": "true" }, "Save:"),
       button("SVG", "Save the drawing as SVG", () => {
         if (this.#layout !== null)
-          download("graph.svg", "image/svg+xml", svgFile(this.#drawing.root, this.#layout.bounds));
+          save("graph.svg", "image/svg+xml", svgFile(this.#drawing.root, this.#layout.bounds));
       }),
       button("DOT", "Save the graph as DOT, for Graphviz", () => {
-        download("graph.dot", "text/vnd.graphviz", dotFile(this.#shown));
+        save("graph.dot", "text/vnd.graphviz", dotFile(this.#shown));
       }),
     );
   }
@@ -276,4 +277,8 @@ function startOf({ boxes, down }: Layout): Point {
     down ? (a, b) => a.y - b.y || a.x - b.x : (a, b) => a.x - b.x || a.y - b.y,
   );
   return first ?? { x: 0, y: 0 };
+}
+
+function save(name: string, type: string, text: string): void {
+  download(name, new Blob([text], { type }));
 }

@@ -1,12 +1,13 @@
 /** The plot below the list of topics, with curves of any topics. */
 import { h, replace, setText } from "../dom";
+import { download } from "../download";
 import { hertz } from "../format";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { clock, spanFor } from "./axes";
 import { Chart } from "./chart";
 import { LegendEntry, STYLES } from "./curve_style";
-import { curvesFrom, curvesText, ranges, type ViewState } from "./plot_state";
+import { csv, curvesFrom, curvesText, ranges, type ViewState } from "./plot_state";
 import { type Curve, Sampler } from "./sampler";
 import "./plot.css";
 
@@ -81,6 +82,7 @@ export class Plot {
     this.#range.value = ranges.usual;
     this.#pause = h("button", { type: "button", onclick: () => this.#togglePause() }, "Pause");
     const clear = { title: "Discard the samples so far", onclick: () => this.#clear() };
+    const save = { title: "Save the samples as a file", onclick: () => this.#save() };
     const close = {
       class: "plot-close",
       title: "Remove all curves",
@@ -103,6 +105,7 @@ export class Plot {
           this.#range,
           this.#pause,
           h("button", { type: "button", ...clear }, "Clear"),
+          h("button", { type: "button", ...save }, "CSV"),
         ),
         h("button", { type: "button", ...close }, "×"),
       ),
@@ -238,6 +241,14 @@ export class Plot {
     for (const { curve } of this.#rows) curve.samples.clear();
     if (this.#pausedAt !== undefined) this.#togglePause();
     this.#restyle();
+  }
+
+  #save(): void {
+    const curves = this.#rows.map(({ curve, sampler }) => ({
+      name: [sampler.topic, curve.path] as const,
+      samples: curve.samples.all(),
+    }));
+    download("plot.csv", new Blob([csv(curves)], { type: "text/csv" }));
   }
 
   #togglePause(): void {

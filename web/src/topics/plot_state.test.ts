@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { curvesFrom, curvesText } from "./plot_state";
+import { csv, curvesFrom, curvesText } from "./plot_state";
+import { RingBuffer } from "./ring_buffer";
 
 test.each([
   [[["/pose", "position.x"]]],
@@ -17,4 +18,32 @@ test.each([
 test("entries that are no curves are left out", () => {
   expect(curvesFrom("")).toEqual([]);
   expect(curvesFrom("/a,:x,/b:,/c:x")).toEqual([["/c", "x"]]);
+});
+
+test("samples of one time share a row of the CSV, and gaps are empty", () => {
+  const samples = (...all: [number, number][]) => {
+    const buffer = new RingBuffer(10);
+    for (const [time, value] of all) buffer.push(time, value);
+    return buffer.all();
+  };
+  const text = csv([
+    { name: ["/pose", "x"], samples: samples([1, 0.5], [2, NaN], [3, 1e-9]) },
+    { name: ["/joints", 'position[a "b", c]'], samples: samples([1, 7], [2.5, -2]) },
+  ]);
+  expect(text.split("\r\n")).toEqual([
+    'time,"/pose x","/joints position[a ""b"", c]"',
+    "1.000000,0.5,7",
+    "2.500000,,-2",
+    "3.000000,1e-9,",
+    "",
+  ]);
+  expect(csv([])).toBe("time\r\n");
+});
+
+test("the CSV has several samples of one time, and only what the buffer still has", () => {
+  const buffer = new RingBuffer(2);
+  for (const value of [1, 2, 3]) buffer.push(5, value);
+  expect(csv([{ name: ["/a", "x"], samples: buffer.all() }])).toBe(
+    'time,"/a x"\r\n5.000000,2\r\n5.000000,3\r\n',
+  );
 });

@@ -1,4 +1,5 @@
-/** The part of a plot that its URL has: curves, and the range of time. */
+/** A plot as text: the part that its URL has, which is curves and the range of time, and its samples as CSV. */
+import type { Samples } from "./ring_buffer";
 
 /** Entries of the URL's state. */
 export type ViewState = Record<string, string | boolean>;
@@ -34,4 +35,31 @@ export function curvesFrom(text: string): CurveName[] {
       .replaceAll("%25", "%");
     return at <= 0 || path === "" ? [] : [[entry.slice(0, at), path]];
   });
+}
+
+/**
+ * The samples of curves as CSV: a column of times, in seconds since 1970, and one of each curve.
+ *
+ * Samples of the same time share a row, as those of one message do; gaps are empty.
+ * Source of the quotes: RFC 4180.
+ */
+export function csv(
+  curves: readonly { readonly name: CurveName; readonly samples: Samples }[],
+): string {
+  const quoted = (text: string): string => `"${text.replaceAll('"', '""')}"`;
+  const lines = [["time", ...curves.map(({ name }) => quoted(name.join(" ")))].join(",")];
+  const next = curves.map(() => 0);
+  const timeOf = (curve: number): number =>
+    curves[curve]?.samples.times[next[curve] ?? 0] ?? Infinity;
+  for (;;) {
+    const time = curves.reduce((least, _, curve) => Math.min(least, timeOf(curve)), Infinity);
+    if (time === Infinity) return `${lines.join("\r\n")}\r\n`;
+    const values = curves.map(({ samples }, curve) => {
+      if (timeOf(curve) !== time) return "";
+      const value = samples.values[next[curve] ?? 0] ?? NaN;
+      next[curve] = (next[curve] ?? 0) + 1;
+      return Number.isNaN(value) ? "" : String(value);
+    });
+    if (values.some((value) => value !== "")) lines.push([time.toFixed(6), ...values].join(","));
+  }
 }

@@ -44,6 +44,11 @@ export class RingBuffer {
     this.#count = 0;
   }
 
+  /** All samples. */
+  all(): Samples {
+    return this.slice(0, this.#count);
+  }
+
   /** The newest value at a time. */
   valueAt(time: number): number | undefined {
     const after = this.after(time);

@@ -2,6 +2,7 @@
 import "./image.css";
 
 import { h, setAttribute, setText } from "../../dom";
+import { download } from "../../download";
 import { ago, bytes, hertz } from "../../format";
 import type { Hub } from "../../hub";
 import { dataClient } from "../../messages/data_client";
@@ -232,7 +233,7 @@ class ImagePanel implements Panel {
         setText(this.#value, `x ${report.x}, y ${report.y}: ${report.text}`);
         break;
       case "file":
-        save(report.file, this.#topic);
+        download(`${this.#topic.slice(1).replaceAll("/", "_")}.png`, report.file);
         break;
     }
   }
@@ -402,11 +403,4 @@ class ImagePanel implements Panel {
     }
     event.preventDefault();
   }
-}
-
-/** Let the browser save a picture, under the name of its topic. */
-function save(file: Blob, topic: string): void {
-  const href = URL.createObjectURL(file);
-  h("a", { href, download: `${topic.slice(1).replaceAll("/", "_")}.png` }).click();
-  URL.revokeObjectURL(href);
 }
