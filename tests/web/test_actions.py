@@ -153,6 +153,7 @@ async def test_feedback_is_plotted_on_the_page_of_the_action(
     await expect(plot.locator(".plot-value")).to_have_text("2")
     # It ends with the visit, and goes on with the next one.
     await page.get_by_role("link", name="Services", exact=True).click()
+    await expect(plot).to_have_count(0)
     await page.go_back()
     await expect(plot.locator(".plot-value")).to_have_text("\N{EN DASH}")
     await send(page, 4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -23,6 +24,32 @@ from fibws.msg.std_msgs import Float64
 from .conftest import OpenPage, fixture, until
 
 DASHBOARD = "#/dashboard"
+LAYOUT = json.dumps(
+    {
+        "schema": 1,
+        "layout": {
+            "split": "col",
+            "items": [
+                {
+                    "split": "row",
+                    "size": 0.6,
+                    "items": [
+                        {"view": "picture", "name": "/camera"},
+                        {"view": "map", "name": "/map"},
+                    ],
+                },
+                {
+                    "split": "row",
+                    "size": 0.4,
+                    "items": [
+                        {"view": "drive", "name": "/cmd_vel"},
+                        {"view": "diagnostics", "name": "/diagnostics"},
+                    ],
+                },
+            ],
+        },
+    }
+)
 FOUR = ["Picture /camera", "Map /map", "Drive /cmd_vel", "Diagnostics /diagnostics"]
 
 
@@ -91,8 +118,10 @@ async def box(element: Locator) -> tuple[float, float, float, float]:
 async def open_robot(
     robot: Robot, open_page: OpenPage, route: str = DASHBOARD, **context: Any
 ) -> Page:
-    """Open the dashboard; return once the panels of a robot are there."""
+    """Open the dashboard with four panels of a robot."""
     page = await open_page(robot.hub, route, **context)
+    if route == DASHBOARD:
+        await page.get_by_label("File with a layout").set_input_files(payload(LAYOUT))
     await expect_panes(page, FOUR)
     return page
 
@@ -120,14 +149,27 @@ async def test_empty_hub_says_what_to_publish_and_fills_as_a_robot_comes(
     await page.get_by_role("button", name="Auto").click()
     await expect(page.get_by_role("alert")).to_contain_text("nothing to show")
     async with fibws.Node("robot", hub=hub.url) as node:
-        await Robot(node, hub).start()
-        await expect_panes(page, FOUR)
-        await expect(pane(page, "Picture /camera")).to_contain_text("rgb8")
+        robot = Robot(node, hub)
+        await node.flush()
+        drive = pane(page, "Drive /cmd_vel")
+        await expect(drive).to_be_visible()
+        await robot.start()
+        await expect(panes(page)).to_have_count(4)
+        camera = pane(page, "Picture /camera")
+        await expect(camera).to_contain_text("rgb8")
         await expect(pane(page, "Diagnostics /diagnostics")).to_contain_text("1 warning")
-        camera, chart = await box(panes(page).nth(0)), await box(panes(page).nth(1))
-        drive = await box(panes(page).nth(2))
-        assert camera[0] < chart[0] and camera[1] == chart[1]
-        assert drive[1] > camera[1] and drive[0] == camera[0]
+        await expect(panes(page).nth(1)).to_have_attribute("aria-label", re.compile("Scene|Map"))
+        left, top, *_ = await box(camera)
+        space, below = await box(panes(page).nth(1)), await box(drive)
+        assert space[0] > left and space[1] == top
+        assert below[0] == left and below[1] > top
+        # What the user has closed does not come back, not even after a reload.
+        await drive.get_by_role("button", name="Close").click()
+        for _ in range(2):
+            await expect(panes(page)).to_have_count(3)
+            await page.reload()
+        await page.get_by_role("button", name="Auto").click()
+        await expect(panes(page)).to_have_count(4)
 
 
 async def test_panels_are_split_chosen_moved_closed_and_brought_back(
@@ -189,8 +231,8 @@ async def test_bars_are_moved_by_mouse_and_keys_and_stay_there(
     await page.reload()
     await expect_panes(page, FOUR)
     assert await box(camera) == pytest.approx(before, abs=1)
-    await page.get_by_role("button", name="Auto").click()
-    await expect(bar).to_have_attribute("aria-valuenow", "60")
+    await bar.dblclick()
+    await expect(bar).to_have_attribute("aria-valuenow", "50")
 
 
 async def test_a_bar_is_moved_by_a_finger(robot: Robot, open_page: OpenPage) -> None:

@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 
 import type { Graph, TopicInfo } from "../model";
+import { KINDS } from "../panels/panel";
 import { autoLayout } from "./auto";
 import { type Layout, placesOf } from "./layout";
 
@@ -32,6 +33,8 @@ function text(layout: Layout | null): string {
   return `${layout.split}(${layout.items.map(text).join(", ")})`;
 }
 
+/** A scene shows maps, too. */
+const hasScene = KINDS.some(({ label }) => label === "Scene");
 const IMAGE = topic("/camera/image", "sensor_msgs/Image");
 const MAP = topic("/map", "nav_msgs/OccupancyGrid");
 const CMD = topic("/cmd_vel", "geometry_msgs/Twist", { publishers: 0, subscribers: 1 });
@@ -48,7 +51,7 @@ test("a robot has its camera beside the map, over the stick and the diagnostics"
   const found = placesOf(layout).panes.map(({ pane, x, y }) => [pane.name, x > 0.1, y > 0.1]);
   expect(found).toEqual([
     ["/camera/image", false, false],
-    ["/map", true, false],
+    [hasScene ? "" : "/map", true, false],
     ["/cmd_vel", false, true],
     ["/diagnostics", true, true],
   ]);
