@@ -64,6 +64,30 @@ export const KINDS: readonly Kind[] = [
     load: () => import("./playback/panel"),
   },
   {
+    label: "Joints",
+    types: ["sensor_msgs/JointState"],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
+    label: "Attitude",
+    types: ["sensor_msgs/Imu"],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
+    label: "Battery",
+    types: ["sensor_msgs/BatteryState"],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
+    label: "Position",
+    types: ["sensor_msgs/NavSatFix"],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
     label: "Scene",
     types: [
       "sensor_msgs/LaserScan",
