@@ -129,7 +129,12 @@ export class Joints implements Reading {
     const found = this.#rows.get(name);
     if (found !== undefined || this.#rows.size >= MAX_JOINTS) return found;
     const bar = h("div", { class: "joint-bar", "aria-hidden": "true" });
-    const note = h("span", { class: "joint-note small" });
+    const note = h(
+      "span",
+      { class: "joint-note", title: "Beyond its limit", hidden: true },
+      "⚠",
+      h("span", { class: "visually-hidden" }, " beyond its limit"),
+    );
     const cells = Array.from({ length: 3 }, () => h("td", { class: "number mono" }));
     const element = h(
       "tr",
@@ -174,7 +179,7 @@ export class Joints implements Reading {
     }
     const isBeyond = isLimited && position !== undefined && (position < lower || position > upper);
     row.bar.classList.toggle("beyond", isBeyond);
-    setText(row.note, isBeyond ? "⚠ beyond its limit" : "");
+    row.note.hidden = !isBeyond;
     row.bar.hidden = position === undefined;
     if (position === undefined) return;
     // The bar begins at zero, or at the end that is nearer to it.
