@@ -274,6 +274,27 @@ async def test_hidden_panels_end_their_subscriptions(robot: Robot, open_page: Op
     await robot.subscribed("/map", "/diagnostics")
 
 
+async def test_a_page_in_a_hidden_tab_ends_its_subscriptions_after_10_s(
+    robot: Robot, open_page: OpenPage
+) -> None:
+    page = await open_robot(robot, open_page)
+    await robot.subscribed("/camera", "/map", "/diagnostics")
+    await page.clock.install()
+    for hidden in (True, False):
+        await page.evaluate(
+            """(hidden) => {
+                Object.defineProperty(document, 'hidden', {value: hidden, configurable: true});
+                document.dispatchEvent(new Event('visibilitychange'));
+            }""",
+            hidden,
+        )
+        await page.clock.fast_forward(9000)
+        await robot.subscribed("/camera", "/map", "/diagnostics")
+        if hidden:
+            await page.clock.fast_forward(2000)
+            await robot.subscribed()
+
+
 async def test_settings_of_panels_are_part_of_the_layout(robot: Robot, open_page: OpenPage) -> None:
     page = await open_robot(robot, open_page)
     camera = pane(page, "Picture /camera")

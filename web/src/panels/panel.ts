@@ -64,6 +64,12 @@ export const KINDS: readonly Kind[] = [
     load: () => import("./playback/panel"),
   },
   {
+    label: "Drive",
+    types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
+    replacesEcho: false,
+    load: () => import("./teleop/panel"),
+  },
+  {
     label: "Joints",
     types: ["sensor_msgs/JointState"],
     replacesEcho: false,
@@ -115,12 +121,6 @@ export const KINDS: readonly Kind[] = [
     ],
     replacesEcho: true,
     load: () => import("./scene/panel"),
-  },
-  {
-    label: "Drive",
-    types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
-    replacesEcho: false,
-    load: () => import("./teleop/panel"),
   },
 ];
 
