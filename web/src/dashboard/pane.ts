@@ -74,7 +74,15 @@ export class PaneView {
     const maximize = (): void => changes.maximize(id);
     this.element = h(
       "section",
-      { class: `pane pane-${this.#kind?.name ?? "none"}`, "aria-label": this.title, tabindex: -1 },
+      {
+        class: `pane pane-${this.#kind?.name ?? "none"}`,
+        "aria-label": this.title,
+        tabindex: -1,
+        onkeydown: (event: KeyboardEvent) => {
+          // Otherwise it ends the large view.
+          if (event.key === "Escape" && this.#closeChooser()) event.stopPropagation();
+        },
+      },
       h(
         "header",
         {
@@ -182,6 +190,14 @@ export class PaneView {
     this.#showPanel();
   }
 
+  /** Show the panel again, if there is one; returns whether it was hidden by the choice. */
+  #closeChooser(): boolean {
+    if (this.view === "" || this.#chooser.hidden) return false;
+    this.#toggleChooser(null);
+    this.#title.focus();
+    return true;
+  }
+
   #offer(graph: Graph | null): void {
     this.#chooser.dataset.revision = String(graph?.revision);
     const groups = VIEWS.flatMap(({ name: view, label, offers }) => {
@@ -234,6 +250,7 @@ export class PaneView {
     const onsubmit = (event: Event): void => {
       event.preventDefault();
       this.#changes.move(this.id, Number(at.value), side.value as Side);
+      this.#closeChooser();
     };
     return h(
       "form",

@@ -34,6 +34,7 @@ export class Tools {
     "aria-label": "Layout",
     onchange: () => go(this.#layouts.value),
   });
+  readonly #add: HTMLButtonElement;
   readonly #undo: HTMLButtonElement;
   readonly #more = h("details", { class: "dashboard-more" });
   readonly #status = h("span", { class: "soft small", role: "status" });
@@ -50,12 +51,13 @@ export class Tools {
     this.#dashboard = dashboard;
     const button = (label: string, onclick: () => void) =>
       h("button", { type: "button", onclick }, label);
+    this.#add = button("Add panel", () => dashboard.addPanel());
     this.#undo = button("Undo", () => dashboard.undo());
     this.element = h(
       "div",
       { class: "toolbar" },
       this.#layouts,
-      button("Add panel", () => dashboard.addPanel()),
+      this.#add,
       button("Auto", () => dashboard.makeAuto()),
       this.#undo,
       button("Save …", () => this.#askName()),
@@ -104,6 +106,11 @@ export class Tools {
           : null,
       ),
     );
+  }
+
+  /** Put the focus on the button that adds a panel. */
+  focus(): void {
+    this.#add.focus();
   }
 
   /** Close the menu; returns whether it was open. */

@@ -78,7 +78,7 @@ class DashboardView implements View {
     split: (id, side) => this.#insert(id, side),
     move: (id, at, side) => this.#change(move(this.#layout, id, at, side)),
     maximize: (id) => this.#enlarge(this.#large === id ? undefined : id),
-    close: (id) => this.#change(remove(this.#layout, id)),
+    close: (id) => this.#close(id),
     others: (id) => [...this.#panes.values()].filter((each) => each.id !== id),
   };
   /** Panes that are scrolled away, or behind a large one, are not visible. */
@@ -241,6 +241,16 @@ class DashboardView implements View {
     const { element } = this.#panes.get(pane.id) ?? {};
     element?.scrollIntoView({ block: "nearest" });
     element?.focus({ preventScroll: true });
+  }
+
+  /** Close a pane; the focus goes to the next one. */
+  #close(id: number): void {
+    const order = panesOf(this.#layout);
+    const at = order.findIndex((pane) => pane.id === id);
+    const next = order[at + 1] ?? order[at - 1];
+    this.#change(remove(this.#layout, id));
+    if (next === undefined) this.#tools.focus();
+    else this.#panes.get(next.id)?.element.focus({ preventScroll: true });
   }
 
   #makeAuto(): void {
