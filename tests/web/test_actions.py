@@ -123,6 +123,16 @@ async def test_failed_goal_shows_the_text_of_the_server(
     assert await page.evaluate("window.harmed") is None
 
 
+async def test_graph_leads_to_the_page_of_an_action(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    await node.action_server("/fibonacci", Fibonacci, execute)
+    page = await open_page(hub, f"#/graph/action/{quote('/fibonacci', '')}")
+    await page.get_by_role("link", name="send a goal").click()
+    goal = await send(page, 3)
+    await expect(goal.get_by_role("status")).to_have_text("SUCCEEDED")
+
+
 @both_kinds
 async def test_states_of_a_goal_are_a_line_of_steps(
     hub: Hub, node: fibws.Node, open_page: OpenPage, over: Over

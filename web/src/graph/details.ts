@@ -279,8 +279,13 @@ export class Details {
     ];
   }
 
-  #action({ type, node, over_topics }: ActionInfo, topics: readonly string[]): Child[] {
+  #action({ name, type, node, over_topics }: ActionInfo, topics: readonly string[]): Child[] {
     return [
+      h(
+        "p",
+        { class: "links" },
+        h("a", { class: "button", href: route("actions", name) }, "send a goal"),
+      ),
       terms([
         ["type", h("code", {}, type)],
         ["server", link("node", node)],
