@@ -30,7 +30,7 @@ from fibws.msg.rosgraph_msgs import Clock
 from fibws.srv.fibws_msgs import ControlPlayback, ControlPlaybackRequest, ControlPlaybackResponse
 from fibws.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse
 
-MOST_NODES = 16
+MOST_NODES = 64
 """Nodes that publish at once: one for each publisher that one topic had. The messages of further
 ones come from the last, which names them in its connection header."""
 PROGRESS_INTERVAL = 0.1
@@ -49,6 +49,7 @@ class PlayOptions:
     """What to play, and how to publish it.
 
     Attributes:
+        hub: the hub's address with its token, as it was given; None for the default.
         topics: the topics to play, without the slash before them; all if it is empty.
         prefix: put before the names of all topics.
         queue_size: of the publishers.
@@ -59,6 +60,7 @@ class PlayOptions:
         is_quiet: whether to print no progress.
     """
 
+    hub: str | None
     topics: frozenset[str]
     prefix: str
     queue_size: int
@@ -130,7 +132,7 @@ class Player:
         self._playback_options = playback_options
         self._nodes = [node]
         self._outlets: dict[tuple[str, int], Outlet] = {}
-        self._one_of_each: list[fibws.Publisher[Any, ...]] = []
+        self._one_of_each: dict[int, fibws.Publisher[Any, ...]] = {}
         """One publisher of each node."""
         self._callers: dict[str, list[str]] = {}
         """The publishers of each topic that is played."""
@@ -219,8 +221,7 @@ class Player:
                 peers=self._options.waits_for_subscribers,
                 keep_seq=True,
             )
-            if number == len(self._one_of_each):
-                self._one_of_each.append(publisher)
+            self._one_of_each.setdefault(number, publisher)
             found = self._outlets[topic, number] = Outlet(publisher, connection.callerid)
         return found
 
@@ -228,11 +229,11 @@ class Player:
         name = f"{self._node.name.rpartition('/')[2]}_{len(self._nodes) + 1}"
         namespace = self._node.name.rpartition("/")[0] or "/"
         return fibws.Node(
-            name, hub=self._node.hub, namespace=namespace, rosout=False, log=self._node.log
+            name, hub=self._options.hub, namespace=namespace, rosout=False, log=self._node.log
         )
 
     async def _room(self) -> None:
-        for publisher in self._one_of_each:
+        for publisher in self._one_of_each.values():
             await publisher.room()
 
     async def _wait_for_others(self) -> None:
@@ -576,6 +577,7 @@ def command(
             max_delay=round(others["rate_control_max_delay"] * 1e9),
         )
         options = PlayOptions(
+            hub=click.get_current_context().params["hub"],
             topics=_without_slashes(topics),
             prefix=others["prefix"],
             queue_size=others["queue"],

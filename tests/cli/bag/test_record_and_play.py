@@ -113,6 +113,19 @@ def test_recording_of_a_playback_is_equal(
         assert reader.compression == compression
 
 
+def test_many_publishers_of_a_topic_share_a_node(
+    run: Run, hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fibws.cli.bag.play.MOST_NODES", 2)
+    numbers = [int32("/n", number, f"/talker{number % 5}") for number in range(20)]
+    source = write(tmp_path / "a.bag", *((each.data[0] / 100, each) for each in numbers))
+    with recorder(hub.url, tmp_path / "b.bag", "-l", "20", "/n") as recording:
+        result = run("bag", "play", str(source), *QUICK)
+        assert result.exit_code == 0, result.output
+        found = recording.end()
+    assert sorted(found) == sorted(numbers)
+
+
 def test_unknown_types_are_played_and_recorded(run: Run, hub: HubThread, tmp_path: Path) -> None:
     with open_writer(tmp_path / "a.bag") as bag:
         definition = "uint8 apples\nHeader header\n"
