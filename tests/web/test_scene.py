@@ -246,6 +246,10 @@ async def test_corners_of_a_cloud_are_at_known_pixels(
     await expect(page.locator(".scene-hover")).to_have_text(
         "/points: point 7 · 2.00, 1.00, 1.00 m in lidar"
     )
+    await page.mouse.click(box["x"] + x, box["y"] + y)
+    status = page.locator(".scene-tool-status")
+    await expect(status).to_contain_text("/points: point 7 · 2.00, 1.00, 1.00 m in lidar")
+    await expect(status.get_by_role("link")).to_have_attribute("href", "#/topics/%2Fpoints")
     # A limit of the values, a field that is missing, and data that ends early.
     await page.locator(".scene-settings select").first.select_option("field")
     await state(page, "/points", "no field intensity: there are x, y, z, rgb")

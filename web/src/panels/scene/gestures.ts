@@ -4,6 +4,8 @@ import type { Pointer } from "./layer";
 
 /** A factor of the distance to the camera, for a step of the wheel or a key. */
 const ZOOM = 1.15;
+/** A press that moves less is a click, in pixels. */
+const CLICK = 4;
 /** Pixels for a press of an arrow key. */
 const STEP = 24;
 
@@ -23,6 +25,8 @@ export interface GestureTarget {
   released(at: Press): void;
   /** The press ended without a release, such as by a second finger. */
   cancelled(): void;
+  /** A click without a tool. */
+  clicked(at: Pointer): void;
   /** The pointer is above the picture; `undefined` when it has left. */
   hovered(at: Pointer | undefined): void;
 }
@@ -34,6 +38,8 @@ export class Gestures {
   readonly #pointers = new Map<number, Pointer>();
   /** Whether the press belongs to the tool. */
   #isTool = false;
+  /** Where a press began that may be a click. */
+  #start: Pointer | undefined;
 
   constructor(stage: HTMLElement, target: GestureTarget) {
     this.#stage = stage;
@@ -60,6 +66,7 @@ export class Gestures {
     this.#stage.focus({ preventScroll: true });
     this.#stage.setPointerCapture(event.pointerId);
     this.#pointers.set(event.pointerId, this.#place(event));
+    this.#start = this.#pointers.size === 1 ? this.#place(event) : undefined;
     if (this.#pointers.size > 1) {
       if (this.#isTool) this.#target.cancelled();
       this.#isTool = false;
@@ -109,7 +116,13 @@ export class Gestures {
 
   #up(event: PointerEvent, isRelease: boolean): void {
     if (!this.#pointers.delete(event.pointerId)) return;
-    if (!this.#isTool) return;
+    if (!this.#isTool) {
+      const { x, y } = this.#place(event);
+      const start = isRelease ? this.#start : undefined;
+      this.#start = undefined;
+      if (start && Math.hypot(x - start.x, y - start.y) < CLICK) this.#target.clicked({ x, y });
+      return;
+    }
     this.#isTool = false;
     if (isRelease) this.#target.released(this.#press(event));
     else this.#target.cancelled();

@@ -5,6 +5,7 @@ import { h, replace, setAttribute, setText } from "../../dom";
 import type { Hub } from "../../hub";
 import type { Graph, Model } from "../../model";
 import { rollPitchYaw } from "../../transforms";
+import { route } from "../../view";
 import type { Panel } from "../panel";
 import type { CameraState, Follow } from "./camera";
 import { Gestures, type GestureTarget, moveByKey, type Press } from "./gestures";
@@ -451,12 +452,23 @@ class ScenePanel implements Panel, GestureTarget {
     const at = this.#pointer;
     if (at === undefined) return;
     const found = this.#scene.pick(at);
-    const place = found?.hit.place ?? this.#scene.camera.ground(at.x, at.y);
-    const parts = [
-      found === undefined ? "" : `${found.entry.topic}: ${found.hit.text}`,
-      place === undefined ? "" : `${placeText(place)} in ${this.#scene.fixedFrame}`,
-    ];
-    setText(this.#hover, parts.filter((part) => part !== "").join(" · "));
+    const topic = found === undefined ? "" : `${found.entry.topic}: `;
+    setText(this.#hover, topic + this.#textAt(at, found));
+  }
+
+  #textAt({ x, y }: Pointer, found: ReturnType<Scene["pick"]>): string {
+    const place = found?.hit.place ?? this.#scene.camera.ground(x, y);
+    const at = place === undefined ? "" : `${placeText(place)} in ${this.#scene.fixedFrame}`;
+    return [found?.hit.text ?? "", at].filter((part) => part !== "").join(" · ");
+  }
+
+  /** Keep what is under the pointer in sight, with a way to its topic. */
+  clicked(at: Pointer): void {
+    const found = this.#scene.pick(at);
+    if (found === undefined) return;
+    const { topic } = found.entry;
+    const link = h("a", { class: "mono", href: route("topics", topic) }, topic);
+    replace(this.#tools.status, link, `: ${this.#textAt(at, found)}`);
   }
 
   #toggleDrawer(): void {

@@ -1,6 +1,7 @@
 /** The coordinate frames of tf: their axes, their names, and lines to their parents. */
-import type { Transform, Vector } from "../../../transforms";
-import type { Layer, LayerContext, View } from "../layer";
+import { IDENTITY, type Transform, type Vector } from "../../../transforms";
+import type { Hit, Layer, LayerContext, Pointer, View } from "../layer";
+import { nearestPoint } from "../picking";
 import { renderer, Vertices } from "../renderer";
 import { Axes } from "./arrows";
 
@@ -65,6 +66,20 @@ export class Frames implements Layer {
   facts(): string {
     const { length } = this.#context.transforms.names;
     return length === 1 ? "1 frame" : `${length} frames`;
+  }
+
+  pick(view: View, pointer: Pointer): Hit | undefined {
+    const places = [...this.#places(view)];
+    const numbers = places.flatMap(
+      ([
+        ,
+        {
+          translation: { x, y, z },
+        },
+      ]) => [x, y, z],
+    );
+    const near = nearestPoint(view, pointer, IDENTITY, numbers, 3);
+    return near && { ...near, text: places[near.index]?.[0] ?? "" };
   }
 
   extent(view: View): Vector[] {
