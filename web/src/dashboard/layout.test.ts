@@ -230,7 +230,7 @@ test("random files are read or refused, and nothing else happens", () => {
   const values = ["row", "col", "map", "", null, 0, 1, -1, 1e300, true, [], {}];
   const value = (depth: number): unknown => {
     const chance = random();
-    if (depth > 6 || chance < 0.35) return values[Math.floor(random() * values.length)];
+    if (depth > 4 || chance < 0.35) return values[Math.floor(random() * values.length)];
     if (chance < 0.55) {
       return Array.from({ length: Math.floor(random() * 5) }, () => value(depth + 1));
     }
@@ -248,7 +248,7 @@ test("random files are read or refused, and nothing else happens", () => {
     return Object.fromEntries(object);
   };
   let read = 0;
-  for (let round = 0; round < 3000; round += 1) {
+  for (let round = 0; round < 1000; round += 1) {
     const file = JSON.stringify({ schema: 1, layout: value(0) });
     try {
       check(fromFile(file).layout);
@@ -257,5 +257,5 @@ test("random files are read or refused, and nothing else happens", () => {
       if (!(error instanceof LayoutError)) throw error;
     }
   }
-  expect(read).toBeGreaterThan(100);
+  expect(read).toBeGreaterThan(50);
 });
