@@ -151,6 +151,9 @@ def test_other_nodes_are_refused(
         launch.launch("robot")  # type: ignore[arg-type]
     with pytest.raises(roslaunch.RLException, match="please start ROSLaunch first"):
         roslaunch.ROSLaunch().launch(roslaunch.Node("robot", "sleep.sh"))
+    launch.stop()
+    with pytest.raises(roslaunch.RLException, match="has ended"):
+        launch.launch(roslaunch.Node("robot", "sleep.sh"))
 
 
 @pytest.mark.parametrize(

@@ -120,14 +120,14 @@ class ROSLaunchParent:
                 sigint_timeout=self.sigint_timeout, sigterm_timeout=self.sigterm_timeout
             )
             atexit.register(self.shutdown)
+            for listener in self.process_listeners:
+                self.pm.add_process_listener(listener)
             self._find_hub(self.pm)
             for launch in launches:
                 self._launch(launch)
         except (FibwsError, OSError) as error:
             self.shutdown()
             raise RLException(_text(error)) from error
-        for listener in self.process_listeners:
-            self.pm.add_process_listener(listener)
 
     def launch(self, node: model.Node) -> Process | None:
         """Start one more node; if that is impossible, say why and return None."""

@@ -19,6 +19,7 @@ from fibws.ros1.launch.node_command import log_folder, node_command
 from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.runner import Job, Runner
 from fibws.ros1.workspace.packages import Packages
+from roslaunch.core import RLException
 
 __all__ = ["Process", "ProcessListener", "ProcessMonitor"]
 
@@ -113,7 +114,13 @@ class ProcessMonitor:
         *,
         screen: bool,
     ) -> Process | None:
-        """Start a node; if that is impossible, say why and return None."""
+        """Start a node; if that is impossible, say why and return None.
+
+        Raises:
+            RLException: `shutdown` was called.
+        """
+        if self.is_shutdown:
+            raise RLException("this launch has ended")
         try:
             command = node_command(node, packages, hub, environment)
         except LaunchError as error:
