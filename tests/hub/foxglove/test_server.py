@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import struct
+import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from conftest import StartHub
 from websockets.exceptions import ConnectionClosed
 
+from fibws.bags import open_writer
 from fibws.hub.foxglove.messages import SUBPROTOCOLS
 
+from ..fakes import STANDARD
 from ..raw_client import BINARY, PING, connected, frame, nodes, until
 from ..token_clients import entry
 from .real_client import foxglove
@@ -168,6 +173,50 @@ async def test_slow_client_loses_the_oldest_and_delays_nobody(start_hub: StartHu
         assert numbers == sorted(numbers)
         assert numbers[-20:] == list(range(count - 20, count))
         assert len(numbers) < count
+
+
+async def test_bag_that_is_played_has_a_time_line(start_hub: StartHub, tmp_path: Path) -> None:
+    hub = await start_hub()
+    path = tmp_path / "walk.bag"
+    with open_writer(path, "none") as bag:
+        text, md5sum = STANDARD.full_text(INT32), STANDARD.md5(INT32)
+        connection = bag.connection("/n", INT32, md5sum, text, callerid="/talker", latching=False)
+        for second in (100, 105, 110):
+            bag.write(connection, second * 10**9, struct.pack("<i", second))
+    words = ("bag", "play", str(path), "--pause", "-k", "-d", "0", "--node-name", "player")
+    environment = {**os.environ, "FIBWS_HUB": hub.url}
+    player = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "fibws", *words),
+        env=environment,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.DEVNULL,
+    )
+    try:
+        async with foxglove(hub) as client:
+            info = await client.find("serverInfo")
+            while "playbackControl" not in info["capabilities"]:
+                info = await client.find("serverInfo")
+            assert (info["dataStartTime"]["sec"], info["dataEndTime"]["sec"]) == (100, 110)
+            await client.subscribe("/n")
+            await client.is_processed()
+            request = struct.pack("<BBfBQI", 3, 0, 1000.0, 1, 105 * 10**9, 2) + b"id"
+            await client.websocket.send(request)
+            answers: list[int] = []
+            numbers: list[bytes] = []
+            while not answers or struct.pack("<i", 105) not in numbers:
+                message = await client.receive()
+                if isinstance(message, bytes) and message[0] == 1:
+                    numbers.append(message[13:])
+                elif isinstance(message, bytes) and message[19:] == b"id":
+                    answers.append(message[14])
+            assert answers == [1]  # It comes after a seek.
+            player.terminate()
+            while "playbackControl" in info["capabilities"]:
+                info = await client.find("serverInfo")
+    finally:
+        with suppress(ProcessLookupError):
+            player.kill()
+        await player.wait()
 
 
 async def test_tokens_and_rights(start_hub: StartHub, tmp_path: Path) -> None:
