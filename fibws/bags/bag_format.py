@@ -28,8 +28,8 @@ MESSAGE, FILE_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = range(2, 8)
 
 MAX_TIME = 2**32 * 1_000_000_000
 """Times are below it, in ns: bags count seconds in 32 bits."""
-MAX_CHUNK = 2**32 - 1
-"""Maximum size of the data of a record."""
+MAX_HEADER = 2**20
+"""Maximum size of a record's header; that of a connection, with its definition, is data."""
 
 LENGTH = struct.Struct("<I")
 INDEX_ENTRY = struct.Struct("<III")
@@ -244,8 +244,10 @@ class RecordFile:
             BagFormatError: its header is incomplete or invalid.
         """
         (size,) = LENGTH.unpack(self.read(position, 4))
-        header = self.read(position + 4, size + 4)
         place = f"{self.path}: record at byte {position}"
+        if size > MAX_HEADER:
+            raise BagFormatError(f"{place}: header of {size} bytes (limit: {MAX_HEADER})")
+        header = self.read(position + 4, size + 4)
         fields = unpack_fields(header[:-4], place)
         (data_size,) = LENGTH.unpack(header[-4:])
         op = number(fields, "op", 1, place)

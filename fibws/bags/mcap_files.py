@@ -575,10 +575,11 @@ class McapScan:
                     return
                 position = end
                 continue
-            if kind == _CHUNK:
-                yield kind, position, file.size
             found = self._next_chunk(position + 1)
-            self.lost += (file.size if found is None else found) - position
+            stop = file.size if found is None else found
+            if kind == _CHUNK:
+                yield kind, position, stop
+            self.lost += stop - position
             if found is None:
                 return
             position = found
@@ -587,14 +588,16 @@ class McapScan:
     def _next_chunk(self, position: int) -> int | None:
         """Return where the next chunk begins; None if there is none."""
         file = self._file
+        size = 2**12
         while position < file.size:
-            block = file.read(position, min(_RUN, file.size - position))
+            block = file.read(position, min(size, file.size - position))
             for found in _CHUNK_LIKE.finditer(block):
                 if self._is_chunk(position + found.start()):
                     return position + found.start()
-            if len(block) < _RUN:
+            if position + len(block) == file.size:
                 return None
-            position += _RUN - 64
+            position += len(block) - 64  # A chunk's start is shorter.
+            size = min(2 * size, _RUN)
         return None
 
     def _is_chunk(self, position: int) -> bool:

@@ -197,7 +197,8 @@ def test_md5sum_that_is_missing_is_computed(tmp_path: Path) -> None:
         (b"hello\n", BagFormatError, "not a bag"),
         (b"#ROSBAG V1.2\nmore", UnsupportedBag, "1.2"),
         (b"#ROSBAG V2.0\n", BagFormatError, "ends at byte 13"),
-        (b"#ROSBAG V2.0\n\xff\xff\xff\xffmore", BagFormatError, "ends at byte 21"),
+        (b"#ROSBAG V2.0\n\xff\xff\xff\xffmore", BagFormatError, "header of 4294967295 bytes"),
+        (b"#ROSBAG V2.0\n\xff\xff\0\0more", BagFormatError, "ends at byte 21"),
         (b"\x89MCAP0\r\n", BagNotIndexed, "end"),
     ],
 )

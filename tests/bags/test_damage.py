@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import bz2
+import contextlib
 import random
 import struct
 import subprocess
 import sys
 import tracemalloc
 from pathlib import Path
+from time import process_time
 
 import pytest
 from hypothesis import given
@@ -101,6 +103,47 @@ def test_reindex_goes_on_after_damage(
             each for each in messages if not chunk.start <= each[5] <= chunk.end
         ]
     assert 0 < found.lost < len(content) // 2
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_wrong_length_of_a_chunk_costs_only_its_messages(
+    bags: dict[tuple[str, str], Path], tmp_path: Path, compression: str
+) -> None:
+    content = bytearray(bags["bag", compression].read_bytes())
+    with open_reader(bags["bag", compression]) as bag:
+        messages = contents(bag)
+        chunk, last = bag.chunks[1], bag.chunks[-1]
+    place = content.index(b"size=", chunk.position) + 9
+    length = last.position - place  # It ends in the middle of the last but one.
+    content[place : place + 4] = length.to_bytes(4, "little")
+    damaged, restored = tmp_path / "damaged.bag", tmp_path / "restored.bag"
+    damaged.write_bytes(content)
+    reindex(damaged, restored)
+    with open_reader(restored) as bag:
+        after = contents(bag)
+    assert [each for each in messages if not chunk.start <= each[5] <= chunk.end] == [
+        each for each in after if not chunk.start <= each[5] <= chunk.end
+    ]
+
+
+@each_suffix
+def test_many_false_chunks_take_little_time(tmp_path: Path, suffix: str) -> None:
+    # Each claims all of the file after it. A search that began anew at each would take minutes.
+    path, restored = tmp_path / f"it.{suffix}", tmp_path / f"restored.{suffix}"
+    write_numbers(path, count=10)
+    content = path.read_bytes()
+    if suffix == "bag":
+        fields = {"compression": b"bz2", "size": struct.pack("<I", 2**20)}
+        false = bag_format.pack_record(bag_format.CHUNK, fields, b"")[:-4] + b"\xff\xff\xff\x0f"
+    else:
+        size = 2**28
+        start = struct.pack("<QQQIIQ", 0, 0, size, 0, 0, size)
+        false = struct.pack("<BQ", 6, len(start) + size) + start
+    path.write_bytes(content[:4200] + false * 20_000)
+    begin = process_time()
+    with contextlib.suppress(BagError):
+        reindex(path, restored)
+    assert process_time() - begin < 30
 
 
 def test_chunk_that_a_recorder_had_not_finished_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
