@@ -98,6 +98,15 @@ TURN = """async () => {
     return durations;
 }"""
 """Turn the camera until some pictures have been drawn; return how long each took, in ms."""
+HIDE = """
+    const { setTimeout } = window;
+    // Ten seconds, after which a hidden tab ends its subscriptions, are short here.
+    window.setTimeout = (run, time, ...all) => setTimeout(run, time === 10000 ? 10 : time, ...all);
+    window.hide = (hidden) => {
+        Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
+        document.dispatchEvent(new Event("visibilitychange"));
+    };
+"""
 KEEP_CONTEXT = """
     const { getContext } = OffscreenCanvas.prototype;
     OffscreenCanvas.prototype.getContext = function (kind, ...all) {
@@ -313,6 +322,19 @@ async def test_layers_say_what_is_wrong(hub: Hub, robot: fibws.Node, open_page: 
     await state(page, "/scan", "4 points, nearest 1.00 m at 0°")
     await topic.publish(scan("", [1.0] * 4))
     await state(page, "/scan", "no frame_id: shown in map")
+    # Of a frame that moves, tf may not have the message's time.
+    moving = await robot.advertise("/tf", TFMessage)
+    late = scan("arm", [1.0] * 4)
+    late.header.stamp = fibws.Time(105)
+    await topic.publish(late)
+    await state(page, "/scan", "frame arm is not in the tree")
+    arm = stamped("base_link", "arm", 1, 0)
+    arm.header.stamp = fibws.Time(100)
+    await moving.publish(TFMessage([arm]))
+    await state(page, "/scan", "tf is 5.0 s from the message's time")
+    arm.header.stamp = fibws.Time(106)
+    await moving.publish(TFMessage([arm]))
+    await state(page, "/scan", "4 points, nearest 1.00 m at 0°")
     # A layer that is not ticked has no state, and no subscription.
     box = page.get_by_role("checkbox", name="/path")
     await expect(box).not_to_be_checked()
@@ -466,12 +488,17 @@ async def test_nothing_is_drawn_at_rest_and_when_hidden(
                     return
 
     await topic.publish(scan("laser", [1.0] * 4))
-    page = await open_page(hub, "#/topics/%2Fscan", prepare=COUNT_DRAWS)
+    page = await open_page(hub, "#/topics/%2Fscan", prepare=COUNT_DRAWS + HIDE)
     await shown(page, RED)
     await subscribed(True)
     before = await at_rest(page)
     await topic.publish(scan("laser", [2.0] * 4))
     await until(page, f"draws > {before}")
+    # A hidden tab ends its subscriptions after a while.
+    await page.evaluate("hide(true)")
+    await subscribed(False)
+    await page.evaluate("hide(false)")
+    await subscribed(True)
     # Nor is it drawn while it is scrolled away.
     await page.evaluate("document.querySelector('.scene').style.marginTop = '3000px'")
     before = await at_rest(page)
