@@ -14,9 +14,10 @@ from playwright.async_api import Page, expect
 
 import fibws
 from fibws.hub import Hub
-from fibws.msg.geometry_msgs import Point, Pose, Quaternion, Vector3
+from fibws.msg.geometry_msgs import Point, Pose, Quaternion, TransformStamped, Vector3
 from fibws.msg.sensor_msgs import JointState
 from fibws.msg.std_msgs import ColorRGBA, Header, String
+from fibws.msg.tf2_msgs import TFMessage
 from fibws.msg.visualization_msgs import (
     InteractiveMarker,
     InteractiveMarkerControl,
@@ -284,6 +285,32 @@ async def test_faults_of_markers_are_said(
     await expect(scene.row("/markers")).to_contain_text("unknown type 99")
 
 
+def frame(parent: str, child: str, place: tuple[float, float], stamp: int) -> TFMessage:
+    header = Header(stamp=fibws.Time(stamp), frame_id=parent)
+    found = TransformStamped(header, child)
+    found.transform.translation = Vector3(*place, 0.0)
+    found.transform.rotation.w = 1.0
+    return TFMessage([found])
+
+
+async def test_locked_markers_go_along_with_their_frame(
+    open_page: OpenPage, hub: Hub, robot: fibws.Node
+) -> None:
+    tf = await robot.advertise("/tf", TFMessage, latch=True)
+    await tf.publish(frame("map", "carrier", (0.0, 0.0), 100))
+    topic = await robot.advertise("/markers", MarkerArray, latch=True)
+    two = [cube(0, (0.0, 0.0), RED), cube(1, (0.0, 1.0), GREEN)]
+    for each in two:
+        each.header = Header(stamp=fibws.Time(100), frame_id="carrier")
+    two[1].frame_locked = True
+    await topic.publish(MarkerArray(two))
+    scene = await scene_of(open_page, hub, "/markers")
+    await scene.page.get_by_role("checkbox", name="/tf Frames").uncheck()
+    await scene.shows({RED: (0, 0), GREEN: (0, 1)})
+    await tf.publish(frame("map", "carrier", (-1.0, 0.0), 101))
+    await scene.shows({RED: (0, 0), GREEN: (-1, 1)})
+
+
 async def test_interactive_markers_are_drawn_and_follow_updates(
     open_page: OpenPage, hub: Hub, robot: fibws.Node
 ) -> None:
@@ -343,6 +370,26 @@ async def test_links_move_with_joints(open_page: OpenPage, hub: Hub, robot: fibw
     await scene.shows({RED: (0, 0), GREEN: (0, 1)})
     await expect(slider).to_have_count(0)
     await expect(scene.row("/robot_description")).to_contain_text("no tf for base")
+
+
+async def test_links_are_where_tf_has_them(
+    open_page: OpenPage, hub: Hub, robot: fibws.Node
+) -> None:
+    description = await robot.advertise("/robot_description", String, latch=True)
+    await description.publish(String(ARM.replace('"base"', '"carrier"')))
+    static = await robot.advertise("/tf_static", TFMessage, latch=True)
+    await robot.advertise("/joint_states", JointState)
+    transforms = [
+        *frame("map", "carrier", (-1.0, 1.0), 1).transforms,
+        *frame("map", "tip", (0.0, -1.0), 1).transforms,
+    ]
+    scene = await scene_of(open_page, hub, "/joint_states")
+    await scene.shows({RED: (0, 0), GREEN: (1, 0)})
+    await static.publish(TFMessage(transforms))
+    await scene.page.get_by_role("checkbox", name="/tf Frames").uncheck()
+    # The sphere is 1 m ahead of its link.
+    await scene.shows({RED: (-1, 1), GREEN: (1, -1)})
+    await expect(scene.row("/robot_description")).to_contain_text("arm: 2 links, 1 joint by tf")
 
 
 async def test_meshes_are_loaded_and_missing_ones_are_pink_and_named(
