@@ -37,6 +37,7 @@ export class PaneView {
   readonly #notice = h("p", { class: "pane-notice soft", role: "status" });
   readonly #chooser = h("div", { class: "pane-chooser", hidden: true });
   readonly #title: HTMLButtonElement;
+  readonly #maximize: HTMLButtonElement;
   /** The type that the panel is for, or that is being loaded. */
   #type: string | undefined;
   #isVisible = false;
@@ -72,6 +73,8 @@ export class PaneView {
       );
     const split = (side: Side) => () => changes.split(id, side);
     const maximize = (): void => changes.maximize(id);
+    const corners = "M2.5 6V2.5H6 M10 2.5h3.5V6 M13.5 10v3.5H10 M6 13.5H2.5V10";
+    this.#maximize = button("Maximize", corners, maximize);
     this.element = h(
       "section",
       {
@@ -102,7 +105,7 @@ export class PaneView {
             button("Split right", "M2 3h12v10H2z M9 3v10 M11.5 6.5v3 M10 8h3", split("right")),
             button("Split below", "M2 3h12v10H2z M2 8.5h12 M8 9.8v2.4 M6.8 11h2.4", split("below")),
           ),
-          button("Maximize", "M2.5 6V2.5H6 M10 2.5h3.5V6 M13.5 10v3.5H10 M6 13.5H2.5V10", maximize),
+          this.#maximize,
           button("Close", "M3.5 3.5l9 9 M12.5 3.5l-9 9", () => changes.close(id)),
         ),
       ),
@@ -120,6 +123,12 @@ export class PaneView {
   setVisible(visible: boolean): void {
     this.#isVisible = visible;
     this.#showPanel();
+  }
+
+  /** Whether it fills the dashboard. */
+  setLarge(large: boolean): void {
+    this.element.classList.toggle("large", large);
+    this.#maximize.setAttribute("aria-pressed", String(large));
   }
 
   /** The graph has changed: what the pane shows may exist by now. */

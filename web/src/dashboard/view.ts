@@ -5,6 +5,7 @@ import { copyable } from "../copy_button";
 import { h, reorder, replace, setText } from "../dom";
 import type { Hub } from "../hub";
 import type { Graph, Model } from "../model";
+import { curvesText } from "../topics/plot_state";
 import type { MakeView, View } from "../view";
 import { autoLayout } from "./auto";
 import {
@@ -63,7 +64,6 @@ class DashboardView implements View {
     onclick: () => this.#settle(),
     onchange: () => this.#settle(),
     onkeyup: () => this.#settle(),
-    onwheel: () => this.#settle(),
   });
   readonly #bars = h("div", { class: "pane-bars" });
   readonly #dots = h("nav", { class: "pane-dots", "aria-label": "Panels" });
@@ -149,6 +149,7 @@ class DashboardView implements View {
         () => document.removeEventListener("visibilitychange", onHidden),
         () => window.removeEventListener("pagehide", onLeave),
       ];
+      this.#watch();
     }
     if (!this.#isOpen || name !== this.#store.name) this.#open(name);
     this.#turn();
@@ -274,7 +275,7 @@ class DashboardView implements View {
     const panel = plots.find((each) => each.panel !== undefined)?.panel as PlotPanel | undefined;
     if (panel !== undefined) panel.add(topic, path);
     else {
-      const pane = newPane("plot", "", { plot: `${topic}:${path}` });
+      const pane = newPane("plot", "", { plot: curvesText([[topic, path]]) });
       this.#change(add(this.#withSettings(), pane));
     }
   }
@@ -396,8 +397,8 @@ class DashboardView implements View {
 
   /** Follow whether the page is visible. */
   #watch(): void {
+    window.clearTimeout(this.#hiddenTimer);
     if (!document.hidden) {
-      window.clearTimeout(this.#hiddenTimer);
       this.#isWatched = true;
       this.#showPanes();
       return;
@@ -412,10 +413,14 @@ class DashboardView implements View {
   // One pane as large as the dashboard, or the screen of a phone.
 
   #enlarge(large: Large): void {
+    const before = this.#large;
     this.#large = large;
     this.#isHandheld = false;
     this.#drawLarge();
-    if (typeof large === "number") this.#panes.get(large)?.element.focus();
+    const pane = this.#panes.get((large ?? before) as number)?.element;
+    if (pane?.contains(document.activeElement)) return;
+    pane?.scrollIntoView({ block: "nearest" });
+    pane?.focus({ preventScroll: true });
   }
 
   /** The window is that of a phone now, or of one that was turned. */
@@ -438,9 +443,7 @@ class DashboardView implements View {
     if (this.#isHandheld && this.#vista !== undefined) this.#large ??= "sticks";
     const isSticks = this.#large === "sticks";
     const large = isSticks ? (this.#vista ?? []) : [this.#panes.get(this.#large as number)];
-    for (const pane of this.#panes.values()) {
-      pane.element.classList.toggle("large", large.includes(pane));
-    }
+    for (const pane of this.#panes.values()) pane.setLarge(large.includes(pane));
     const { classList } = this.element;
     classList.toggle("stacked", this.#phone.matches);
     classList.toggle("maximized", this.#large !== undefined);
