@@ -350,6 +350,7 @@ class Hub:
             self.settings,
             self.audit,
             name=f"fibws {__version__}",
+            assets=self.assets,
             report=self._own.refusals.report,
         )
         for subprotocol in SUBPROTOCOLS:

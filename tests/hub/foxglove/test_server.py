@@ -219,6 +219,30 @@ async def test_bag_that_is_played_has_a_time_line(start_hub: StartHub, tmp_path:
         await player.wait()
 
 
+async def test_meshes_of_loaded_robots_are_sent(
+    start_hub: StartHub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "my_robot"
+    (package / "meshes").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>my_robot</name></package>", "utf-8")
+    mesh = bytes(range(256)) * 10_000
+    (package / "meshes" / "arm.stl").write_bytes(mesh)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    hub = await start_hub()
+    uri = "package://my_robot/meshes/arm.stl"
+    async with foxglove(hub) as client:
+        assert "assets" in (await client.find("serverInfo"))["capabilities"]
+        await client.send("fetchAsset", uri=uri, requestId=1)
+        assert b"robot_description" in await client.find_binary(4)
+        hub.graph.parameters.set("/robot_description", f'<mesh filename="{uri}"/>')
+        for name in (uri, uri, "package://my_robot/../my_robot/package.xml"):
+            await client.send("fetchAsset", uri=name, requestId=2)
+        head = struct.pack("<BIBI", 4, 2, 0, 0)
+        for _ in range(2):
+            assert await client.find_binary(4) == head + mesh
+        assert (await client.find_binary(4))[5] == 1
+
+
 async def test_tokens_and_rights(start_hub: StartHub, tmp_path: Path) -> None:
     file = tmp_path / "tokens.toml"
     file.write_text(
