@@ -84,6 +84,8 @@ class RecordingNode:
         self._began = 0
         """The hub's time when the recording began."""
         self._has_limit = bool(options.limit)
+        self._fault = ""
+        """Why the last look for topics failed."""
         self.recorder = Recorder(
             options,
             lambda: node.now().to_nanoseconds(),
@@ -149,7 +151,9 @@ class RecordingNode:
                 return details.subscribing
             response = await self._node.call("/rosapi/topics", rosapi.Topics)
         except FibwsError as error:
-            self._node.log.warning("Cannot look for topics: %s", error)
+            if str(error) != self._fault:
+                self._fault = str(error)
+                self._node.log.warning("Cannot look for topics: %s", error)
             return ()
         types = dict(zip(response.topics, response.types, strict=True))
         return [each for each in types if types[each] != PLAYBACK and self._topics.wants(each)]
