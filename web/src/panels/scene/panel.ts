@@ -223,7 +223,11 @@ class ScenePanel implements Panel, GestureTarget {
 
   /** Offer the topics of the graph; the first ones are shown until somebody chooses. */
   #offer(graph: Graph): void {
-    if (!this.#scene.offer(graph) || !this.#isAuto) return;
+    this.#scene.offer(graph);
+    if (!this.#isAuto) return;
+    const published = new Set(
+      graph.topics.filter(({ publishers }) => publishers.length > 0).map(({ name }) => name),
+    );
     let shown = this.#scene.entries.filter(({ isOn }) => isOn).length;
     let hasMap = false;
     for (const entry of this.#scene.entries) {
@@ -234,7 +238,10 @@ class ScenePanel implements Panel, GestureTarget {
       const isWanted =
         isOwn ||
         (this.#topic === ""
-          ? kind.isFirst === true && !(isMap && hasMap) && shown < MAX_FIRST
+          ? kind.isFirst === true &&
+            (kind.isOwn === true || published.has(topic)) &&
+            !(isMap && hasMap) &&
+            shown < MAX_FIRST
           : kind.isContext === true && !(isMap && hasMap));
       if (isMap && (isWanted || isOn)) hasMap = true;
       if (isWanted && !isOn) {

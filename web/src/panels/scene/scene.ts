@@ -117,9 +117,8 @@ export class Scene implements Surroundings {
     });
   }
 
-  /** Offer what the graph has; returns whether there are new entries. */
-  offer(graph: Graph): boolean {
-    const { length } = this.entries;
+  /** Offer what the graph has. */
+  offer(graph: Graph): void {
     for (const kind of LAYER_KINDS) {
       for (const { name, type } of graph.topics) {
         if (kind.types.includes(type) && (kind.accepts?.(name) ?? true))
@@ -127,7 +126,6 @@ export class Scene implements Surroundings {
       }
       for (const name of kind.offers?.(graph) ?? []) this.entry(kind, name, "");
     }
-    return this.entries.length > length;
   }
 
   /** The layer of a topic, which is added if there is none; `saved` are its settings then. */
