@@ -370,6 +370,10 @@ async def test_links_move_with_joints(open_page: OpenPage, hub: Hub, robot: fibw
     await scene.shows({RED: (0, 0), GREEN: (0, 1)})
     await expect(slider).to_have_count(0)
     await expect(scene.row("/robot_description")).to_contain_text("no tf for base")
+    # Another robot is launched: its description, and a node.
+    await fibws_parameter(robot, ARM.replace('xyz="1 0 0"', 'xyz="2 0 0"'))
+    await robot.advertise("/other", JointState)
+    await scene.shows({RED: (0, 0), GREEN: (0, 2)})
 
 
 async def test_links_are_where_tf_has_them(

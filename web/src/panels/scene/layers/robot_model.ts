@@ -25,6 +25,8 @@ const STRING = "std_msgs/String";
 const JOINT_STATE = "sensor_msgs/JointState";
 /** The least time between two states of joints, in ms, and how many wait. */
 const [THROTTLE, QUEUE] = [30, 10];
+/** The time from a change of the graph until the parameter is read again, in ms. */
+const DELAY = 500;
 /** The colour of links without a material, and that of what collides. */
 const GREY: Color = [0.7, 0.71, 0.74, 1];
 const COLLISION: Color = [1, 0.6, 0.1, 0.45];
@@ -57,6 +59,8 @@ export class RobotModel implements Layer {
   #topics = { description: "", joints: "" };
   #ends: (() => void)[] = [];
   #isActive = false;
+  /** Before the parameter is read again. */
+  #timer: number | undefined;
   #fault = "";
   readonly #element = h("div", { class: "scene-joints" });
   #shown = "";
@@ -91,6 +95,8 @@ export class RobotModel implements Layer {
 
   pause(): void {
     this.#isActive = false;
+    window.clearTimeout(this.#timer);
+    this.#timer = undefined;
     for (const end of this.#ends) end();
     this.#ends = [];
     this.#topics = { description: "", joints: "" };
@@ -103,6 +109,8 @@ export class RobotModel implements Layer {
 
   /** Read the parameter of this name, unless a topic has the description. */
   async #readParameter(): Promise<void> {
+    window.clearTimeout(this.#timer);
+    this.#timer = undefined;
     const { hub, topic } = this.#context;
     try {
       const request = { name: topic, default: '""' };
@@ -129,8 +137,9 @@ export class RobotModel implements Layer {
     if (published(topic, STRING) !== undefined && this.#topics.description === "") {
       this.#topics.description = topic;
       this.#ends.push(hub.subscribe(topic, {}, ({ data }) => this.#describe(String(data))));
-    } else if (this.#text === "") {
-      void this.#readParameter();
+    } else if (this.#topics.description === "") {
+      // What has changed the graph may have set another description.
+      this.#timer ??= window.setTimeout(() => void this.#readParameter(), DELAY);
     }
     const beside = `${topic.slice(0, topic.lastIndexOf("/"))}/joint_states`;
     const joints = String(settings.joints) || beside;

@@ -219,3 +219,32 @@ it("packs colours as bytes", () => {
   expect(packed([1, 0, 0, 1])).toBe(0xff0000ff);
   expect(packed([0, 0.5, 2, -1])).toBe(0x00ff8000);
 });
+
+describe("files that end too early", () => {
+  const obj = `${QUAD}vn 0 0 1\nusemtl a\nf 1//1 2//1 3//1 4//1\n`;
+  const solid = "solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n";
+  it.each([
+    ["Collada", collada(TRIANGLE, NODE), readDae],
+    ["OBJ", obj, readObj],
+    ["STL", solid, (part: string) => readStl(text(part))],
+  ] as [string, string, (part: string) => MeshData][])(
+    "are refused, or read so far: %s",
+    (_, whole, read) => {
+      const complete = corners(read(whole)).length;
+      for (let end = 0; end < whole.length; end += 1) {
+        try {
+          expect(corners(read(whole.slice(0, end))).length).toBeLessThanOrEqual(complete);
+        } catch (error) {
+          expect((error as Error).message).toMatch(/line \d+|no end|bytes/);
+        }
+      }
+    },
+  );
+
+  it("are refused: binary STL", () => {
+    const whole = binaryStl([[0, 0, 0, 1, 0, 0, 0, 2, 0]]);
+    for (let end = 0; end < whole.length; end += 1) {
+      expect(() => readStl(whole.subarray(0, end))).toThrow(/bytes/);
+    }
+  });
+});
