@@ -14,8 +14,15 @@ from fibws.msg.sensor_msgs import BatteryState, Imu, JointState, NavSatFix, NavS
 from .conftest import OpenPage
 
 URDF = """<robot name="arm">
-  <joint name="hip" type="revolute"><limit lower="-1" upper="3" effort="1" velocity="1"/></joint>
-  <joint name="lift" type="prismatic"><limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>
+  <link name="base"/> <link name="leg"/> <link name="hand"/>
+  <joint name="hip" type="revolute">
+    <parent link="base"/> <child link="leg"/>
+    <limit lower="-1" upper="3" effort="1" velocity="1"/>
+  </joint>
+  <joint name="lift" type="prismatic">
+    <parent link="leg"/> <child link="hand"/>
+    <limit lower="0" upper="0.5" effort="1" velocity="1"/>
+  </joint>
 </robot>"""
 
 
@@ -47,6 +54,16 @@ async def test_joints_are_bars_between_their_limits(hub: Hub, open_page: OpenPag
         # Another node publishes other joints of the robot.
         await topic.publish(JointState(name=["head"], position=[0.5]))
         await expect(rows).to_have_count(5)
+
+
+async def test_joints_of_a_broken_description_have_no_limits(hub: Hub, open_page: OpenPage) -> None:
+    async with fibws.Node("arm", hub=hub.url) as node:
+        await node.params.set("/robot_description", "<robot><link/></robot>")
+        topic = await node.advertise("/joint_states", JointState, latch=True)
+        await topic.publish(JointState(name=["hip"], position=[1]))
+        page = await open_page(hub, "#/topics/%2Fjoint_states")
+        await expect(page.locator(".joints td.number").first).to_have_text("1.000")
+        await expect(page.get_by_text("No limits: /robot_description is invalid")).to_be_visible()
 
 
 async def test_attitude_has_a_horizon(hub: Hub, open_page: OpenPage) -> None:

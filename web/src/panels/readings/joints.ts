@@ -4,6 +4,7 @@ import { plural } from "../../format";
 import type { Hub, Message } from "../../hub";
 import { ParameterServer } from "../../parameters/parameters";
 import { own } from "../../types";
+import type { Joint } from "../scene/robot/urdf";
 import type { Reading } from "./panel";
 
 /** How many joints are shown. */
@@ -11,46 +12,11 @@ const MAX_JOINTS = 200;
 /** The range of a joint that has no limits, which grows with its positions: half a turn each way. */
 const HALF_TURN = Math.PI;
 
-/** What the robot's description says of a joint. */
-export interface JointLimits {
-  /** `revolute`, `continuous`, `prismatic` and others. */
-  readonly type: string;
-  readonly lower: number | undefined;
-  readonly upper: number | undefined;
-}
-
-/**
- * The joints in a robot's description (URDF), by their names.
- *
- * Source: http://wiki.ros.org/urdf/XML/joint. A description that is not well-formed has those that
- * are found; joints without a limit in its `limit` have none.
- */
-export function jointsOf(urdf: string): Map<string, JointLimits> {
-  const found = new Map<string, JointLimits>();
-  const text = urdf.replace(/<!--.*?(-->|$)/gs, "");
-  for (const part of text.split(/<joint\b/).slice(1)) {
-    const [tag = ""] = part.split(">", 1);
-    const name = attribute(tag, "name");
-    // Joints of transmissions have no type.
-    const type = attribute(tag, "type");
-    if (name === undefined || type === undefined) continue;
-    const [body = ""] = part.split("</joint", 1);
-    const limit = /<limit\b([^>]*)/.exec(body)?.[1];
-    // A continuous joint turns without an end; its `limit` is that of its speed.
-    const number = (key: string): number | undefined => {
-      if (limit === undefined || type === "continuous") return undefined;
-      const value = Number(attribute(limit, key) ?? 0);
-      return Number.isFinite(value) ? value : undefined;
-    };
-    found.set(name, { type, lower: number("lower"), upper: number("upper") });
-  }
-  return found;
-}
-
-function attribute(tag: string, name: string): string | undefined {
-  const found = new RegExp(`\\s${name}\\s*=\\s*(?:"([^"]*)"|'([^']*)')`).exec(tag);
-  return found === null ? undefined : (found[1] ?? found[2]);
-}
+/** The units of position, velocity and effort, by the type of a joint; others turn. */
+const UNITS: Readonly<Record<string, readonly string[]>> = {
+  prismatic: ["m", "m/s", "N"],
+  revolute: ["rad", "rad/s", "Nm"],
+};
 
 interface Row {
   readonly element: HTMLElement;
@@ -58,6 +24,7 @@ interface Row {
   readonly note: HTMLElement;
   /** Position, velocity and effort. */
   readonly cells: readonly HTMLElement[];
+  values: readonly (number | undefined)[];
   low: number;
   high: number;
 }
@@ -67,7 +34,10 @@ export class Joints implements Reading {
   readonly #rows = new Map<string, Row>();
   readonly #body = h("tbody");
   readonly #more = h("p", { class: "soft small", hidden: true });
-  #limits = new Map<string, JointLimits>();
+  /** Why there are no limits, if the description has a fault. */
+  readonly #fault = h("p", { class: "soft small", hidden: true });
+  /** The joints of the robot's description, by their names. */
+  #joints = new Map<string, Joint>();
 
   /** The limits are those of `robot_description` in the topic's namespace, or in the root. */
   constructor(hub: Hub, topic: string) {
@@ -91,6 +61,7 @@ export class Joints implements Reading {
         this.#body,
       ),
       this.#more,
+      this.#fault,
     );
     void this.#loadLimits(hub, topic);
   }
@@ -100,11 +71,11 @@ export class Joints implements Reading {
     names.forEach((name, at) => {
       const row = this.#row(name);
       if (row === undefined) return;
-      const values = ["position", "velocity", "effort"].map((key) => {
+      row.values = ["position", "velocity", "effort"].map((key) => {
         const value = own(own(message, key), String(at));
         return typeof value === "number" ? value : undefined;
       });
-      this.#update(name, row, values);
+      this.#update(name, row);
     });
     const hidden = names.filter((name) => !this.#rows.has(name)).length;
     this.#more.hidden = hidden === 0;
@@ -119,8 +90,17 @@ export class Joints implements Reading {
       const text = await parameters.get(name, "").catch(() => "");
       const urdf: unknown = JSON.parse(text || "null");
       if (typeof urdf !== "string" || urdf === "") continue;
-      this.#limits = jointsOf(urdf);
-      for (const [joint, row] of this.#rows) this.#setRange(joint, row);
+      const { readUrdf } = await import("../scene/robot/urdf");
+      try {
+        this.#joints = new Map(readUrdf(urdf).joints.map((joint) => [joint.name, joint]));
+      } catch (error) {
+        setText(this.#fault, `No limits: ${name} is invalid: ${(error as Error).message}`);
+        this.#fault.hidden = false;
+      }
+      for (const [joint, row] of this.#rows) {
+        this.#setRange(joint, row);
+        this.#update(joint, row);
+      }
       return;
     }
   }
@@ -143,7 +123,7 @@ export class Joints implements Reading {
       h("td", { class: "joint-range" }, bar),
       ...cells,
     );
-    const row: Row = { element, bar, note, cells, low: -HALF_TURN, high: HALF_TURN };
+    const row: Row = { element, bar, note, cells, values: [], low: -HALF_TURN, high: HALF_TURN };
     this.#setRange(name, row);
     this.#rows.set(name, row);
     const sorted = [...this.#rows.keys()].sort((one, other) =>
@@ -157,27 +137,30 @@ export class Joints implements Reading {
   }
 
   #setRange(name: string, row: Row): void {
-    const { lower, upper } = this.#limits.get(name) ?? {};
-    if (lower === undefined || upper === undefined || lower >= upper) return;
-    row.low = lower;
-    row.high = upper;
+    const joint = this.#joints.get(name);
+    if (joint === undefined || !isLimited(joint)) return;
+    row.low = joint.lower;
+    row.high = joint.upper;
   }
 
-  #update(name: string, row: Row, values: readonly (number | undefined)[]): void {
-    const { type, lower, upper } = this.#limits.get(name) ?? { type: "" };
+  #update(name: string, row: Row): void {
+    const { values } = row;
+    const joint = this.#joints.get(name);
     const [position] = values;
-    const unit = type === "prismatic" ? " m" : type === "" ? "" : " rad";
-    const units = [unit, unit && `${unit}/s`, type === "prismatic" ? " N" : unit && " Nm"];
+    const units = joint === undefined ? [] : (UNITS[joint.type] ?? UNITS.revolute ?? []);
     row.cells.forEach((cell, at) => {
       const value = values[at];
-      setText(cell, value === undefined ? "–" : `${value.toFixed(3)}${units[at]}`);
+      setText(cell, value === undefined ? "–" : `${value.toFixed(3)} ${units[at] ?? ""}`.trim());
     });
-    const isLimited = lower !== undefined && upper !== undefined && lower < upper;
-    if (position !== undefined && !isLimited) {
+    const limits = joint !== undefined && isLimited(joint) ? joint : undefined;
+    if (position !== undefined && limits === undefined) {
       row.low = Math.min(row.low, position);
       row.high = Math.max(row.high, position);
     }
-    const isBeyond = isLimited && position !== undefined && (position < lower || position > upper);
+    const isBeyond =
+      limits !== undefined &&
+      position !== undefined &&
+      (position < limits.lower || position > limits.upper);
     row.bar.classList.toggle("beyond", isBeyond);
     row.note.hidden = !isBeyond;
     row.bar.hidden = position === undefined;
@@ -191,6 +174,11 @@ export class Joints implements Reading {
     ];
     row.bar.style.setProperty("--from", `${(100 * from).toFixed(1)}%`);
     row.bar.style.setProperty("--length", `${(100 * (to - from)).toFixed(1)}%`);
-    row.bar.title = isLimited ? `${lower} to ${upper}${unit}` : "";
+    row.bar.title = limits === undefined ? "" : `${limits.lower} to ${limits.upper} ${units[0]}`;
   }
+}
+
+/** Whether a joint has a range that a bar can show. */
+function isLimited({ lower, upper }: Joint): boolean {
+  return Number.isFinite(lower) && Number.isFinite(upper) && lower < upper;
 }
