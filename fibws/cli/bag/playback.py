@@ -295,6 +295,8 @@ class Playback:
         options = self.options
         if self.is_paused or self.controlled is not None or options.is_immediate:
             return False
+        if self._sought is not None:
+            return False
         if self.pauses_for_topics and target.topic in options.pause_topics:
             return False
         return time - self._position <= (self._clock() - self._since) * 1e9 * self.rate

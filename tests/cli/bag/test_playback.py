@@ -234,6 +234,15 @@ async def test_seek_goes_on_at_another_time(tmp_path: Path, seconds: float, firs
         await course.until(0, first)
 
 
+async def test_seek_publishes_nothing_of_the_time_before(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.bag", *numbers(0, 100))
+    async with playing(path) as course:
+        course.playback.seek(START + 100 * SECOND)
+        await course.until(1)
+        await course.end()
+    assert course.published == [1]
+
+
 async def test_seek_publishes_latched_messages(tmp_path: Path) -> None:
     path = write(
         tmp_path / "a.bag",
