@@ -118,7 +118,8 @@ export class TopicPage {
     for (const { panel } of this.#panels) panel.hide();
     this.#panels = [];
     const kinds = kindsFor(type);
-    if (kinds.some(({ replacesEcho }) => replacesEcho)) this.#echo.element.open = false;
+    // The first one is the most special: a scene has joints, too, but does not show their numbers.
+    if (kinds[0]?.replacesEcho) this.#echo.element.open = false;
     const sections = kinds.map((kind) => {
       const { element, body } = section(kind.label, true);
       element.addEventListener("toggle", () => this.#togglePanels());
