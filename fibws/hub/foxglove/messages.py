@@ -23,7 +23,7 @@ import struct
 from collections.abc import Iterable
 from typing import Annotated, Any, Final, Literal, NamedTuple, TypeAlias, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, FailFast, Field, TypeAdapter, ValidationError
 from pydantic_core import to_json
 
 from fibws.errors import InvalidUtf8, OperationError
@@ -51,8 +51,10 @@ MOST_ITEMS = 1000
 """Subscriptions, channels or parameters in one operation: each may end with an error of its own."""
 MOST_NAMES = 10_000
 """Names of parameters in one operation."""
-Names = Annotated[list[str], Field(alias="parameterNames", max_length=MOST_NAMES)]
+Names = Annotated[list[str], Field(alias="parameterNames", max_length=MOST_NAMES), FailFast()]
 Number = Annotated[int, Field(ge=0, lt=2**32)]
+Numbers = Annotated[list[Number], FailFast()]
+"""Ids; only the first invalid one is an error, which takes a thousand times the bytes of an id."""
 Id = Annotated[str, Field(max_length=LONGEST_ID)] | None
 
 _MESSAGE, _TIME, _RESPONSE, _ASSET, _PLAYBACK = 1, 2, 3, 4, 5
@@ -86,14 +88,14 @@ class Subscribe(_Model):
     """The client wants the messages of some channels."""
 
     op: Literal["subscribe"]
-    subscriptions: Annotated[list[Subscription], Field(max_length=MOST_ITEMS)]
+    subscriptions: Annotated[list[Subscription], Field(max_length=MOST_ITEMS), FailFast()]
 
 
 class Unsubscribe(_Model):
     """The client ends some of its subscriptions."""
 
     op: Literal["unsubscribe"]
-    subscriptions: list[Number] = Field(alias="subscriptionIds")
+    subscriptions: Numbers = Field(alias="subscriptionIds")
 
 
 class ClientChannel(_Model):
@@ -111,14 +113,14 @@ class Advertise(_Model):
     """The client publishes some topics."""
 
     op: Literal["advertise"]
-    channels: Annotated[list[ClientChannel], Field(max_length=MOST_ITEMS)]
+    channels: Annotated[list[ClientChannel], Field(max_length=MOST_ITEMS), FailFast()]
 
 
 class Unadvertise(_Model):
     """The client publishes some topics no more."""
 
     op: Literal["unadvertise"]
-    channels: list[Number] = Field(alias="channelIds")
+    channels: Numbers = Field(alias="channelIds")
 
 
 class Parameter(_Model):
@@ -141,7 +143,7 @@ class SetParameters(_Model):
     """The client sets or deletes parameters, and wants to be answered if there is an id."""
 
     op: Literal["setParameters"]
-    parameters: Annotated[list[Parameter], Field(max_length=MOST_ITEMS)]
+    parameters: Annotated[list[Parameter], Field(max_length=MOST_ITEMS), FailFast()]
     id: Id = None
 
 

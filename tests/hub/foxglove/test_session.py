@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import tracemalloc
 from typing import Any
 
 import pytest
@@ -145,6 +146,21 @@ def test_text_with_too_many_values_is_refused_unread() -> None:
     client.session.receive_text(text.encode())
     [status] = client.receive_statuses()
     assert "too many" in status
+
+
+def test_operation_with_many_invalid_parts_takes_little_memory() -> None:
+    client = FoxgloveHub().foxglove_client()
+    ids = b",".join([b'""'] * 50_000)
+    text = b'{"op": "unsubscribe", "subscriptionIds": [%b]}' % ids
+    tracemalloc.start()
+    try:
+        client.session.receive_text(text)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    [status] = client.receive_statuses()
+    assert "subscriptionIds: 0: " in status
+    assert most < 2**20
 
 
 def test_operation_with_too_many_parts_is_refused_as_a_whole() -> None:
