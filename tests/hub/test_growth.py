@@ -12,6 +12,7 @@ import pytest
 from fibws.hub import Hub
 
 from .fakes import ADD, FIBONACCI, INT32, FakeHub, number
+from .foxglove.foxglove_client import FoxgloveHub
 from .rosapi.rosapi_client import RosapiClient
 
 FEW, MANY = 25, 200
@@ -242,6 +243,22 @@ def test_health_of_a_slow_client_takes_the_same_however_many_topics() -> None:
         def perform() -> None:
             for _ in range(count):
                 assert hub._by_topic("/slow", lambda report: report.dropped) == {"/name_0": 2}
+
+        return perform
+
+    assert growth(prepare) < LIMIT
+
+
+def test_change_of_a_parameter_takes_the_same_however_many_foxglove_follows() -> None:
+    def prepare(count: int) -> Callable[[], object]:
+        hub = FoxgloveHub()
+        client = hub.foxglove_client()
+        client.send("subscribeParameterUpdates", parameterNames=names(count))
+
+        def perform() -> None:
+            for value in range(count):
+                hub.graph.parameters.set("/other", value)
+                hub.clock.advance(0)
 
         return perform
 

@@ -6,6 +6,7 @@ which JavaScript does not tell from integers, and bytes.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -31,6 +32,8 @@ class ParameterAccess:
     def __init__(self, client: Client) -> None:
         self._client = client
         self._watched: set[str] = set()
+        self._sorted: list[str] = []
+        """The same names, in which those below a namespace are neighbours."""
         self._changed: dict[str, None] = {}
         """The names that have changed since the client was last sent changes."""
         self._pending: dict[str, None] = {}
@@ -86,11 +89,11 @@ class ParameterAccess:
         watched = self._watched.union(map(canonical, names))
         if len(watched) > MOST_WATCHED:
             raise LimitReached(f"too many parameters to follow (limit {MOST_WATCHED})")
-        self._watched = watched
+        self._watch(watched)
 
     def unwatch(self, names: Sequence[str]) -> None:
         """Send the values of some parameters, or of all if there are no names, no more."""
-        self._watched = self._watched.difference(map(canonical, names)) if names else set()
+        self._watch(self._watched.difference(map(canonical, names)) if names else set())
 
     def changed(self, name: str) -> None:
         """Take note that a parameter, or a namespace, was set or deleted."""
@@ -101,7 +104,7 @@ class ParameterAccess:
 
     def leave(self) -> None:
         """Send nothing more."""
-        self._watched = set()
+        self._watch(set())
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -110,14 +113,21 @@ class ParameterAccess:
         """Send the parameters that have changed, once the client reads."""
         self._timer = None
         changed, self._changed = self._changed, {}
-        above = {parent for name in changed for parent in _namespaces(name)}
-        self._pending.update(
-            (name, None)
-            for name in self._watched
-            if name in changed or name in above or not changed.keys().isdisjoint(_namespaces(name))
-        )
+        for name in changed:
+            found = self._watched.intersection((name, *_namespaces(name)))
+            self._pending.update(dict.fromkeys((*sorted(found), *self._watched_below(name))))
         if self._pending:
             self._client.queue.reply_fresh(self._next_frame)
+
+    def _watch(self, names: Iterable[str]) -> None:
+        self._watched = set(names)
+        self._sorted = sorted(self._watched)
+
+    def _watched_below(self, name: str) -> Sequence[str]:
+        name = name.removesuffix("/")
+        begin = bisect_left(self._sorted, f"{name}/")
+        end = bisect_left(self._sorted, f"{name}0")  # 0 is the character after the slash.
+        return self._sorted[begin:end]
 
     def _next_frame(self) -> bytes:
         """Return the frame of some changes, and come back for the others in another turn."""
