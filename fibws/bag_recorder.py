@@ -43,6 +43,9 @@ TURN_COST = 4096
 PAUSE = 1e-5
 """Seconds between two turns: without a pause, another thread would get the interpreter only after
 5 ms."""
+MAX_CONNECTIONS = 20_000
+"""Publishers in a file after which a split goes on with the next file: MCAP has at most 65,535, and
+all of them are kept in memory until the file is complete."""
 NEVER = 2**63
 """A time later than all others."""
 PLAYBACK = "fibws_msgs/PlaybackState"
@@ -164,7 +167,7 @@ class Stream:
 class Recorder:
     """A recording, from `start` to `stop`.
 
-    `stream`, `put` and `drop` are for one thread; the others for any.
+    `stream`, `put` and `forget` are for one thread; the others for any.
 
     Args:
         now: returns the time in nanoseconds since 1970, simulated if the messages' times are.
@@ -206,6 +209,8 @@ class Recorder:
         self._streams: dict[Origin, Stream] = {}
         self._left: dict[str, list[int]] = {}
         self._latched: dict[Stream, None] = {}
+        self._forgotten: deque[Stream] = deque()
+        """Those that are to be removed from `_latched`."""
         self._began = 0
         self._file_ends = NEVER
         """The time at which the current file has lasted long enough."""
@@ -255,6 +260,14 @@ class Recorder:
         self._put += len(data) + MESSAGE_COST
         if self._put - self._taken - self._dropped_bytes > self._room:
             self._drop_oldest()
+
+    def forget(self, stream: Stream) -> None:
+        """Keep nothing of a publisher that has left; its messages so far are still written."""
+        if self._streams.get(stream.origin) is stream:
+            del self._streams[stream.origin]
+        if stream.is_repeated:
+            stream.is_repeated = False
+            self._forgotten.append(stream)
 
     def is_complete(self, topic: str) -> bool:
         """Return whether as many messages of a topic were put as there are to be recorded."""
@@ -343,7 +356,7 @@ class Recorder:
         if self._writer is None or not self._has_space:
             self._discard()
             return
-        left = TURN
+        left, duration = TURN, self.options.max_duration
         for _ in range(len(queue)):
             try:
                 stream, received, data = queue.popleft()
@@ -352,17 +365,20 @@ class Recorder:
             size = len(data)
             self._taken += size + MESSAGE_COST
             if received > self._file_ends:
+                late = received - self._file_ends
                 if not self._continue():
                     return
-                while self._file_ends < received:
-                    self._file_ends += self.options.max_duration
-            if stream.file != self._number:
-                self._join(stream)
+                self._file_ends = received + -late % duration
+            elif duration and 0 < received < self._file_ends - duration:
+                self._file_ends = received + duration  # The clock was set back.
             try:
+                if stream.file != self._number:
+                    self._join(stream)
                 self._writer.write(stream.connection, received, data)
             except BagError as error:  # A message that bags cannot hold, such as one of 2 GiB.
                 self._discarded += 1
-                self._warn(f"A message of {stream.origin.topic} is not recorded: {error}.")
+                text = f"A message of {stream.origin.topic} is not recorded: {error}."
+                self._warn("message", text)
                 continue
             self._written += 1
             if stream.is_repeated:
@@ -380,8 +396,11 @@ class Recorder:
     @property
     def _is_large(self) -> bool:
         """Whether the file has reached its maximum size."""
-        most = self.options.max_size
-        return bool(most) and self._writer is not None and self._writer.size > most
+        writer, most = self._writer, self.options.max_size
+        if writer is None:
+            return False
+        has_many = self.options.split and len(writer.connections) >= MAX_CONNECTIONS
+        return has_many or 0 < most < writer.size
 
     def _continue(self) -> bool:
         """Go on with the next file of a split; return False if there is to be none."""
@@ -402,7 +421,7 @@ class Recorder:
         stream.file = self._number
 
     def _look_at_the_clock(self) -> None:
-        """Do what is due: flush, look at the disk, end by the clock, warn."""
+        """Do what is due: flush, look at the disk, end by the clock, warn, forget."""
         options, now = self.options, self._now()
         if options.max_duration and self._file_ends == NEVER and now:
             self._file_ends = now + options.max_duration  # Simulated time has begun.
@@ -417,6 +436,8 @@ class Recorder:
             self._next_disk = ticks + DISK_INTERVAL
             self._check_disk()
         self._report_drops()
+        while self._forgotten:
+            self._latched.pop(self._forgotten.popleft(), None)
 
     def _begin_file(self) -> Writer:
         """Begin the next file; with the last latched messages, if they are to be repeated."""
@@ -503,7 +524,8 @@ class Recorder:
             self._fault = ""
             self._log.info("Recording to '%s' again: the disk has space.", path)
         elif free < 5 * least:
-            self._warn(f"Less than 5 x {size_text(least)} of space free on disk with '{path}'.")
+            text = f"Less than 5 x {size_text(least)} of space free on disk with '{path}'."
+            self._warn("space", text)
 
     def _discard(self) -> None:
         """Drop the messages that wait: there is nowhere to write them."""
@@ -540,8 +562,8 @@ class Recorder:
                 "the buffer was exceeded" if self._dropped else "the disk took none, or not these",
             )
 
-    def _warn(self, text: str) -> None:
-        if self._is_time_to_warn(text):
+    def _warn(self, kind: str, text: str) -> None:
+        if self._is_time_to_warn(kind):
             self._log.warning("%s", text)
 
     def _is_time_to_warn(self, kind: str) -> bool:

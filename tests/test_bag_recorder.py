@@ -24,6 +24,8 @@ from fibws.bag_recorder import (
 )
 from fibws.bags import open_reader, open_writer, reindex
 from fibws.bags.bag_writer import BagWriter
+from fibws.bags.connection import Connection
+from fibws.errors import BagError
 
 SECOND = 10**9
 START = 1_700_000_000 * SECOND
@@ -251,6 +253,31 @@ def test_message_that_bags_cannot_hold_is_left_out(
     assert "/n" in caplog.text
 
 
+def test_publisher_that_bags_cannot_hold_is_left_out(
+    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    def open_(path: Path, **options: Any) -> BagWriter:
+        writer = BagWriter(str(path), **options)
+        make = writer.connection
+
+        def connection(topic: str, *arguments: Any, **fields: Any) -> Connection:
+            if topic == "/odd":
+                raise BagError("too many connections")
+            return make(topic, *arguments, **fields)
+
+        writer.connection = connection  # type: ignore[method-assign]
+        return writer
+
+    recording = record(open_=open_)
+    recording.put(1)
+    recording.put(2, 0, origin("/odd"))
+    recording.put(3)
+    recording.recorder.stop()
+    assert values(tmp_path / "a.bag") == [1, 3]
+    assert recording.recorder.state().dropped == 1
+    assert "/odd is not recorded: too many connections" in caplog.text
+
+
 def test_file_of_a_crashed_recorder_is_not_overwritten(
     record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -292,6 +319,32 @@ def test_split_by_duration_begins_files_by_the_times_of_messages(
     assert [values(tmp_path / name) for name in names] == [[0, 1], [2], [3, 4]]
 
 
+def test_split_by_duration_follows_a_clock_that_is_set(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(split=True, max_duration=SECOND)
+    recording.wait_until(lambda state: state.files == 1)
+    for value, seconds in enumerate((0, -1e9, 0.5 - 1e9, 1.5 - 1e9, 1e9 - 0.5, 1e9)):
+        recording.put(value, seconds)
+    recording.recorder.stop()
+    names = [f"a_{number}.bag" for number in range(3)]
+    assert sorted(each.name for each in tmp_path.iterdir()) == names
+    assert [values(tmp_path / name) for name in names] == [[1, 2, 0], [3], [4, 5]]
+
+
+def test_split_by_publishers_bounds_them_in_each_file(
+    record: Callable[..., Recording], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fibws.bag_recorder.MAX_CONNECTIONS", 2)
+    recording = record(split=True)
+    for value in range(4):
+        recording.put(value, 0, origin(callerid=f"/talker_{value}"))
+        count = 1 + (value + 1) // 2
+        recording.wait_until(lambda state, count=count: state.files == count)  # type: ignore[misc]
+    recording.recorder.stop()
+    assert [values(tmp_path / f"a_{number}.bag") for number in range(3)] == [[0, 1], [2, 3], []]
+
+
 def test_split_by_size_keeps_the_newest_files(
     record: Callable[..., Recording], tmp_path: Path
 ) -> None:
@@ -318,6 +371,26 @@ def test_latched_messages_are_repeated_in_each_file(
     recording.recorder.stop()
     assert values(tmp_path / "a_0.bag") == [100, 101, 1]
     assert values(tmp_path / "a_1.bag") == [101, 2]
+
+
+def test_latched_message_is_not_repeated_after_its_publisher_is_forgotten(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(split=True, max_duration=10 * SECOND, repeat_latched=True)
+    recording.wait_until(lambda state: state.files == 1)
+    latched = origin("/map", latching=True)
+    recording.put(100, 1, latched)
+    recording.recorder.forget(recording.recorder.stream(latched))
+    recording.put(101, 1, latched)
+    recording.wait_until(lambda state: state.messages == 2)
+    recording.recorder.forget(recording.recorder.stream(latched))
+    assert not recording.recorder._streams
+    while recording.recorder._latched or recording.recorder._forgotten:
+        time.sleep(0.005)
+    recording.put(1, 11)
+    recording.recorder.stop()
+    assert values(tmp_path / "a_0.bag") == [100, 101]
+    assert values(tmp_path / "a_1.bag") == [1]
 
 
 @pytest.mark.parametrize("limits", [{"max_size": 5000}, {"max_duration": SECOND}])

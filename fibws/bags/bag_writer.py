@@ -64,6 +64,7 @@ class BagWriter:
         """Where the next chunk begins in the file."""
         self.connections: list[Connection] = []
         """In the order of their ids."""
+        self._definitions: dict[str, bytes] = {}
         self.chunks: list[ChunkInfo] = []
         """The chunks that are complete."""
         self.is_closed = False
@@ -137,7 +138,7 @@ class BagWriter:
             "topic": topic.encode(),
             "type": type.encode(),
             "md5sum": md5sum.encode(),
-            "message_definition": definition.encode(),
+            "message_definition": self._encode(definition),
         }
         if callerid:
             own["callerid"] = callerid.encode()
@@ -156,6 +157,13 @@ class BagWriter:
         )
         self.connections.append(connection)
         return connection
+
+    def _encode(self, definition: str) -> bytes:
+        """Return the bytes of a definition, which its connections share."""
+        found = self._definitions.get(definition)
+        if found is None:
+            found = self._definitions[definition] = definition.encode()
+        return found
 
     def copy_connection(self, connection: Connection) -> Connection:
         """Add a connection of another bag, with all fields of its header.

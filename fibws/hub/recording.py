@@ -39,6 +39,8 @@ logger = logging.getLogger("fibws.hub")
 NODE = "/hub_recorder"
 STATE = f"{NODE}/state"
 """The topic of the recording's state (fibws_msgs/RecordingState)."""
+MOST_DEPARTED = 16
+"""Publishers of a topic that have left and are remembered, as they may come back."""
 STATE_INTERVAL = 1.0
 """Seconds between two messages of the state while something is recorded."""
 
@@ -46,7 +48,16 @@ STATE_INTERVAL = 1.0
 class RecordedTopic:
     """Takes the messages of one topic; a `Sink`."""
 
-    __slots__ = ("_fault", "_put", "_recorder", "_recording", "_streams", "messages", "topic")
+    __slots__ = (
+        "_definition",
+        "_fault",
+        "_put",
+        "_recorder",
+        "_recording",
+        "_streams",
+        "messages",
+        "topic",
+    )
 
     node = NODE
 
@@ -58,6 +69,8 @@ class RecordedTopic:
         self._recording = recording
         self._streams: dict[bytes, tuple[MessageType, Stream]] = {}
         """By the publishers' connection headers."""
+        self._definition: tuple[MessageType | None, str] = None, ""
+        """The text of the last message's type, which all publishers share."""
         self._fault = ""
 
     def receive(self, publication: Publication) -> None:
@@ -83,6 +96,19 @@ class RecordedTopic:
         """Return the totals."""
         return SinkReport(messages=self.messages)
 
+    def forget_departed(self) -> None:
+        """Forget the publishers that have left, once these are more than those that are there."""
+        sources = self.topic.sources
+        if sources and len(self._streams) <= 2 * len(sources) + MOST_DEPARTED:
+            return
+        headers = {each.header for each in sources.values()}
+        kept = {header: found for header, found in self._streams.items() if header in headers}
+        streams = {stream for _, stream in kept.values()}
+        for _, stream in self._streams.values():
+            if stream not in streams:
+                self._recorder.forget(stream)
+        self._streams = kept
+
     def _find_stream(self, publication: Publication) -> Stream | None:
         """Return the stream of a message's publisher; None if the fields are unknown."""
         try:
@@ -99,12 +125,15 @@ class RecordedTopic:
         """Return where a message comes from; raise `FibwsError` if its fields are unknown."""
         type_ = publication.type
         type_.check_known()
+        if self._definition[0] is not type_:
+            text = self._recording.graph.definitions.full_text(type_.name)
+            self._definition = type_, text
         header = from_json(publication.header)
         return Origin(
             self.topic.name,
             type_.name,
             type_.md5sum or "",
-            self._recording.graph.definitions.full_text(type_.name),
+            self._definition[1],
             header.get("callerid", publication.node),
             header.get("latching") == "1",
         )
@@ -275,8 +304,10 @@ class Recording:
             sink = self._topics[topic.name] = RecordedTopic(topic, recorder, self)
             self.graph.subscribe(topic, sink)
             topic.replay(sink)
-        elif sink is not None and not topic.sources:
-            self._leave(sink)
+        elif sink is not None:
+            sink.forget_departed()
+            if not topic.sources:
+                self._leave(sink)
 
     def _leave_topics(self) -> None:
         for sink in list(self._topics.values()):

@@ -145,6 +145,27 @@ async def test_types_without_known_fields_are_reported_once(
         hub.graph.remove_source(source)
 
 
+async def test_publishers_that_have_left_take_no_memory(tmp_path: Path) -> None:
+    async with Hub(settings(tmp_path)) as hub:
+        graph = hub.graph
+        stays = graph.advertise(graph.topic("/numbers"), "/stays", "std_msgs/Int32", latch=True)
+        stays.publish({"data": -1})
+        for number in range(500):
+            for name in ("/numbers", f"/numbers{number}"):
+                topic = graph.topic(name)
+                source = graph.advertise(topic, f"/node{number}", "std_msgs/Int32", latch=True)
+                source.publish({"data": number})
+                graph.remove_source(source)
+        assert hub.recording is not None
+        recorder = hub.recording._recorder
+        assert recorder is not None
+        assert len(recorder._streams) < 50
+        graph.remove_source(stays)
+    [path] = files(tmp_path)
+    with open_reader(path) as bag:
+        assert bag.message_count >= 1001
+
+
 async def test_files_are_split_and_kept_as_the_settings_say(tmp_path: Path) -> None:
     async with (
         Hub(settings(tmp_path, record_size=1, record_files=2, record_mcap=True)) as hub,
