@@ -38,6 +38,7 @@ FibwsError
 │   ├── BagFormatError         it is damaged, or not a bag
 │   ├── BagNotIndexed          it was not closed: reindex it first
 │   └── UnsupportedBag         its version, compression or encryption is not supported
+├── AssetRefused           a file of a robot's packages is not served
 ├── HubError               the hub cannot start or continue
 ├── FederationError        another hub, or the connection to it, has failed
 ├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
