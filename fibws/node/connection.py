@@ -235,11 +235,13 @@ class WebSocket(asyncio.BufferedProtocol):
 
     async def close(self) -> None:
         """Close the connection within `CLOSE_TIMEOUT` seconds."""
-        with suppress(TimeoutError):
-            # The library's own timeout does not run while it waits for a full socket.
-            async with asyncio.timeout(CLOSE_TIMEOUT):
-                await self._handshake.close()
-        self._transport.abort()  # Does nothing if the connection was closed in good order.
+        try:
+            with suppress(TimeoutError):
+                # The library's own timeout does not run while it waits for a full socket.
+                async with asyncio.timeout(CLOSE_TIMEOUT):
+                    await self._handshake.close()
+        finally:
+            self._transport.abort()  # Does nothing if the connection was closed in good order.
 
     # Writing, for the queue
 
