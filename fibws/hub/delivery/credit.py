@@ -63,9 +63,7 @@ class Credit(Generic[M]):
         """Send a frame now or later, unless a newer one replaces it."""
         if len(self._waiting) > self._latched:
             replaced = self._waiting.pop()
-            self._count(-len(replaced))
-            if self._due - EARLY <= now:  # Otherwise it is left out by the throttle.
-                self._count_dropped()
+            self._count(-len(replaced))  # It counts as left out, like those of a throttle.
         self._keep(frame)
         self.proceed()
 

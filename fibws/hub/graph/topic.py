@@ -39,7 +39,7 @@ class SinkReport(NamedTuple):
     dropped: int = 0
     """Messages that it was sent and that were dropped, since it was too slow."""
     throttled: int = 0
-    """Messages that its throttle_rate left out."""
+    """Messages that its throttle_rate or its credit left out."""
 
 
 class Receiver(Protocol):

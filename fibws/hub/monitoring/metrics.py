@@ -43,7 +43,7 @@ BY_TOPIC = (
     Column(
         "fibws_topic_dropped_messages", "Messages dropped for slow subscribers, by topic.", True
     ),
-    Column("fibws_topic_throttled_messages", "Messages left out by throttle_rate, by topic.", True),
+    Column("fibws_topic_throttled_messages", "Messages left out on request, by topic.", True),
 )
 BY_HUB = (
     Column("fibws_link_sent_messages", "Messages sent to another hub, by hub."),
@@ -248,7 +248,7 @@ class Metrics:
         metrics.counter("fibws_dropped_messages", help_, self._clients.dropped())
         help_ = "Messages of clients dropped because they were beyond a rate limit."
         metrics.counter("fibws_limited_messages", help_, self._clients.limited())
-        help_ = "Messages left out by throttle_rate."
+        help_ = "Messages left out on request, by throttle_rate or credit."
         metrics.counter("fibws_throttled_messages", help_, every.throttled)
         rows = {
             name: (each.messages, each.bytes, each.sent, each.dropped, each.throttled)
