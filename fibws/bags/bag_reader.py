@@ -10,7 +10,7 @@ from fibws.bags import bag_format, compression
 from fibws.bags.bag_format import Record, RecordFile
 from fibws.bags.bag_scan import BagScan
 from fibws.bags.connection import ChunkInfo, Connection
-from fibws.bags.reader import ChunkMessages, Reader
+from fibws.bags.reader import ChunkMessages, Reader, in_file_order
 from fibws.errors import BagFormatError, BagNotIndexed, UnsupportedBag
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ class BagReader(Reader):
                 chunks.append(self._read_chunk_header(bag_format.unpack_chunk_info(record, data)))
             position = record.end
         self.connections = sorted(connections.values(), key=lambda each: each.id)
-        self.chunks = sorted(chunks, key=lambda each: each.position)
+        self.chunks = in_file_order(chunks)
 
     def _read_chunk_header(self, info: ChunkInfo) -> ChunkInfo:
         """Complete what the index says of a chunk."""

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Self
 from fibws.bags import compression
 from fibws.bags.bag_format import RecordFile
 from fibws.bags.connection import ChunkInfo, Connection
-from fibws.bags.reader import ChunkMessages, Reader
+from fibws.bags.reader import ChunkMessages, Reader, in_file_order
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, InterfaceError, UnsupportedBag
 
 if TYPE_CHECKING:
@@ -270,10 +270,15 @@ class _Connections:
     def __init__(self) -> None:
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
+        self._definitions: dict[int, str] = {}
+        """Texts of schemas, which may be long, and shared by thousands of channels."""
+        self._md5sums: dict[int, str] = {}
 
     def add(self, records: _Records) -> None:
         for schema in records.schemas:
             self._schemas[schema.id] = schema
+            self._definitions.pop(schema.id, None)
+            self._md5sums.pop(schema.id, None)
         for channel in records.channels:
             self._channels[channel.id] = channel
 
@@ -292,12 +297,16 @@ class _Connections:
         schema = self._schemas.get(channel.schema_id)
         data = b"" if schema is None else schema.data
         type_ = "" if schema is None else schema.name
-        definition = data.decode("utf-8", "replace")
+        definition = self._definitions.get(channel.schema_id)
+        if definition is None:
+            definition = self._definitions[channel.schema_id] = data.decode("utf-8", "replace")
         format_ = "" if schema is None else schema.encoding
         fields = {name: value.encode() for name, value in channel.metadata.items()}
         md5sum = channel.metadata.get("md5sum", "")
         if not md5sum and format_ == "ros1msg":
-            md5sum = _md5sum(type_, definition)
+            if channel.schema_id not in self._md5sums:
+                self._md5sums[channel.schema_id] = _md5sum(type_, definition)
+            md5sum = self._md5sums[channel.schema_id]
         return Connection(
             id=id_,
             topic=channel.topic,
@@ -409,7 +418,7 @@ class McapReader(Reader):
                 statistics = _parse("Statistics", content, self.path)
             elif kind == _CHUNK_INDEX:
                 self.chunks.append(self._chunk_info(content))
-        self.chunks.sort(key=lambda chunk: chunk.position)
+        self.chunks = in_file_order(self.chunks)
         if statistics is not None and self.chunks:
             self._counts = {
                 id_: count

@@ -5,10 +5,12 @@ from __future__ import annotations
 import heapq
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import pairwise
 from types import TracebackType
 from typing import BinaryIO, NamedTuple, Self, TypeAlias
 
 from fibws.bags.connection import ChunkInfo, Connection
+from fibws.errors import BagFormatError
 
 MAX_MEMORY = 32 * 2**20
 """How many bytes of uncompressed chunks are kept in memory; more are in a temporary file."""
@@ -198,6 +200,21 @@ class Reader(ABC):
                     memory.remove(cursor)
                 else:
                     heapq.heappush(cursors, (time, position, cursor))
+
+
+def in_file_order(chunks: Iterable[ChunkInfo]) -> list[ChunkInfo]:
+    """Return the chunks that an index lists in the order of the file.
+
+    Raises:
+        BagFormatError: chunks overlap: a small file would be read any number of times.
+    """
+    found = sorted(chunks, key=lambda chunk: chunk.position)
+    for chunk, following in pairwise(found):
+        if following.position < chunk.position + max(1, chunk.compressed_size):
+            raise BagFormatError(
+                f"the chunks at bytes {chunk.position} and {following.position} overlap"
+            )
+    return found
 
 
 _NEVER = 2**64

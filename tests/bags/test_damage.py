@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 from random_inputs import examples, times
 
 from fibws.bags import ChunkInfo, bag_format, open_reader, open_writer, reindex
-from fibws.errors import BagError, BagFormatError
+from fibws.bags.bag_writer import BagWriter
+from fibws.errors import BagError, BagFormatError, BagNotIndexed
 
 from .test_bags import FORMATS, add, contents, each_suffix, every_format, write_numbers
 
@@ -221,6 +222,23 @@ def bomb(tmp_path: Path, claimed: int, real: int) -> Path:
     header = content[:place] + moved.to_bytes(8, "little") + content[place + 8 : chunk.position]
     path.write_bytes(header + record + content[old:])
     return path
+
+
+@each_suffix
+def test_chunk_that_an_index_lists_twice_is_read_once(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    with open_writer(path) as writer:
+        writer.write(add(writer, "/a"), 1, b"1234")
+        writer.flush()
+        if isinstance(writer, BagWriter):
+            writer.chunks *= 2
+        else:
+            chunks: list[object] = vars(writer.mcap)["_Writer__chunk_indices"]
+            chunks *= 2
+    with pytest.raises(BagNotIndexed, match="overlap"):
+        open_reader(path)
+    with open_reader(path, allow_unindexed=True) as bag:
+        assert [message[1:] for message in bag.messages()] == [(1, b"1234")]
 
 
 @pytest.mark.parametrize("claimed", [100, 1_000_000, 2**32 - 1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -110,3 +111,23 @@ def test_wrong_checksum_is_an_error(tmp_path: Path) -> None:
     with open_reader(path) as bag, pytest.raises(BagFormatError, match="checksum"):
         list(bag.messages())
     assert reindex(path, restored).messages == 300
+
+
+def test_channels_share_the_text_of_their_schema(tmp_path: Path) -> None:
+    path = tmp_path / "it.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start("ros1")
+        text = b"# %b\nint32 data\n" % (b"x" * 1_000_000)
+        schema = writer.register_schema("std_msgs/Int32", "ros1msg", text)
+        for number in range(50):
+            writer.register_channel(f"/{number}", "ros1", schema)
+        writer.add_message(1, 1, b"1234", 1)
+        writer.finish()
+    tracemalloc.start()
+    try:
+        with open_reader(path) as bag:
+            assert {each.md5sum for each in bag.connections} == {INT32[1]}
+        assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    finally:
+        tracemalloc.stop()
