@@ -123,7 +123,7 @@ def test_channels_share_the_text_of_their_schema(tmp_path: Path) -> None:
         for number in range(50):
             writer.register_channel(f"/{number}", "ros1", schema)
         writer.add_message(1, 1, b"1234", 1)
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
     tracemalloc.start()
     try:
         with open_reader(path) as bag:
