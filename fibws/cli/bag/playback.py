@@ -202,8 +202,9 @@ class Playback:
         """The time of the playback, in nanoseconds: never later than the next message."""
         if not self._is_running or self.is_paused or self.is_delayed or self.has_ended:
             return self._position
-        passed = (self._clock() - self._since) * 1e9 * self.rate
-        return min(self._position + int(passed), max(self._next, self._position))
+        passed = (self._clock() - self._since) * 1e9 * self.rate  # Infinite at high rates.
+        left = max(0, self._next - self._position)
+        return self._position + (int(passed) if passed < left else left)
 
     # Control
 

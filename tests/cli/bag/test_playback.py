@@ -206,11 +206,14 @@ async def test_pause_during_the_playback_takes_effect_at_once(tmp_path: Path) ->
         await course.until(0, 1)
 
 
-async def test_rate_can_be_changed_while_a_message_is_awaited(tmp_path: Path) -> None:
+@pytest.mark.parametrize("rate", [1e7, 1e308])
+async def test_rate_can_be_changed_while_a_message_is_awaited(tmp_path: Path, rate: float) -> None:
     path = write(tmp_path / "a.bag", *numbers(0, 10_000))
     async with playing(path) as course:
         await course.until(0)
-        course.playback.set_rate(1e7)
+        course.playback.set_rate(rate)
+        await asyncio.sleep(0)
+        assert START < course.playback.position <= START + 10_000 * SECOND
         await course.end()
     assert course.published == [0, 1]
 
