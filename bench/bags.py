@@ -32,7 +32,7 @@ print(peak.split()[1])
 """
 """It prints its peak memory in KiB, which the kernel does not count from before it was started."""
 COMPRESSED_IN_THREADS = ("bz2.bag",)
-"""What is slower than disks; recorders write in a thread."""
+"""Compression methods that are slower than disks; recorders write in a thread."""
 
 
 def bags(plan: Plan, report: Report) -> None:

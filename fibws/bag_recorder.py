@@ -69,7 +69,7 @@ class Origin(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingOptions:
-    """What a recording is like.
+    """The settings of a recording.
 
     Attributes:
         path: the file, or with ``dated`` what its name begins with: a folder, if it ends with a
@@ -210,7 +210,7 @@ class Recorder:
         self._left: dict[str, list[int]] = {}
         self._latched: dict[Stream, None] = {}
         self._forgotten: deque[Stream] = deque()
-        """Those that are to be removed from `_latched`."""
+        """Streams to be removed from `_latched`."""
         self._began = 0
         self._file_ends = NEVER
         """The time at which the current file has lasted long enough."""

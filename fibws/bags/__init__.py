@@ -8,7 +8,7 @@
     reindex ─> a bag with an index from what is left of one
     files ─> the right class for a file
 
-Messages stay serialized: nothing here knows their types. There is no clock and no task, either.
+Messages stay serialized: nothing here knows their types. It uses no clock and no tasks.
 """
 
 from fibws.bags.connection import ChunkInfo, Connection

@@ -1,4 +1,4 @@
-"""What bags of every format are made of: connections, and chunks of messages."""
+"""The parts of a bag in any format: connections, and chunks of messages."""
 
 from __future__ import annotations
 
