@@ -83,8 +83,10 @@ def _image_costs(
     ):
         camera.send(operation("advertise", topic=TOPIC, type="sensor_msgs/Image", publisher=1))
         camera.settle()
-        channel = _channels(studio.settle())[TOPIC]
-        subscriptions = [{"id": 1, "channelId": channel}]
+        channels: dict[str, int] = {}
+        while TOPIC not in channels:
+            channels.update(_channels(studio.receive()))
+        subscriptions = [{"id": 1, "channelId": channels[TOPIC]}]
         switches = (
             (
                 raw,
