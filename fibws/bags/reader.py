@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import pairwise
 from types import TracebackType
@@ -102,8 +103,8 @@ class Reader(ABC):
     @property
     def compression(self) -> str:
         """The compression of most chunks: ``none``, ``bz2``, ``lz4`` or ``zstd``."""
-        methods = [chunk.compression for chunk in self.chunks]
-        return max(methods, key=lambda method: (methods.count(method), method), default="none")
+        counts = Counter(chunk.compression for chunk in self.chunks)
+        return max(counts, key=lambda method: (counts[method], method), default="none")
 
     def messages(
         self,

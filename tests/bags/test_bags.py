@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tracemalloc
 from pathlib import Path
+from time import process_time
 
 import pytest
 
@@ -40,6 +41,16 @@ def write_numbers(path: Path, compression: str = "none", *, count: int = 1000) -
         for number in range(count):
             time = number * SECOND // 10
             writer.write(publishers[number % 2], time, number.to_bytes(4, "little"))
+
+
+def test_compression_of_many_chunks_is_found_in_little_time(tmp_path: Path) -> None:
+    path = tmp_path / "it.bag"
+    write_numbers(path, "bz2", count=10)
+    with open_reader(path) as bag:
+        bag.chunks *= 20_000
+        begin = process_time()
+        assert bag.compression == "bz2"
+    assert process_time() - begin < 1
 
 
 @every_format
