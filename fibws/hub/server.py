@@ -201,6 +201,7 @@ class Hub:
         if self.settings.record is not None:
             self._begin_recording()
         self._threads = WorkerThreads(loop)
+        self._readers = WorkerThreads(loop, most=1)
         rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
         self.endpoints = Endpoints(rosbridge.open)
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
@@ -217,7 +218,6 @@ class Hub:
         )
         self._probes.add_to(requests)
         LoginRoutes(requests, self._authentication, partial(_refuse_login, self.audit))
-        self._readers = WorkerThreads(loop, most=1)
         AssetRoute(requests, self.assets, self._authentication, self._readers)
         self._limits = SharedLimits(
             self.settings,
@@ -351,6 +351,7 @@ class Hub:
             self.audit,
             name=f"fibws {__version__}",
             assets=self.assets,
+            readers=self._readers,
             report=self._own.refusals.report,
         )
         for subprotocol in SUBPROTOCOLS:

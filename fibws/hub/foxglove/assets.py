@@ -10,6 +10,7 @@ from typing import Protocol
 from fibws.access.rights import Right
 from fibws.errors import FibwsError
 from fibws.hub.delivery.clock import Timer
+from fibws.hub.delivery.deferred import Workers
 from fibws.hub.foxglove.client import INTERNAL_ERROR, Client
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
 from fibws.hub.log_text import shortened
@@ -48,11 +49,15 @@ class Assets:
 
     Args:
         files: None on a hub without assets.
+        readers: read the files.
     """
 
-    def __init__(self, client: Client, files: AssetFiles | None, room: AssetRoom) -> None:
+    def __init__(
+        self, client: Client, files: AssetFiles | None, readers: Workers, room: AssetRoom
+    ) -> None:
         self._client = client
         self._files = files
+        self._readers = readers
         self._room = room
         self._waiting: deque[FetchAsset] = deque()
         self._is_reading = False
@@ -108,7 +113,7 @@ class Assets:
                 frame = asset_error_frame(request.request, INTERNAL_ERROR)
             found.append(frame)
 
-        self._client.queue.flusher.workers.run(read, lambda: self._done(found[0]))
+        self._readers.run(read, lambda: self._done(found[0]))
         return b""
 
     def _done(self, frame: bytes) -> None:

@@ -16,6 +16,7 @@ from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReached, OperationError
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.deferred import InlineWorkers, Workers
 from fibws.hub.foxglove.assets import AssetFiles, AssetRoom, Assets
 from fibws.hub.foxglove.client import INTERNAL_ERROR, Client, Statuses
 from fibws.hub.foxglove.feeds import (
@@ -84,6 +85,7 @@ class Foxglove:
     Args:
         name: the hub's, which the applications show.
         assets: finds the files of robots; None without any.
+        readers: read these files, beside the work of others: a disk may hang.
         report: takes the node and the reason of each operation that failed.
     """
 
@@ -96,6 +98,7 @@ class Foxglove:
         *,
         name: str,
         assets: AssetFiles | None = None,
+        readers: Workers | None = None,
         report: Callable[[str, str], object] = ignore,
     ) -> None:
         self.graph = graph
@@ -104,6 +107,7 @@ class Foxglove:
         self.audit = audit
         self.name = name
         self.assets = assets
+        self.readers: Workers = readers or InlineWorkers()
         self.asset_room = AssetRoom()
         self.report = report
         self.session_id = secrets.token_hex(8)
@@ -199,7 +203,7 @@ class Session:
         self._services = ServiceFeed(client, foxglove.services)
         self._graph_feed: GraphFeed | None = None
         self._playback = Playback(client, self.introduce)
-        self._assets = Assets(client, foxglove.assets, foxglove.asset_room)
+        self._assets = Assets(client, foxglove.assets, foxglove.readers, foxglove.asset_room)
         self.calls = Calls(client, self._services)
         self.parameters = ParameterAccess(client)
         foxglove.sessions.add(self)

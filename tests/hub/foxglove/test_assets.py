@@ -109,16 +109,16 @@ def test_file_waits_for_a_client_that_reads_no_more_or_is_read_again(
     files: Files, monkeypatch: pytest.MonkeyPatch, room: int, reads: int
 ) -> None:
     monkeypatch.setattr(assets, "MOST_HELD", room)
-    hub = FoxgloveHub(assets=files)
-    client = hub.foxglove_client()
-    client.receive()
     jobs: list[Callable[[], object]] = []
 
     class Threads:
         def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
             jobs.extend((work, done))
 
-    hub.flusher.workers = Threads()
+    hub = FoxgloveHub(assets=files)
+    hub.foxglove.readers = Threads()
+    client = hub.foxglove_client()
+    client.receive()
     fetch(client, MESH)
     assert len(jobs) == 2
     client.queue.pause()

@@ -7,6 +7,7 @@ import json
 import os
 import struct
 import sys
+import threading
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from websockets.exceptions import ConnectionClosed
 
 from fibws.bags import open_writer
 from fibws.hub.foxglove.messages import SUBPROTOCOLS
+from fibws.hub.worker_threads import MOST_THREADS
 
 from ..fakes import STANDARD
 from ..raw_client import BINARY, PING, connected, frame, nodes, until
@@ -241,6 +243,15 @@ async def test_meshes_of_loaded_robots_are_sent(
         for _ in range(2):
             assert await client.find_binary(4) == head + mesh
         assert (await client.find_binary(4))[5] == 1
+        # A disk that hangs must not delay the images of others, nor the other way round.
+        are_free = threading.Event()
+        for _ in range(MOST_THREADS):
+            hub._threads.run(are_free.wait, lambda: None)
+        try:
+            await client.send("fetchAsset", uri=uri, requestId=2)
+            assert await client.find_binary(4) == head + mesh
+        finally:
+            are_free.set()
 
 
 async def test_tokens_and_rights(start_hub: StartHub, tmp_path: Path) -> None:
