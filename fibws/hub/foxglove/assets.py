@@ -15,6 +15,8 @@ from fibws.hub.foxglove.client import INTERNAL_ERROR, Client
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
 from fibws.hub.log_text import shortened
 
+LONGEST_URI = 10_000
+"""Most characters of a URI, which waits while other files are read."""
 MOST_HELD = 2**27
 """Bytes of files that may wait for all clients together until they read."""
 
@@ -72,6 +74,8 @@ class Assets:
             return
         if self._files is None:
             self._refuse(request, "this hub has no assets")
+        elif len(request.uri) > LONGEST_URI:
+            self._refuse(request, f"the URI is too long (limit {LONGEST_URI} characters)")
         elif len(self._waiting) >= limit:
             self._refuse(request, f"too many files are fetched at once (limit {limit})")
         else:

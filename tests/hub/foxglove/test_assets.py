@@ -134,6 +134,16 @@ def test_file_waits_for_a_client_that_reads_no_more_or_is_read_again(
     assert hub.foxglove.asset_room.held == 0
 
 
+def test_long_uri_does_not_wait(files: Files) -> None:
+    client = FoxgloveHub(assets=files).foxglove_client()
+    client.pause()
+    fetch(client, "package://my_robot/" + "x" * assets.LONGEST_URI)
+    client.queue.resume()
+    [(request, error, _)] = answers(client)
+    assert (request, files.reads) == (1, 0)
+    assert str(assets.LONGEST_URI) in error
+
+
 def test_too_many_requests_are_refused_and_forgotten_with_the_client(files: Files) -> None:
     hub = FoxgloveHub(assets=files, max_calls=2)
     client = hub.foxglove_client()
