@@ -134,7 +134,7 @@ class RecordingState(NamedTuple):
     messages: int
     """The messages that were written."""
     bytes: int
-    """The sizes of all files so far."""
+    """The sizes of all files so far, which only grow."""
     buffered: int
     """The bytes that wait for the disk."""
     dropped: int
@@ -219,6 +219,10 @@ class Recorder:
         self._number = -1
         self._kept: deque[Path] = deque()
         self._bytes = 0
+        """The sizes of all files as the writing thread last saw them: to ask a file for it might
+        wait for the disk."""
+        self._past_bytes = 0
+        """The sizes of the files that are complete."""
         self._has_space = True
         self._flushed = 0
         """Messages that were handed to the system."""
@@ -307,14 +311,13 @@ class Recorder:
 
     def state(self) -> RecordingState:
         """Return how far the recording has come."""
-        writer = self._writer
         return RecordingState(
             is_recording=self._thread.is_alive() and not self._ended.is_set(),
             began=self._began,
             file=str(self._path),
             files=self._number + 1,
             messages=self._written,
-            bytes=self._bytes + (writer.size if writer is not None else 0),
+            bytes=self._bytes,
             buffered=max(0, self._put - self._taken - self._dropped_bytes),
             dropped=self._dropped + self._discarded,
             fault=self._fault,
@@ -432,6 +435,8 @@ class Recorder:
             self._writer.flush()
             self._flushed = self._written
             self._next_flush = ticks + FLUSH_INTERVAL
+        if self._writer is not None:
+            self._bytes = self._past_bytes + self._writer.position
         if ticks >= self._next_disk:
             self._next_disk = ticks + DISK_INTERVAL
             self._check_disk()
@@ -488,17 +493,21 @@ class Recorder:
         writer, self._writer = self._writer, None
         if writer is None:
             return
-        size = writer.size
         writer.close()
         self._flushed = self._written
-        self._bytes += size
         self._path.with_name(self._path.name + ACTIVE).replace(self._path)
+        self._count_bytes(self._path)
         self._kept.append(self._path)
         if self.options.split and self.options.max_splits:
             # The file that begins next is one of them.
             most = max(0, self.options.max_splits - (0 if self._is_ending else 1))
             while len(self._kept) > most:
                 self._kept.popleft().unlink(missing_ok=True)
+
+    def _count_bytes(self, path: Path) -> None:
+        """Count a file that is complete."""
+        self._past_bytes += path.stat().st_size
+        self._bytes = self._past_bytes
 
     @property
     def _is_ending(self) -> bool:
@@ -549,7 +558,9 @@ class Recorder:
         self._written = self._flushed
         with suppress(OSError, BagError):  # The index may fit where the messages did not.
             writer.close()
-        active = f"{self._path}{ACTIVE}"
+        active = self._path.with_name(self._path.name + ACTIVE)
+        with suppress(OSError):
+            self._count_bytes(active)
         self._log.error("To repair the file: %s %s", command_name("bag reindex"), active)
 
     def _report_drops(self, *, final: bool = False) -> None:

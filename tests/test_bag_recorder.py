@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import signal
 import subprocess
@@ -181,6 +182,58 @@ def test_oldest_messages_are_dropped_and_counted_while_the_disk_hangs(
     recording.recorder.stop()
     assert values(tmp_path / "a.bag") == [0, *range(91, 101)]
     assert recording.recorder.state().dropped == 90
+
+
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_state_does_not_wait_for_a_disk_that_hangs(
+    record: Callable[..., Recording],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    suffix: str,
+) -> None:
+    hangs, works, has_answered = threading.Event(), threading.Event(), threading.Event()
+
+    class Hanging(io.FileIO):
+        def write(self, data: Any, /) -> int:
+            hangs.set()
+            assert works.wait(PATIENCE)
+            return super().write(data)
+
+    def open_(path: str, mode: str, buffering: int = -1) -> io.RawIOBase | io.BufferedWriter:
+        return io.BufferedWriter(Hanging(path, mode)) if buffering else Hanging(path, mode)
+
+    for module in ("bag_writer", "mcap_files"):
+        monkeypatch.setattr(f"fibws.bags.{module}.open", open_, raising=False)
+    recording = record(path=str(tmp_path / f"a.{suffix}"), chunk_size=100_000)
+    recording.recorder.put(recording.recorder.stream(origin()), START, bytes(200_000))
+    assert hangs.wait(PATIENCE)
+
+    def ask() -> None:
+        recording.recorder.state()
+        has_answered.set()
+
+    try:
+        threading.Thread(target=ask, daemon=True).start()
+        assert has_answered.wait(PATIENCE / 10)
+    finally:
+        works.set()
+    recording.recorder.stop()
+    size = (tmp_path / f"a.{suffix}").stat().st_size
+    assert recording.recorder.state().bytes == size > 200_000
+
+
+def test_size_of_compressed_files_only_grows(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(compression="bz2")
+    recording.put(0)
+    recording.wait_until(lambda state: state.messages == 1)
+    for _ in range(2000):
+        recording.put(0)
+    before = recording.wait_until(lambda state: state.messages == 2001)
+    recording.recorder.stop()
+    size = (tmp_path / "a.bag").stat().st_size
+    assert before.bytes <= recording.recorder.state().bytes == size
 
 
 def test_full_disk_ends_the_recording_and_is_reported(

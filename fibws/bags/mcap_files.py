@@ -103,9 +103,14 @@ class McapWriter:
         self.close()
 
     @property
+    def position(self) -> int:
+        """Where the next chunk begins in the file."""
+        return 0 if self.is_closed else self._file.tell()
+
+    @property
     def size(self) -> int:
         """The size of the file in bytes, without the chunk that is in memory."""
-        return 0 if self.is_closed else self._file.tell()
+        return self.position
 
     def connection(
         self,
