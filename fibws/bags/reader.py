@@ -10,11 +10,14 @@ from itertools import pairwise
 from types import TracebackType
 from typing import BinaryIO, NamedTuple, Self, TypeAlias
 
+from fibws.bags.compression import MAX_RATIO
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.errors import BagFormatError
 
 MAX_MEMORY = 32 * 2**20
 """How many bytes of uncompressed chunks are kept in memory; more are in a temporary file."""
+MAX_FILE = 4 * 2**30
+"""Maximum size of the temporary file, unless `MAX_RATIO` times the bag is more."""
 
 Message: TypeAlias = tuple[Connection, int, bytes]
 """A message: its connection, its time in ns and its serialized data."""
@@ -175,7 +178,7 @@ class Reader(ABC):
         end: int | None,
     ) -> Iterator[tuple[Connection, int, bytes, tuple[int, int]]]:
         """Read chunks, which are sorted from the last to the first, while their times overlap."""
-        with _Memory() as memory:
+        with _Memory(self.path, max(MAX_FILE, MAX_RATIO * self.size)) as memory:
             cursors: list[tuple[int, int, _Cursor]] = []
             while chunks or cursors:
                 while chunks and (not cursors or chunks[-1].start <= cursors[0][0]):
@@ -261,11 +264,20 @@ class _Cursor:
 
 
 class _Memory:
-    """The uncompressed chunks of messages to come, in memory or in a temporary file."""
+    """The uncompressed chunks of messages to come, in memory or in a temporary file.
 
-    def __init__(self) -> None:
+    Args:
+        path: names the bag in errors.
+        limit: maximum size of the temporary file.
+    """
+
+    def __init__(self, path: str, limit: int) -> None:
+        self._path = path
+        self._limit = limit
         self._cursors: list[_Cursor] = []
         self._file: BinaryIO | None = None
+        self._moved = 0
+        """The bytes in the file of chunks that have messages to come."""
 
     def __enter__(self) -> Self:
         return self
@@ -286,8 +298,12 @@ class _Memory:
 
     def remove(self, cursor: _Cursor) -> None:
         """Forget a chunk, all of whose messages have been read."""
-        if cursor.data is not None:
+        if cursor.file is None:
             self._cursors.remove(cursor)
+            return
+        self._moved -= cursor.size
+        if not self._moved:
+            cursor.file.truncate(0)
 
     def _move(self, cursor: _Cursor) -> None:
         assert cursor.data is not None
@@ -296,6 +312,12 @@ class _Memory:
 
             self._file = tempfile.TemporaryFile()
         cursor.file, cursor.offset = self._file, self._file.seek(0, 2)
+        if cursor.offset + cursor.size > self._limit:
+            raise BagFormatError(
+                f"{self._path}: chunks that overlap in time have more than {self._limit} bytes "
+                "uncompressed"
+            )
+        self._moved += cursor.size
         self._file.write(cursor.data)
         cursor.data = None
         self._cursors.remove(cursor)

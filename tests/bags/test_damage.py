@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from random_inputs import examples, times
 
-from fibws.bags import ChunkInfo, bag_format, open_reader, open_writer, reindex
+from fibws.bags import ChunkInfo, bag_format, open_reader, open_writer, reader, reindex
 from fibws.bags.bag_writer import BagWriter
 from fibws.errors import BagError, BagFormatError, BagNotIndexed
 
@@ -222,6 +222,42 @@ def bomb(tmp_path: Path, claimed: int, real: int) -> Path:
     header = content[:place] + moved.to_bytes(8, "little") + content[place + 8 : chunk.position]
     path.write_bytes(header + record + content[old:])
     return path
+
+
+def test_bomb_of_many_chunks_of_one_time_is_rejected(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "it.bag"
+    with open_writer(path, "bz2") as writer:
+        connection = add(writer, "/a")
+        for _ in range(20):
+            for time in (1, 2):
+                writer.write(connection, time, bytes(500_000))
+            writer.flush()
+    monkeypatch.setattr(reader, "MAX_MEMORY", 4_000_000)
+    monkeypatch.setattr(reader, "MAX_FILE", 12_000_000)
+    with open_reader(path) as bag, pytest.raises(BagFormatError, match="12000000") as caught:
+        list(bag.messages())
+    assert str(path) in str(caught.value)
+    monkeypatch.setattr(reader, "MAX_FILE", 17_000_000)
+    with open_reader(path) as bag:
+        assert [time for _, time, _ in bag.messages()] == [1] * 20 + [2] * 20
+
+
+def test_temporary_file_is_used_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "it.bag"
+    with open_writer(path, "bz2") as writer:
+        connection = add(writer, "/a")
+        for pair in range(10):
+            for times in ((0, 2), (1, 3)):
+                for time in times:
+                    writer.write(connection, 10 * pair + time, bytes(500_000))
+                writer.flush()
+    monkeypatch.setattr(reader, "MAX_MEMORY", 1_500_000)
+    monkeypatch.setattr(reader, "MAX_FILE", 2_500_000)
+    with open_reader(path) as bag:
+        found = [time for _, time, _ in bag.messages()]
+    assert found == [10 * pair + time for pair in range(10) for time in range(4)]
 
 
 @each_suffix
