@@ -77,7 +77,8 @@ class RecordingOptions:
         dated: whether the date and time of the beginning are added to the name.
         compression: of the chunks.
         chunk_size: bytes of a chunk before compression.
-        buffer_size: bytes of messages that may wait for the disk; 0 for no limit.
+        buffer_size: bytes of messages that may wait for the disk, and of latched ones that may
+            be kept for the next files; 0 for no limit.
         split: whether to begin another file when one is full or has lasted long enough; else the
             recording ends.
         max_size: bytes of a file; 0 for no limit.
@@ -209,6 +210,7 @@ class Recorder:
         self._streams: dict[Origin, Stream] = {}
         self._left: dict[str, list[int]] = {}
         self._latched: dict[Stream, None] = {}
+        self._latched_bytes = 0
         self._forgotten: deque[Stream] = deque()
         """Streams to be removed from `_latched`."""
         self._began = 0
@@ -385,8 +387,7 @@ class Recorder:
                 continue
             self._written += 1
             if stream.is_repeated:
-                stream.last = data
-                self._latched[stream] = None
+                self._keep_latched(stream, data)
             left -= size + TURN_COST
             if left < 0:
                 left = TURN
@@ -395,6 +396,21 @@ class Recorder:
                 time.sleep(PAUSE)
         if self._is_large:
             self._continue()
+
+    def _keep_latched(self, stream: Stream, data: Buffer) -> None:
+        """Keep a message for the next files; the oldest ones go if there is no room for all."""
+        self._drop_latched(stream)
+        stream.last = data
+        self._latched[stream] = None
+        self._latched_bytes += len(data)
+        while self._latched_bytes > self._room and len(self._latched) > 1:
+            self._drop_latched(next(iter(self._latched)))
+
+    def _drop_latched(self, stream: Stream) -> None:
+        if stream.last is not None:
+            self._latched_bytes -= len(stream.last)
+            stream.last = None
+            del self._latched[stream]
 
     @property
     def _is_large(self) -> bool:
@@ -442,7 +458,7 @@ class Recorder:
             self._check_disk()
         self._report_drops()
         while self._forgotten:
-            self._latched.pop(self._forgotten.popleft(), None)
+            self._drop_latched(self._forgotten.popleft())
 
     def _begin_file(self) -> Writer:
         """Begin the next file; with the last latched messages, if they are to be repeated."""

@@ -426,6 +426,23 @@ def test_latched_messages_are_repeated_in_each_file(
     assert values(tmp_path / "a_1.bag") == [101, 2]
 
 
+def test_oldest_latched_messages_are_not_repeated_if_there_is_no_room(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    size = 2 * (4 + MESSAGE_COST)
+    recording = record(split=True, max_duration=10 * SECOND, repeat_latched=True, buffer_size=size)
+    recording.wait_until(lambda state: state.files == 1)
+    latched = [origin(f"/{number}", latching=True) for number in range(100)]
+    for value, each in enumerate([*latched, latched[50]]):
+        recording.put(value, 1, each)
+        recording.wait_until(lambda state: state.buffered == 0)
+    recording.put(1000, 11)
+    recording.recorder.stop()
+    most = size // 4
+    expected = [each for each in range(101 - most - 1, 101) if each != 50]
+    assert values(tmp_path / "a_1.bag") == [*expected[-most:], 1000]
+
+
 def test_latched_message_is_not_repeated_after_its_publisher_is_forgotten(
     record: Callable[..., Recording], tmp_path: Path
 ) -> None:

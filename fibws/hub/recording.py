@@ -39,7 +39,7 @@ logger = logging.getLogger("fibws.hub")
 NODE = "/hub_recorder"
 STATE = f"{NODE}/state"
 """The topic of the recording's state (fibws_msgs/RecordingState)."""
-MOST_DEPARTED = 16
+MOST_DEPARTED = 100
 """Publishers of a topic that have left and are remembered, as they may come back."""
 STATE_INTERVAL = 1.0
 """Seconds between two messages of the state while something is recorded."""
@@ -118,6 +118,7 @@ class RecordedTopic:
                 self._fault = str(error)
                 logger.warning("%s is not recorded: %s.", self.topic.name, error)
             return None
+        self.forget_departed()
         self._streams[publication.header] = (publication.type, stream)
         return stream
 
