@@ -11,7 +11,8 @@ from bench.machine import on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, running
-from fibws.hub.foxglove.messages import MESSAGE_HEAD_SIZE, SUBPROTOCOLS
+from fibws.hub.foxglove import SUBPROTOCOLS
+from fibws.hub.foxglove.messages import MESSAGE_HEAD_SIZE
 from fibws.interfaces import Interfaces
 from fibws.interfaces.serialization import Serializers
 from fibws.protocol.serialized import SUBPROTOCOL, publish_head

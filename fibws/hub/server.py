@@ -14,7 +14,7 @@ import uuid
 from collections import deque
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from functools import partial
+from functools import cache, partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
@@ -30,8 +30,7 @@ from fibws.hub.federation import link
 from fibws.hub.federation.connections import Join, LinkEndpoint
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.records import HubInfo
-from fibws.hub.foxglove.messages import SUBPROTOCOLS
-from fibws.hub.foxglove.session import Foxglove
+from fibws.hub.foxglove import SUBPROTOCOLS
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
@@ -59,6 +58,7 @@ from fibws.protocol.websocket import KILLED, RESTART, SHUTDOWN
 
 if TYPE_CHECKING:
     from fibws.hub.federation.zenoh_backplane import ZenohBackplane
+    from fibws.hub.foxglove.session import Foxglove
     from fibws.hub.recording import Recording
     from fibws.hub.ros1.server import Ros1Server
     from fibws.hub.ros2.server import Ros2
@@ -343,20 +343,31 @@ class Hub:
         )
 
     def _speak_foxglove(self) -> None:
-        """Let Foxglove and Lichtblick connect by their own protocol."""
-        foxglove = Foxglove(
-            self.graph,
-            asyncio.get_running_loop(),
-            self.settings,
-            self.audit,
-            name=f"fibws {__version__}",
-            assets=self.assets,
-            readers=self._readers,
-            report=self._own.refusals.report,
-        )
-        for subprotocol in SUBPROTOCOLS:
-            open_ = partial(foxglove.open, protocol=subprotocol)
-            self.endpoints.add(open_, subprotocol=subprotocol)
+        """Let Foxglove and Lichtblick connect by their own protocol, which the first one loads."""
+        loop = asyncio.get_running_loop()
+
+        @cache
+        def foxglove() -> Foxglove:
+            from fibws.hub.foxglove.session import Foxglove  # It takes a while to load.
+
+            return Foxglove(
+                self.graph,
+                loop,
+                self.settings,
+                self.audit,
+                name=f"fibws {__version__}",
+                assets=self.assets,
+                readers=self._readers,
+                report=self._own.refusals.report,
+            )
+
+        def add(subprotocol: str) -> None:
+            self.endpoints.add(
+                lambda opening: foxglove().open(opening, subprotocol), subprotocol=subprotocol
+            )
+
+        for each in SUBPROTOCOLS:
+            add(each)
 
     async def _join_zenoh(self) -> None:
         """Join the other hubs on a zenoh network, if the settings want that."""

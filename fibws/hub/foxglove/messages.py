@@ -1,9 +1,7 @@
 """Foxglove's WebSocket protocol, version 1: its JSON operations and its binary messages.
 
-The specification is ``docs/spec.md`` of https://github.com/foxglove/ws-protocol. Both subprotocols
-of `SUBPROTOCOLS` are the same on the wire: older programs ask for the first one, those of the
-Foxglove SDK for the second one. A binary message begins with one byte for its kind; integers are
-little-endian:
+The specification is ``docs/spec.md`` of https://github.com/foxglove/ws-protocol. A binary message
+begins with one byte for its kind; integers are little-endian:
 
     hub to client   u8 1, u32 subscription, u64 time, message
                     u8 2, u64 time
@@ -14,7 +12,7 @@ little-endian:
                     u8 2, u32 service, u32 call, u32 n, n bytes of the encoding's name, request
                     u8 3, u8 command, f32 speed, u8 seek, u64 time, u32 n, n bytes of an id
 
-Times count nanoseconds from 1970. The ids in them are chosen by the client, but for the service's.
+Times count nanoseconds from 1970. The client chooses the ids in them, except the service's.
 """
 
 from __future__ import annotations
@@ -31,8 +29,6 @@ from fibws.interfaces.json_text import json_of
 from fibws.protocol.decoding import quoted
 from fibws.protocol.value_limits import check_json
 from fibws.protocol.websocket import BINARY, TEXT, Payload, server_frame
-
-SUBPROTOCOLS: Final = ("foxglove.websocket.v1", "foxglove.sdk.v1")
 
 ROS1: Final = "ros1"
 """The encoding of messages in ROS 1's serialization."""

@@ -10,8 +10,8 @@ from typing import Any
 from fibws.access.rights import Principal
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Bytes, SendQueue
+from fibws.hub.foxglove import SUBPROTOCOLS
 from fibws.hub.foxglove.assets import AssetFiles
-from fibws.hub.foxglove.messages import SUBPROTOCOLS
 from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.websocket.endpoint import Opening
 from fibws.protocol.websocket import CloseReason

@@ -12,7 +12,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from fibws.hub import Hub
-from fibws.hub.foxglove.messages import SUBPROTOCOLS
+from fibws.hub.foxglove import SUBPROTOCOLS
 
 from ..raw_client import PATIENCE
 

@@ -16,7 +16,7 @@ from conftest import StartHub
 from websockets.exceptions import ConnectionClosed
 
 from fibws.bags import open_writer
-from fibws.hub.foxglove.messages import SUBPROTOCOLS
+from fibws.hub.foxglove import SUBPROTOCOLS
 from fibws.hub.worker_threads import MOST_THREADS
 
 from ..fakes import STANDARD
