@@ -16,6 +16,7 @@ import stat
 import zlib
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
+from heapq import nsmallest
 from pathlib import Path
 from threading import Lock
 from typing import TypeAlias
@@ -60,6 +61,8 @@ LARGEST = 64 * MIB
 MOST_UNSENT = 2 * LARGEST
 """Bytes of files that may be on their way to clients at once."""
 LONGEST_URI = 2000
+MOST_SHOWN = 20
+"""Packages that a refusal names: a description may name a million."""
 QUICK = 1
 """zlib's level, at which 10 MB take 0.08 s; level 6 saves a tenth more, in 0.2 to 0.4 s."""
 
@@ -165,8 +168,9 @@ def _check_suffix(name: str) -> None:
 def _why_not_named(package: str, named: Collection[str]) -> str:
     if not named:
         return f"no robot_description is loaded that names {SCHEME}{package}/"
-    others = ", ".join(sorted(named))
-    return f"package {package} is not in the loaded robot_description, which names {others}"
+    others = ", ".join(nsmallest(MOST_SHOWN, named))
+    more = " and others" if len(named) > MOST_SHOWN else ""
+    return f"package {package} is not in the loaded robot_description, which names {others}{more}"
 
 
 def _checked(file: Path, folder: Path, package: str) -> Path:

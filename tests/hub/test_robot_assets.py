@@ -286,6 +286,14 @@ def test_only_package_uris_are_resolved(assets: RobotAssets, uri: str) -> None:
     assert "package://" in str(error.value)
 
 
+def test_refusal_names_few_packages(assets: RobotAssets) -> None:
+    named = {f"package{number}" for number in range(100_000)}
+    with pytest.raises(AssetRefused) as error:
+        assets.resolve("package://arm/a.stl", named)
+    assert "package0, package1, " in str(error.value)
+    assert len(str(error.value)) < 500
+
+
 def test_packages_come_from_parameters_and_latched_topics(
     graph: Graph, assets: RobotAssets
 ) -> None:
