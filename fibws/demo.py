@@ -140,7 +140,7 @@ def command(name: str, port: int | None, rate: float) -> None:
         page, text = "the turtle, open {}#/turtlesim", TURTLESIM
         node_program.run(demo(settings, page, text, _run_turtlesim))
     elif name == "robot":
-        page, text = "its topics, open {}#/topics", ROBOT
+        page, text = "its dashboard, open {}#/dashboard", ROBOT
         node_program.run(demo(settings, page, text, _run_robot))
     else:
         page, text = "the graph, open {}", FIBONACCI

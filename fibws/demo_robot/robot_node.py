@@ -31,7 +31,7 @@ from fibws.msg.move_base_msgs import (
     MoveBaseGoal,
     MoveBaseResult,
 )
-from fibws.msg.nav_msgs import OccupancyGrid, Odometry
+from fibws.msg.nav_msgs import OccupancyGrid, Odometry, Path
 from fibws.msg.sensor_msgs import (
     CameraInfo,
     Image,
@@ -56,7 +56,9 @@ SILENCE = 0.5
 BLOCKED = 2.0
 """Seconds at a wall after which a goal is given up."""
 NEAR = 0.1
-"""Meters from the place of a goal at which it is reached."""
+"""Meters from a place at which it is reached."""
+ALIGNED = 0.05
+"""Radians from the heading of a goal at which it is reached."""
 
 ROOMS = (
     ("Workshop", 3.7, 1.2, (0.9, 0.6, 0.2)),
@@ -98,6 +100,7 @@ class RobotNode:
         self._joints = await node.advertise("/joint_states", JointState)
         self._markers = await node.advertise("/markers", MarkerArray)
         self._diagnostics = await node.advertise("/diagnostics", DiagnosticArray)
+        self._plan = await node.advertise("/plan", Path, latch=True)
         description = await node.advertise("/robot_description", String, latch=True)
         await description.publish(String(DESCRIPTION))
         await static.publish(TFMessage(self._mounts()))
@@ -152,37 +155,54 @@ class RobotNode:
             await self._markers.publish(self._markers_at(now))
 
     async def _go(self, goal: Goal) -> MoveBaseResult:
-        """Drive straight to the place of a goal; a wall in between ends it."""
+        """Drive to the place of a goal, around walls, and turn to its heading."""
+        self._target = goal.request.target_pose.pose
         try:
-            return await self._drive(goal)
+            fault = await self._drive(goal, goal.request.target_pose)
         finally:
             if self._target is goal.request.target_pose.pose:  # Otherwise another goal is newer.
                 self._target = None
-
-    async def _drive(self, goal: Goal) -> MoveBaseResult:
-        target = goal.request.target_pose
-        if target.header.frame_id.lstrip("/") != "map":
-            reason = f"expected a goal in the frame map, got {target.header.frame_id!r}"
-            return goal.aborted(text=reason)
-        self._target = target.pose
-        x, y = target.pose.position.x, target.pose.position.y
-        blocked = 0
-        while not goal.cancel_requested:
-            pose = self._robot.pose
-            if math.hypot(x - pose.x, y - pose.y) < NEAR:
-                self._command(0.0, 0.0)
-                return MoveBaseResult()
-            blocked = blocked + 1 if self._robot.is_blocked else 0
-            if blocked > BLOCKED * HZ:
-                return goal.aborted(text="a wall is in the way: drive around it")
-            self._command(*toward(pose, x, y))
-            feedback = MoveBaseFeedback()
-            feedback.base_position.header.frame_id = "map"
-            feedback.base_position.pose = _pose(pose.x, pose.y, pose.yaw)
-            await goal.publish_feedback(feedback)
-            await goal.cancellation(timeout=1 / HZ)
         self._command(0.0, 0.0)
-        return goal.canceled()
+        if fault:
+            self._node.log.warning("The goal is given up: %s.", fault)
+            return goal.aborted(text=fault)
+        return goal.canceled() if goal.cancel_requested else MoveBaseResult()
+
+    async def _drive(self, goal: Goal, target: PoseStamped) -> str:
+        """Drive to a place until the goal is canceled; return why it cannot be reached."""
+        if target.header.frame_id.lstrip("/") != "map":
+            return f"expected a goal in the frame map, got {target.header.frame_id!r}"
+        pose, position = self._robot.pose, target.pose.position
+        places = self._robot.world.path((pose.x, pose.y), (position.x, position.y))
+        if places is None:
+            return (
+                f"there is no way to x {position.x:.2f}, y {position.y:.2f}: a wall is in the way"
+            )
+        await self._plan.publish(self._plan_of([(pose.x, pose.y), *places]))
+        for x, y in places:
+            blocked = 0
+            while math.hypot(x - pose.x, y - pose.y) >= NEAR:
+                blocked = blocked + 1 if self._robot.is_blocked else 0
+                if blocked > BLOCKED * HZ:
+                    return "a wall is in the way"
+                if await self._step(goal, *toward(pose, x, y)):
+                    return ""
+        yaw = _yaw(target.pose.orientation)
+        while yaw is not None and abs(error := math.remainder(yaw - pose.yaw, math.tau)) > ALIGNED:
+            if await self._step(goal, 0.0, max(-1.0, min(1.0, 2.5 * error))):
+                return ""
+        return ""
+
+    async def _step(self, goal: Goal, speed: float, turn: float) -> bool:
+        """Drive for a step, and report where the robot is; return whether the goal is canceled."""
+        self._command(speed, turn)
+        feedback = MoveBaseFeedback()
+        feedback.base_position.header.frame_id = "map"
+        pose = self._robot.pose
+        feedback.base_position.pose = _pose(pose.x, pose.y, pose.yaw)
+        await goal.publish_feedback(feedback)
+        await goal.cancellation(timeout=1 / HZ)
+        return goal.cancel_requested
 
     # Messages.
 
@@ -194,6 +214,10 @@ class RobotNode:
         info.origin.orientation.w = 1.0
         grid.data = [100 if is_wall else 0 for is_wall in world.cells()]
         return grid
+
+    def _plan_of(self, places: list[tuple[float, float]]) -> Path:
+        header = Header(stamp=self._node.now(), frame_id="map")
+        return Path(header, [PoseStamped(header, _pose(x, y, 0.0)) for x, y in places])
 
     def _mounts(self) -> list[TransformStamped]:
         """Return the frames that do not move."""
@@ -350,6 +374,14 @@ def _pose(x: float, y: float, yaw: float) -> Pose:
     return pose
 
 
+def _yaw(orientation: Quaternion) -> float | None:
+    """Return the heading of an orientation; None if it has none, as in an empty message."""
+    x, y, z, w = orientation.x, orientation.y, orientation.z, orientation.w
+    if not 0.9 < x * x + y * y + z * z + w * w < 1.1:
+        return None
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
 async def simulate(node: fibws.Node) -> None:
     """Simulate a robot until the node ends."""
     await RobotNode(node).run()
@@ -361,8 +393,8 @@ def command(node: fibws.Node) -> None:
     """Simulate a robot that drives by /cmd_vel.
 
     It publishes /map, /scan, /camera/image, /camera/points, /odom, /tf, /joint_states, /markers,
-    /robot_description and /diagnostics, and drives to goals of the action /move_base and of
-    /move_base_simple/goal, in the frame map.
+    /robot_description and /diagnostics, and drives around walls to goals of the action /move_base
+    and of /move_base_simple/goal, in the frame map; /plan is its way.
     """
 
     async def program() -> None:

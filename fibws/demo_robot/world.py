@@ -6,8 +6,11 @@ Lengths are in meters, angles in radians; x is to the right on the map, y upward
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
+from heapq import heappop, heappush
+from itertools import product
+from typing import TypeAlias
 
 RESOLUTION = 0.25
 """The edge of a cell."""
@@ -18,16 +21,16 @@ PLAN = """\
 #    ##            #         ##        #
 #    ##                      ##        #
 #                                      #
+#                                      #
 #                  #                   #
-#                  #                   #
-####### ############                   #
-#                  ######### ###########
+######   ###########                   #
+#                  ########   ##########
 #                  #                   #
 #                  #                   #
 #      ####        #                   #
 #      ####                 #####      #
 #      ####                 #####      #
-#                  #                   #
+#                                      #
 #                  #                   #
 #                  #                   #
 ########################################
@@ -36,6 +39,8 @@ PLAN = """\
 START = (1.0, 0.6, 0.0)
 RADIUS = 0.2
 """The robot's."""
+ROOM = 0.3
+"""Half of the width of the ways that `World.path` finds, except at their ends."""
 MOST_SPEED, MOST_TURN = 1.0, 2.0
 WHEEL, TRACK = 0.07, 0.34
 """The radius of the wheels, and the distance between them."""
@@ -83,6 +88,60 @@ class World:
             for angle in (number * math.pi / 4 for number in range(8))
         )
 
+    def is_clear(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
+        """Return whether there is room to drive straight from one place to another."""
+        (x, y), (to_x, to_y) = start, end
+        steps = math.ceil(math.hypot(to_x - x, to_y - y) / (RESOLUTION / 5)) or 1
+        return all(
+            self.is_free(x + (to_x - x) * at / steps, y + (to_y - y) * at / steps, ROOM)
+            for at in range(1, steps + 1)
+        )
+
+    def path(
+        self, start: tuple[float, float], goal: tuple[float, float]
+    ) -> list[tuple[float, float]] | None:
+        """Return the places between which a robot drives straight; None if there is no way.
+
+        It is the shortest way over the centers of free cells, found by A* (Hart, Nilsson and
+        Raphael, 1968), less the places at which there is no need to turn. The start is not in it.
+        """
+        if not self.is_free(*goal):
+            return None
+        first, last = _cell(*start), _cell(*goal)
+        free = {first, last}
+        for cell in product(range(self.width), range(self.height)):
+            # At the ends of the way, it may be closer to walls.
+            is_end = min(math.dist(cell, first), math.dist(cell, last)) < 2
+            if self.is_free(*_center(cell), RADIUS if is_end else ROOM):
+                free.add(cell)
+        before: dict[_Cell, _Cell] = {}
+        lengths = {first: 0.0}
+        queue = [(math.dist(first, last), first)]
+        while queue:
+            _, cell = heappop(queue)
+            if cell == last:
+                break
+            for next_cell in _neighbours(cell, free):
+                length = lengths[cell] + math.dist(cell, next_cell)
+                if length < lengths.get(next_cell, math.inf):
+                    lengths[next_cell], before[next_cell] = length, cell
+                    heappush(queue, (length + math.dist(next_cell, last), next_cell))
+        if last not in lengths:
+            return None
+        places = [goal]
+        while (cell := before.get(cell, first)) != first:
+            places.insert(0, _center(cell))
+        return self._straightened([start, *places])
+
+    def _straightened(self, places: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        """Return a way without the places that can be left out; its start is left out, too."""
+        kept, at = [], 0
+        while at < len(places) - 1:
+            ahead = range(len(places) - 1, at, -1)
+            at = next((to for to in ahead if self.is_clear(places[at], places[to])), at + 1)
+            kept.append(places[at])
+        return kept
+
     def distance(self, x: float, y: float, angle: float, most: float) -> float:
         """Return how far the next wall is in a direction; ``inf`` if it is further than ``most``.
 
@@ -102,6 +161,26 @@ class World:
             inside = 0 <= column < self.width and 0 <= row < self.height
             if not inside or self._walls[row][column]:
                 return length
+
+
+_Cell: TypeAlias = tuple[int, int]
+"""A column and a row."""
+
+
+def _cell(x: float, y: float) -> _Cell:
+    return math.floor(x / RESOLUTION), math.floor(y / RESOLUTION)
+
+
+def _center(cell: _Cell) -> tuple[float, float]:
+    return (cell[0] + 0.5) * RESOLUTION, (cell[1] + 0.5) * RESOLUTION
+
+
+def _neighbours(cell: _Cell, free: Set[_Cell]) -> Iterator[_Cell]:
+    """Yield the free cells around one; diagonally only past two free ones."""
+    column, row = cell
+    for dx, dy in product((-1, 0, 1), repeat=2):
+        if (dx or dy) and {(column + dx, row), (column, row + dy), (column + dx, row + dy)} <= free:
+            yield column + dx, row + dy
 
 
 def _steps(at: float, direction: float) -> tuple[int, float, float]:
@@ -222,4 +301,4 @@ def toward(pose: Pose, x: float, y: float) -> tuple[float, float]:
     distance = math.hypot(x - pose.x, y - pose.y)
     error = math.remainder(math.atan2(y - pose.y, x - pose.x) - pose.yaw, math.tau)
     turn = max(-1.2, min(1.2, 2.5 * error))
-    return (min(0.6, distance) if abs(error) < 0.5 else 0.0), turn
+    return (min(0.6, distance) if abs(error) < 0.1 else 0.0), turn

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -66,6 +67,42 @@ def test_return_at_90_degrees_is_left_of_the_robot() -> None:
     back, right, ahead, left = robot.scan(4, 10.0)
     assert (back, right) == pytest.approx((0.75, 0.1))
     assert (ahead, left) == pytest.approx((0.25, 0.4))
+
+
+def test_way_goes_around_walls_and_through_doors() -> None:
+    world = World()
+    start, goal = START[:2], (6.0, 4.0)
+    assert not world.is_clear(start, goal)
+    way = world.path(start, goal)
+    assert way is not None and way[-1] == goal
+    assert 2 <= len(way) <= 6
+    for before, after in pairwise([start, *way]):
+        assert world.is_clear(before, after)
+
+
+def test_way_in_an_open_room_is_straight(room: World) -> None:
+    assert room.path((0.5, 0.5), (0.9, 0.5)) == [(0.9, 0.5)]
+    assert room.path((0.5, 0.5), (0.5, 0.5)) == [(0.5, 0.5)]
+
+
+def test_goal_in_a_wall_and_one_behind_it_have_no_way() -> None:
+    world = World("#########\n#   #   #\n#   #   #\n#   #   #\n#########\n")
+    assert world.path((0.6, 0.6), (0.1, 0.1)) is None
+    assert world.path((0.6, 0.6), (1.6, 0.6)) is None
+
+
+def test_robot_reaches_goals_all_over_the_world() -> None:
+    robot = Robot(World())
+    for goal in ((8.5, 0.6), (0.6, 4.2), (9.3, 4.2), (6.0, 1.2), START[:2]):
+        way = robot.world.path((robot.pose.x, robot.pose.y), goal)
+        assert way is not None
+        for x, y in way:
+            for _ in range(2000):
+                if math.hypot(x - robot.pose.x, y - robot.pose.y) < 0.1:
+                    break
+                robot.command(*toward(robot.pose, x, y))
+                robot.move(0.05)
+        assert math.hypot(goal[0] - robot.pose.x, goal[1] - robot.pose.y) < 0.1
 
 
 def test_robot_drives_until_a_wall() -> None:

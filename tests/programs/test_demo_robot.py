@@ -14,7 +14,7 @@ from fibws.hub import Hub
 from fibws.msg.diagnostic_msgs import DiagnosticArray
 from fibws.msg.geometry_msgs import PoseStamped, Twist, Vector3
 from fibws.msg.move_base_msgs import MoveBaseGoal
-from fibws.msg.nav_msgs import OccupancyGrid, Odometry
+from fibws.msg.nav_msgs import OccupancyGrid, Odometry, Path
 from fibws.msg.sensor_msgs import CameraInfo, Image, JointState, LaserScan, PointCloud2
 from fibws.msg.std_msgs import String
 from fibws.msg.tf2_msgs import TFMessage
@@ -91,13 +91,20 @@ async def test_robot_drives_by_commands_and_stops_without_them(node: fibws.Node)
 async def test_goals_are_reached_or_refused(node: fibws.Node) -> None:
     client = node.action_client("/move_base", MoveBase, over="topics")
     await client.wait_for_server(timeout=60)
-    reaching = await client.send(goal(2.2, 0.7))
+    turned = goal(2.2, 0.7)
+    orientation = turned.target_pose.pose.orientation
+    orientation.z, orientation.w = math.sin(0.25), math.cos(0.25)
+    reaching = await client.send(turned)
     feedback = await anext(aiter(reaching.feedback()))
     assert feedback.base_position.header.frame_id == "map"
     await reaching.result()
     message = await node.wait_for_message("/odom", Odometry)
     place = message.pose.pose.position
     assert math.hypot(place.x - 2.2, place.y - 0.7) < 0.15
+    assert message.pose.pose.orientation.z == pytest.approx(math.sin(0.25), abs=0.05)
+    plan = await node.wait_for_message("/plan", Path)
+    ends = [(each.pose.position.x, each.pose.position.y) for each in plan.poses]
+    assert (ends[0], ends[-1]) == (pytest.approx((1.0, 0.6)), pytest.approx((2.2, 0.7)))
     # RViz and the page publish goals without an action.
     goals = await node.advertise("/move_base_simple/goal", PoseStamped, peers=True)
     async for names in goals.peers.changes():
@@ -108,5 +115,7 @@ async def test_goals_are_reached_or_refused(node: fibws.Node) -> None:
         place = message.pose.pose.position
         if math.hypot(place.x - 1.6, place.y - 0.7) < 0.15:
             break
+    with pytest.raises(fibws.FibwsError, match="a wall is in the way"):
+        await (await client.send(goal(0.1, 0.1))).result()
     with pytest.raises(fibws.FibwsError, match="in the frame map"):
         await (await client.send(goal(1, 1, "odom"))).result()
