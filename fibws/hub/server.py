@@ -68,7 +68,7 @@ logger = logging.getLogger("fibws.hub")
 ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any]], object]
 
 RECORDING_TIMEOUT = 10.0
-"""Seconds in which the recorder must complete its file when the hub ends."""
+"""Seconds in which the recorder must write something when the hub ends, until all is written."""
 SWEEP_INTERVAL = 1.0
 LEAST_TIMEOUT = 0.001
 """Seconds; asyncio accepts no timeouts of 0 for TLS."""
@@ -317,13 +317,18 @@ class Hub:
             return
         complete = asyncio.Event()
         self.recording.close(complete.set)
-        try:
-            await asyncio.wait_for(complete.wait(), RECORDING_TIMEOUT)
-        except TimeoutError:
-            logger.error(
-                "The recording is not complete: the disk has not answered for %g s.",
-                RECORDING_TIMEOUT,
-            )
+        before = -1
+        while not complete.is_set():
+            written = self.recording.totals().messages
+            if written == before:
+                logger.error(
+                    "The recording is not complete: the disk has not answered for %g s.",
+                    RECORDING_TIMEOUT,
+                )
+                break
+            before = written
+            with suppress(TimeoutError):
+                await asyncio.wait_for(complete.wait(), RECORDING_TIMEOUT)
         self.recording.remove()
 
     def _federate(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 
 import fibws
 from fibws.bags import open_reader
+from fibws.bags.bag_writer import BagWriter
 from fibws.errors import ServiceError
 from fibws.hub import Hub, Settings
 from fibws.hub.recording import NODE, STATE
@@ -167,6 +169,27 @@ async def test_publishers_that_have_left_take_no_memory(tmp_path: Path) -> None:
     [path] = files(tmp_path)
     with open_reader(path) as bag:
         assert bag.message_count >= 1501
+
+
+async def test_end_of_the_hub_waits_for_a_disk_that_is_slow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write = BagWriter.write
+
+    def write_slowly(writer: BagWriter, *arguments: Any) -> None:
+        time.sleep(0.05)
+        write(writer, *arguments)
+
+    monkeypatch.setattr(BagWriter, "write", write_slowly)
+    monkeypatch.setattr("fibws.hub.server.RECORDING_TIMEOUT", 0.4)
+    async with Hub(settings(tmp_path)) as hub:
+        source = hub.graph.advertise(hub.graph.topic("/numbers"), "/talker", "std_msgs/Int32")
+        for number in range(20):
+            source.publish({"data": number})
+        hub.graph.remove_source(source)
+    [path] = files(tmp_path)
+    with open_reader(path) as bag:
+        assert len(list(bag.messages(["/numbers"]))) == 20
 
 
 async def test_files_are_split_and_kept_as_the_settings_say(tmp_path: Path) -> None:
