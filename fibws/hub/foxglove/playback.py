@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple, Self
 
@@ -153,9 +154,10 @@ class Playback:
         """Take the player's state."""
         self._messages += 1
         if publication.type.name == STATE and publication.type.checked:
-            state = PlayerState.read(publication.values())
-            if state is not None:
-                self._take(state)
+            with suppress(FibwsError):  # A message with millions of bags is not decoded.
+                state = PlayerState.read(publication.values())
+                if state is not None:
+                    self._take(state)
 
     def replay(self, publication: Publication) -> None:
         """Take the state that the player had published before."""

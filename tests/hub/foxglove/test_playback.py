@@ -188,6 +188,20 @@ def test_player_with_other_fields_is_none() -> None:
     assert "playbackControl" not in client.info["capabilities"]
 
 
+def test_state_with_too_many_values_is_ignored(caplog: pytest.LogCaptureFixture) -> None:
+    hub = FoxgloveHub()
+    client = hub.foxglove_client()
+    player = Player(hub)
+    client.receive()
+    count = 4_000_000
+    bags = struct.pack("<I", count) + bytes(4 * count)
+    source = hub.graph.topics["/play/playback"].sources[player.name]
+    source.publish_serialized(struct.pack("<BIIIIIId", 1, 30, 0, 40, 0, 35, 0, 1.0) + bags)
+    client.receive()
+    assert client.info["dataStartTime"] == {"sec": 10, "nsec": 1}
+    assert "a subscriber failed" not in caplog.text
+
+
 def test_without_a_player_control_is_an_error() -> None:
     client = FoxgloveHub().foxglove_client()
     control(client, 0)
