@@ -24,7 +24,7 @@ export function applicationLink(application: string, hub: string, name: string):
       target: "_blank",
       // The application need not know the page's address, in which there may be names.
       rel: "noopener noreferrer",
-      title: `Open this hub in ${name}`,
+      title: `Open this hub in ${name}. The hub needs --allow-origin ${new URL(application).origin}`,
     },
     name,
   );
