@@ -67,6 +67,8 @@ export class Scene implements Surroundings {
   show(): void {
     if (this.#isVisible) return;
     this.#isVisible = true;
+    // The colours may have changed meanwhile.
+    this.#theme = undefined;
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const newTheme = (): void => {
       this.#theme = undefined;
