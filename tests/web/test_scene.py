@@ -431,6 +431,54 @@ async def test_tools_publish_where_they_are_used(
     assert abs(float(text.split(" m")[0]) - length) < 0.05
 
 
+async def open_dashboard(hub: Hub, open_page: OpenPage, *views: str, **context: Any) -> Page:
+    """Open the dashboard with some views that need no topic, side by side."""
+    page = await open_page(hub, "#/dashboard", **context)
+    items = [{"view": view, "name": ""} for view in views]
+    layout = {"schema": 1, "layout": {"split": "row", "items": items}}
+    await page.get_by_label("File with a layout").set_input_files(
+        {
+            "name": "views.json",
+            "mimeType": "application/json",
+            "buffer": json.dumps(layout).encode(),
+        }
+    )
+    await expect(page.locator(".pane")).to_have_count(len(views))
+    return page
+
+
+async def test_scene_has_the_theme_that_changed_while_it_was_covered(
+    hub: Hub, robot: fibws.Node, open_page: OpenPage
+) -> None:
+    await publish_frames(robot, stamped("map", "base_link", 0, 0))
+    page = await open_dashboard(hub, open_page, "scene", "console", color_scheme="light")
+    dark = (0x16, 0x1C, 0x23)
+    await shown(page, (255, 255, 255), 1000)
+    large = page.locator(".pane-console").get_by_role("button", name="Maximize")
+    await large.click()
+    await expect(page.locator(".pane-scene")).to_be_hidden()
+    await page.emulate_media(color_scheme="dark")
+    await large.click()
+    await shown(page, dark, 1000)
+
+
+async def test_escape_ends_a_tool_before_the_large_panel(
+    hub: Hub, robot: fibws.Node, open_page: OpenPage
+) -> None:
+    await publish_frames(robot, stamped("map", "base_link", 0, 0))
+    page = await open_dashboard(hub, open_page, "scene", "console")
+    await page.locator(".pane-scene").get_by_role("button", name="Maximize").click()
+    goal = page.get_by_role("button", name="Goal", exact=True)
+    for focused in (goal, page.get_by_label("Topic of the tool")):
+        await goal.click()
+        await focused.focus()
+        await page.keyboard.press("Escape")
+        await expect(goal).to_have_attribute("aria-pressed", "false")
+        await expect(page.locator(".pane-console")).to_be_hidden()
+    await page.keyboard.press("Escape")
+    await expect(page.locator(".pane-console")).to_be_visible()
+
+
 async def test_finger_sends_a_goal_by_a_button(
     hub: Hub, robot: fibws.Node, open_page: OpenPage
 ) -> None:

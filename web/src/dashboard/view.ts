@@ -535,7 +535,8 @@ class DashboardView implements View {
   }
 
   #press(event: KeyboardEvent): void {
-    if (event.key !== "Escape" || this.#tools.closeMenu()) return;
+    // A panel may have used it, such as to end a tool.
+    if (event.key !== "Escape" || event.defaultPrevented || this.#tools.closeMenu()) return;
     if (this.#large !== undefined) this.#enlarge(undefined);
   }
 

@@ -140,7 +140,7 @@ class ScenePanel implements Panel, GestureTarget {
     this.#text.addEventListener("toggle", () => this.#describe());
     this.element = h(
       "div",
-      { class: "scene" },
+      { class: "scene", onkeydown: (event: KeyboardEvent) => this.#escape(event) },
       h(
         "div",
         { class: "toolbar scene-bar" },
@@ -381,6 +381,16 @@ class ScenePanel implements Panel, GestureTarget {
   #setFollow(): void {
     this.#isPlaced = true;
     this.#scene.setFollow(this.#follow.value as Follow);
+  }
+
+  /** Esc ends the tool, wherever the focus is; as it is handled then, a large panel stays so. */
+  #escape(event: KeyboardEvent): void {
+    if (event.key !== "Escape") return;
+    // The bar is hidden then.
+    const hadFocus = this.#tools.bar.contains(document.activeElement);
+    if (!this.#tools.escape()) return;
+    event.preventDefault();
+    if (hadFocus) this.#stage.focus();
   }
 
   #press(event: KeyboardEvent): void {

@@ -215,14 +215,17 @@ export class Tools {
     this.#scene.redraw();
   }
 
+  /** End the chosen tool; returns whether there is one. */
+  escape(): boolean {
+    if (this.chosen === undefined) return false;
+    this.choose(undefined);
+    return true;
+  }
+
   /** Use the chosen tool by a key; returns whether it takes that key. */
   key({ key, shiftKey }: KeyboardEvent): boolean {
     const tool = this.chosen;
     if (tool === undefined) return false;
-    if (key === "Escape") {
-      this.choose(undefined);
-      return true;
-    }
     const steps: Readonly<Record<string, readonly [number, number]>> = {
       ArrowLeft: [-1, 0],
       ArrowRight: [1, 0],
