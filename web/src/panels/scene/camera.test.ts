@@ -87,6 +87,24 @@ describe("Camera", () => {
     expect(spot(5, 4).x).toBeCloseTo(before.x);
   });
 
+  it.each(["orbit", "top"] as const)("brings what it follows into the middle in %s", (mode) => {
+    const robot = { translation: { x: 3, y: 4, z: 0 }, rotation: turned(Math.PI / 2) };
+    camera.mode = mode;
+    camera.turn(100, 0);
+    camera.pan(70, 30);
+    camera.follow("position", robot, true);
+    const { heading } = camera;
+    camera.recenter("position");
+    expect(camera.center).toEqual({ x: 3, y: 4, z: 0 });
+    expect(camera.heading).toBeCloseTo(heading);
+    camera.follow("heading", robot, true);
+    camera.recenter("heading");
+    expect(camera.heading).toBeCloseTo(Math.PI / 2);
+    expect(spot(3, 4).x).toBeCloseTo(400);
+    // Its front is above it.
+    expect(spot(3, 6).y).toBeLessThan(spot(3, 4).y);
+  });
+
   it("begins behind the robot", () => {
     camera.placeBehind({ translation: { x: 3, y: 4, z: 0 }, rotation: turned(Math.PI / 2) });
     // It is below the middle of the picture, and its left is on the left.

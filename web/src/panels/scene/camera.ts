@@ -137,6 +137,15 @@ export class Camera {
     this.#move();
   }
 
+  /** Bring what it follows into the middle; if it also turns with that, look over its shoulder. */
+  recenter(follow: Follow): void {
+    const isBehind = follow === "heading";
+    const ahead = isBehind && this.mode === "orbit" ? AHEAD * this.distance : 0;
+    this.focus = { x: ahead, y: 0, z: 0 };
+    if (isBehind) this.yaw = 0;
+    this.#move();
+  }
+
   /** Turn by a movement of the pointer, in pixels. */
   turn(dx: number, dy: number): void {
     const scale = Math.PI / Math.max(200, Math.min(this.width, this.height));

@@ -207,7 +207,7 @@ class ScenePanel implements Panel, GestureTarget {
     const { layers, frame, follow, followFrame, camera, topics } = config;
     if (typeof frame === "string") this.#scene.fixedChoice = frame;
     if (typeof followFrame === "string") this.#scene.followChoice = followFrame;
-    if (follow === "position" || follow === "heading") this.#scene.follow = follow;
+    if (follow === "position" || follow === "heading") this.#scene.setFollow(follow);
     this.#follow.value = this.#scene.follow;
     if (typeof camera === "object" && camera !== null) this.#scene.camera.restore(camera);
     for (const [tool, topic] of Object.entries(topics ?? {})) {
@@ -358,11 +358,18 @@ class ScenePanel implements Panel, GestureTarget {
   }
 
   #modeButton(mode: "orbit" | "top", label: string): HTMLButtonElement {
-    const look = (): void => {
-      this.#scene.camera.look(mode === "top" ? "top" : "behind");
-      this.moved();
-    };
-    return h("button", { type: "button", onclick: look }, label);
+    const onclick = (): void => this.#look(mode === "top" ? "top" : "behind");
+    return h("button", { type: "button", onclick }, label);
+  }
+
+  /** Look from a side; from above, with all that there is, or what is followed in the middle. */
+  #look(from: "top" | "side" | "behind"): void {
+    const scene = this.#scene;
+    const isNewTop = from === "top" && scene.camera.mode !== "top";
+    scene.camera.look(from);
+    if (isNewTop && scene.follow === "off") scene.fit();
+    else if (isNewTop) scene.recenter();
+    this.moved();
   }
 
   #showModes(): void {
@@ -415,8 +422,7 @@ class ScenePanel implements Panel, GestureTarget {
     const view = views[key];
     const tool = Object.entries(TOOLS).find(([, each]) => each.key === key)?.[0];
     if (view !== undefined) {
-      camera.look(view);
-      this.moved();
+      this.#look(view);
     } else if (key === "0") {
       this.#fit();
     } else if (key === "f") {

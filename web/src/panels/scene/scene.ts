@@ -52,6 +52,8 @@ export class Scene implements Surroundings {
   #timer: number | undefined;
   #rest: number | undefined;
   #isMoving = false;
+  /** Whether the followed frame comes into the middle as soon as it is known. */
+  #isCentering = false;
   /** How long the last picture took, in ms, and when it was ready. */
   #last = { duration: 0, end: 0 };
   #isVisible = false;
@@ -194,11 +196,16 @@ export class Scene implements Surroundings {
     return "";
   }
 
-  /** Follow a frame, or nothing; the picture stays as it is. */
-  setFollow(follow: Follow, frame = this.followChoice): void {
+  /** Follow the robot, which comes into the middle; or nothing: the picture stays as it is. */
+  setFollow(follow: Follow): void {
     this.follow = follow;
-    this.followChoice = frame;
-    this.camera.follow(follow, this.#followed(), true);
+    this.recenter();
+    if (follow === "off") this.camera.follow(follow, undefined, true);
+  }
+
+  /** Bring what is followed into the middle, once it is known where that is. */
+  recenter(): void {
+    this.#isCentering = this.follow !== "off";
     this.redraw();
   }
 
@@ -266,7 +273,7 @@ export class Scene implements Surroundings {
     if (canvas.width !== width) canvas.width = width;
     if (canvas.height !== height) canvas.height = height;
     camera.resize(clientWidth, clientHeight);
-    camera.follow(this.follow, this.#followed());
+    this.#follow();
     const view = this.#newView();
     this.#view = view;
     renderer.isHasty = this.#isMoving;
@@ -277,6 +284,15 @@ export class Scene implements Surroundings {
     });
     this.#showLabels(view.labels);
     this.onDrawn();
+  }
+
+  #follow(): void {
+    const { camera, follow } = this;
+    const frame = this.#followed();
+    camera.follow(follow, frame, this.#isCentering);
+    if (!this.#isCentering || frame === undefined) return;
+    this.#isCentering = false;
+    camera.recenter(follow);
   }
 
   /** Lines on the ground, whose distance is that of the camera's scale. */
