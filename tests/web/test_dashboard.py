@@ -223,6 +223,9 @@ async def test_bars_are_moved_by_mouse_and_keys_and_stay_there(
     await page.mouse.move(left + w / 2 + 200, top + h / 2, steps=4)
     await page.mouse.up()
     assert (await box(camera))[2] == pytest.approx(width + 200, abs=2)
+    undo = page.get_by_role("button", name="Undo")
+    await undo.click()
+    assert (await box(camera))[2] == pytest.approx(width, abs=1)
     bar = bars.nth(1)
     await expect(bar).to_have_attribute("aria-orientation", "horizontal")
     await expect(bar).to_have_attribute("aria-valuenow", "60")
@@ -232,12 +235,20 @@ async def test_bars_are_moved_by_mouse_and_keys_and_stay_there(
     await expect(bar).to_have_attribute("aria-valuenow", "46")
     assert (await box(camera))[3] < height
     await expect(bar).to_be_focused()
+    # All keys are one step.
+    await undo.click()
+    assert (await box(camera))[3] == pytest.approx(height, abs=1)
+    await bar.focus()
+    for key in ("ArrowUp", "Shift+ArrowUp"):
+        await page.keyboard.press(key)
     before = await box(camera)
     await page.reload()
     await expect_panes(page, FOUR)
     assert await box(camera) == pytest.approx(before, abs=1)
     await bar.dblclick()
     await expect(bar).to_have_attribute("aria-valuenow", "50")
+    await undo.click()
+    await expect(bar).to_have_attribute("aria-valuenow", "48")
 
 
 async def test_a_bar_is_moved_by_a_finger(robot: Robot, open_page: OpenPage) -> None:

@@ -216,8 +216,13 @@ class DashboardView implements View {
       return;
     }
     this.#showError("");
-    this.#undone = [...this.#undone.slice(1 - MAX_UNDO), this.#withSettings()];
+    this.#remember(this.#withSettings());
     this.#set(layout, isAuto);
+  }
+
+  /** Let a layout be brought back by "Undo". */
+  #remember(layout: Layout | null): void {
+    this.#undone = [...this.#undone.slice(1 - MAX_UNDO), layout];
   }
 
   #undoLast(): void {
@@ -478,14 +483,18 @@ class DashboardView implements View {
     const to = (share: number): void => {
       const bar = current();
       if (this.#layout === null || bar === undefined) return;
+      // What comes into the graph must not put another bar in the place of this one.
+      this.#store.isAuto = false;
       this.#layout = resize(this.#layout, bar, share);
       this.#place();
     };
-    const done = (): void => {
-      this.#store.isAuto = false;
+    const done = (before: Layout | null): void => {
+      if (!isSame(before, this.#layout)) this.#remember(before);
       this.#store.keep(this.#layout);
       this.#tools.update();
     };
+    /** The layout before keys moved the bar: they are one step until it loses the focus. */
+    let keyed: Layout | null = null;
     let start: { place: number; share: number; room: number; layout: Layout | null } | undefined;
     const placeOf = ({ clientX, clientY }: PointerEvent): number => (isRow ? clientX : clientY);
     const element: HTMLElement = h("div", {
@@ -509,17 +518,19 @@ class DashboardView implements View {
         if (start !== undefined) to(start.share + (placeOf(event) - start.place) / start.room);
       },
       onlostpointercapture: () => {
-        if (start !== undefined && !isSame(start.layout, this.#layout)) {
-          this.#undone = [...this.#undone.slice(1 - MAX_UNDO), start.layout];
-          done();
-        }
+        if (start !== undefined) done(start.layout);
         start = undefined;
       },
       ondblclick: () => {
+        const before = this.#withSettings();
         to(0.5);
-        done();
+        done(before);
+      },
+      onblur: () => {
+        keyed = null;
       },
       onkeydown: (event: KeyboardEvent) => {
+        const before = this.#withSettings();
         const share = current()?.share ?? 0.5;
         const step = event.shiftKey ? LARGE_STEP : STEP;
         if (event.key === (isRow ? "ArrowLeft" : "ArrowUp")) to(share - step);
@@ -528,7 +539,9 @@ class DashboardView implements View {
         else if (event.key === "End") to(1);
         else return;
         event.preventDefault();
-        done();
+        if (keyed !== null && this.#undone.at(-1) === keyed) this.#undone.pop();
+        else keyed = before;
+        done(keyed);
       },
     });
     return element;
