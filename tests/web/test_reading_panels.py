@@ -14,11 +14,12 @@ from fibws.msg.sensor_msgs import BatteryState, Imu, JointState, NavSatFix, NavS
 from .conftest import OpenPage
 
 URDF = """<robot name="arm">
-  <link name="base"/> <link name="leg"/> <link name="hand"/>
+  <link name="base"/> <link name="leg"/> <link name="hand"/> <link name="top"/>
   <joint name="hip" type="revolute">
     <parent link="base"/> <child link="leg"/>
     <limit lower="-1" upper="3" effort="1" velocity="1"/>
   </joint>
+  <joint name="spin" type="continuous"> <parent link="base"/> <child link="top"/> </joint>
   <joint name="lift" type="prismatic">
     <parent link="leg"/> <child link="hand"/>
     <limit lower="0" upper="0.5" effort="1" velocity="1"/>
@@ -31,14 +32,14 @@ async def test_joints_are_bars_between_their_limits(hub: Hub, open_page: OpenPag
         await node.params.set("/robot_description", URDF)
         topic = await node.advertise("/joint_states", JointState, latch=True)
         message = JointState(
-            name=["lift", "hip", "wheel_10", "wheel_9"],
-            position=[0.75, 1, 40, math.nan],
-            velocity=[0, 0.25, 0, 0],
+            name=["lift", "hip", "spin", "wheel_10", "wheel_9"],
+            position=[0.75, 1, 0.5, 40, math.nan],
+            velocity=[0, 0.25, 0, 0, 0],
         )
         await topic.publish(message)
         page = await open_page(hub, "#/topics/%2Fjoint_states")
         rows = page.locator(".joints tbody tr")
-        await expect(rows).to_have_count(4)
+        await expect(rows).to_have_count(5)
         hip = rows.nth(0)
         await expect(hip.locator("td")).to_have_text(
             ["", "1.000 rad", "0.250 rad/s", "\N{EN DASH}"]
@@ -46,14 +47,22 @@ async def test_joints_are_bars_between_their_limits(hub: Hub, open_page: OpenPag
         await expect(rows.nth(1).get_by_text("beyond its limit")).to_be_visible()
         await expect(hip.locator(".joint-note")).to_be_hidden()
         await expect(rows.nth(1)).to_contain_text("0.750 m")
-        await expect(rows.locator("th")).to_contain_text(["hip", "lift", "wheel_9", "wheel_10"])
+        await expect(rows.locator("th")).to_contain_text(
+            ["hip", "lift", "spin", "wheel_9", "wheel_10"]
+        )
         # From 0, a quarter of the range, to 1, half of it.
         bar = hip.locator(".joint-bar")
         style = await bar.evaluate("(bar) => bar.style.cssText")
         assert style == "--from: 25.0%; --length: 25.0%;"
+        # What turns on and on has no bar: by its type, or as it has turned too far for one.
+        for name in ("spin", "wheel_10"):
+            row = rows.filter(has=page.get_by_text(name, exact=True))
+            await expect(row.locator(".joint-bar")).to_be_hidden()
+        await expect(rows.filter(has_text="spin")).to_contain_text("0.500 rad")
         # Another node publishes other joints of the robot.
         await topic.publish(JointState(name=["head"], position=[0.5]))
-        await expect(rows).to_have_count(5)
+        await expect(rows).to_have_count(6)
+        await expect(rows.filter(has_text="head").locator(".joint-bar")).to_be_visible()
 
 
 async def test_joints_of_a_broken_description_have_no_limits(hub: Hub, open_page: OpenPage) -> None:

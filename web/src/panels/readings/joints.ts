@@ -9,7 +9,7 @@ import type { Reading } from "./panel";
 
 /** How many joints are shown. */
 const MAX_JOINTS = 200;
-/** The range of a joint that has no limits, which grows with its positions: half a turn each way. */
+/** The range of a joint that no description has: half a turn each way, unless it turns further. */
 const HALF_TURN = Math.PI;
 
 /** The units of position, velocity and effort, by the type of a joint; others turn. */
@@ -27,6 +27,8 @@ interface Row {
   values: readonly (number | undefined)[];
   low: number;
   high: number;
+  /** Whether it turns on and on, so that no bar has room for it. */
+  isEndless: boolean;
 }
 
 export class Joints implements Reading {
@@ -123,7 +125,8 @@ export class Joints implements Reading {
       h("td", { class: "joint-range" }, bar),
       ...cells,
     );
-    const row: Row = { element, bar, note, cells, values: [], low: -HALF_TURN, high: HALF_TURN };
+    const range = { low: -HALF_TURN, high: HALF_TURN, isEndless: false };
+    const row: Row = { element, bar, note, cells, values: [], ...range };
     this.#setRange(name, row);
     this.#rows.set(name, row);
     const sorted = [...this.#rows.keys()].sort((one, other) =>
@@ -138,7 +141,9 @@ export class Joints implements Reading {
 
   #setRange(name: string, row: Row): void {
     const joint = this.#joints.get(name);
-    if (joint === undefined || !isLimited(joint)) return;
+    if (joint === undefined) return;
+    row.isEndless = !isLimited(joint);
+    if (row.isEndless) return;
     row.low = joint.lower;
     row.high = joint.upper;
   }
@@ -154,8 +159,7 @@ export class Joints implements Reading {
     });
     const limits = joint !== undefined && isLimited(joint) ? joint : undefined;
     if (position !== undefined && limits === undefined) {
-      row.low = Math.min(row.low, position);
-      row.high = Math.max(row.high, position);
+      row.isEndless ||= Math.abs(position) > HALF_TURN;
     }
     const isBeyond =
       limits !== undefined &&
@@ -163,8 +167,8 @@ export class Joints implements Reading {
       (position < limits.lower || position > limits.upper);
     row.bar.classList.toggle("beyond", isBeyond);
     row.note.hidden = !isBeyond;
-    row.bar.hidden = position === undefined;
-    if (position === undefined) return;
+    row.bar.hidden = position === undefined || row.isEndless;
+    if (position === undefined || row.isEndless) return;
     // The bar begins at zero, or at the end that is nearer to it.
     const part = (value: number): number =>
       Math.min(1, Math.max(0, (value - row.low) / (row.high - row.low)));
