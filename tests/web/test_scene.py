@@ -462,6 +462,30 @@ async def test_scene_has_the_theme_that_changed_while_it_was_covered(
     await shown(page, dark, 1000)
 
 
+async def test_list_of_layers_is_hidden_by_its_button_and_stays_so(
+    hub: Hub, robot: fibws.Node, open_page: OpenPage
+) -> None:
+    await publish_frames(robot, stamped("map", "base_link", 0, 0))
+    page = await open_dashboard(hub, open_page, "scene", "console", width=1600)
+    layers, listed = page.get_by_role("button", name="Layers"), page.locator(".scene-layers")
+    await expect(layers).to_have_attribute("aria-expanded", "true")
+    before = (await box_of(page))["width"]
+    await layers.click()
+    await expect(listed).to_be_hidden()
+    await expect(layers).to_have_attribute("aria-expanded", "false")
+    assert (await box_of(page))["width"] > before + 100
+    await page.reload()
+    await expect(page.locator(".scene-stage")).to_be_visible()
+    await expect(listed).to_be_hidden()
+    # Where there is less room it is a drawer, which is closed at first.
+    await page.set_viewport_size({"width": 900, "height": 800})
+    await layers.click()
+    await expect(listed).to_be_visible()
+    await expect(layers).to_have_attribute("aria-expanded", "true")
+    await layers.click()
+    await expect(listed).to_be_hidden()
+
+
 async def test_escape_ends_a_tool_before_the_large_panel(
     hub: Hub, robot: fibws.Node, open_page: OpenPage
 ) -> None:

@@ -34,6 +34,8 @@ interface Config {
   readonly followFrame: string;
   readonly camera: CameraState;
   readonly topics: Readonly<Record<string, string>>;
+  /** False if the list of layers is hidden where it has room. */
+  readonly list: boolean;
 }
 
 interface SavedLayer {
@@ -72,9 +74,9 @@ class ScenePanel implements Panel, GestureTarget {
     "button",
     {
       type: "button",
-      class: "toggle scene-drawer-button",
+      class: "toggle",
       "aria-expanded": "false",
-      onclick: () => this.#toggleDrawer(),
+      onclick: () => this.#toggleList(),
     },
     "Layers",
   );
@@ -156,15 +158,23 @@ class ScenePanel implements Panel, GestureTarget {
       this.#tools.status,
       this.#text,
     );
+    this.element.classList.toggle("without-list", config.list === false);
     this.#showModes();
   }
 
   show(): void {
     if (this.#stops.length > 0) return;
+    // Whether the list is shown depends on the width, too.
+    const sizes = new ResizeObserver(([list]) => {
+      const isOpen = list !== undefined && list.contentRect.width > 0;
+      setAttribute(this.#layersButton, "aria-expanded", String(isOpen));
+    });
+    sizes.observe(this.#list.element);
     const visibility = (): void => this.#onVisibility();
     document.addEventListener("visibilitychange", visibility);
     this.#stops = [
       () => document.removeEventListener("visibilitychange", visibility),
+      () => sizes.disconnect(),
       renderer.watch(() => this.#showFault()),
       this.#model.graph.watch((graph) => graph !== null && this.#offer(graph)),
     ];
@@ -200,6 +210,7 @@ class ScenePanel implements Panel, GestureTarget {
       followFrame: followChoice,
       ...(this.#isPlaced ? { camera: camera.state } : {}),
       topics: { ...this.#tools.topics },
+      ...(this.element.classList.contains("without-list") ? { list: false } : {}),
     };
   }
 
@@ -494,8 +505,9 @@ class ScenePanel implements Panel, GestureTarget {
     replace(this.#tools.status, link, `: ${this.#textAt(at, found)}`);
   }
 
-  #toggleDrawer(): void {
-    const isOpen = this.element.classList.toggle("with-drawer");
-    this.#layersButton.setAttribute("aria-expanded", String(isOpen));
+  /** Show or hide the list: beside the picture, or the drawer above it, which is closed at first. */
+  #toggleList(): void {
+    const isDrawer = getComputedStyle(this.#list.element).position === "absolute";
+    this.element.classList.toggle(isDrawer ? "with-drawer" : "without-list");
   }
 }
