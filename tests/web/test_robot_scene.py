@@ -137,7 +137,9 @@ def _are_near(found: dict[Any, tuple[float, float]], wanted: dict[Any, Any]) -> 
 
 async def scene_of(open_page: OpenPage, hub: Hub, topic: str) -> Scene:
     page = await open_page(hub, f"#/topics/{topic.replace('/', '%2F')}", width=1440)
-    await page.get_by_role("button", name="2D").click()
+    # The key keeps the distance, "2D" would show all there is.
+    await page.get_by_role("group", name="Scene").focus()
+    await page.keyboard.press("1")
     return Scene(page)
 
 

@@ -369,18 +369,16 @@ class ScenePanel implements Panel, GestureTarget {
   }
 
   #modeButton(mode: "orbit" | "top", label: string): HTMLButtonElement {
-    const onclick = (): void => this.#look(mode === "top" ? "top" : "behind");
-    return h("button", { type: "button", onclick }, label);
-  }
-
-  /** Look from a side; from above, with all that there is, or what is followed in the middle. */
-  #look(from: "top" | "side" | "behind"): void {
-    const scene = this.#scene;
-    const isNewTop = from === "top" && scene.camera.mode !== "top";
-    scene.camera.look(from);
-    if (isNewTop && scene.follow === "off") scene.fit();
-    else if (isNewTop) scene.recenter();
-    this.moved();
+    const look = (): void => {
+      const scene = this.#scene;
+      const isNewTop = mode === "top" && scene.camera.mode !== "top";
+      scene.camera.look(mode === "top" ? "top" : "behind");
+      // The distance that suits one of them rarely suits the other.
+      if (isNewTop && scene.follow === "off") scene.fit();
+      else if (isNewTop) scene.recenter();
+      this.moved();
+    };
+    return h("button", { type: "button", onclick: look }, label);
   }
 
   #showModes(): void {
@@ -433,7 +431,8 @@ class ScenePanel implements Panel, GestureTarget {
     const view = views[key];
     const tool = Object.entries(TOOLS).find(([, each]) => each.key === key)?.[0];
     if (view !== undefined) {
-      this.#look(view);
+      camera.look(view);
+      this.moved();
     } else if (key === "0") {
       this.#fit();
     } else if (key === "f") {
