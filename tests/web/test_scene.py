@@ -7,6 +7,7 @@ import json
 import math
 import os
 import random
+import re
 import shutil
 import struct
 import subprocess
@@ -46,6 +47,8 @@ Color: TypeAlias = tuple[int, int, int]
 Place: TypeAlias = tuple[float, float, float]
 UPRIGHT = Quaternion(w=1.0)
 RED, BLACK = (0xE5, 0x48, 0x4D), (0, 0, 0)
+ORANGE, DARK = (0xE5, 0x93, 0x3B), (0x16, 0x1C, 0x23)
+"""The colour of odometry, and the background of the dark theme."""
 FOUND = """(canvas, color) => {
     const { width, height } = canvas;
     const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
@@ -170,7 +173,7 @@ async def shown(page: Page, color: Color, least: int = 1) -> dict[str, float]:
     return await pixels(page, color)
 
 
-async def state(page: Page, topic: str, text: str) -> None:
+async def state(page: Page, topic: str, text: str | re.Pattern[str]) -> None:
     """Wait until the state of a layer has a text."""
     row = page.locator(".scene-layer-list > li", has=page.get_by_text(topic, exact=True))
     await expect(row.locator(".scene-state")).to_contain_text(text)
@@ -452,14 +455,13 @@ async def test_scene_has_the_theme_that_changed_while_it_was_covered(
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))
     page = await open_dashboard(hub, open_page, "scene", "console", color_scheme="light")
-    dark = (0x16, 0x1C, 0x23)
     await shown(page, (255, 255, 255), 1000)
     large = page.locator(".pane-console").get_by_role("button", name="Maximize")
     await large.click()
     await expect(page.locator(".pane-scene")).to_be_hidden()
     await page.emulate_media(color_scheme="dark")
     await large.click()
-    await shown(page, dark, 1000)
+    await shown(page, DARK, 1000)
 
 
 async def test_list_of_layers_is_hidden_by_its_button_and_stays_so(
@@ -484,6 +486,74 @@ async def test_list_of_layers_is_hidden_by_its_button_and_stays_so(
     await expect(layers).to_have_attribute("aria-expanded", "true")
     await layers.click()
     await expect(listed).to_be_hidden()
+
+
+async def test_trail_is_not_joined_across_the_time_without_messages(
+    hub: Hub, robot: fibws.Node, open_page: OpenPage
+) -> None:
+    odometry = await robot.advertise("/odom", Odometry, peers=True)
+    changes = odometry.peers.changes()
+
+    async def subscribed(wanted: bool) -> None:
+        async with asyncio.timeout(60):
+            async for names in changes:
+                if bool(names) == wanted:
+                    return
+
+    async def move_to(x: float, y: float) -> None:
+        message = Odometry(Header(frame_id="map"), "base_link")
+        position, message.pose.pose.orientation.w = message.pose.pose.position, 1.0
+        position.x, position.y = x, y
+        await odometry.publish(message)
+        await state(page, "/odom", f"x {x:.2f}, y {y:.2f} m")
+
+    page = await open_page(hub, "#/topics/%2Fodom", width=1600, color_scheme="dark")
+    await subscribed(True)
+    await move_to(0, 0)
+    await page.get_by_role("button", name="Settings of /odom").click()
+    await page.get_by_label("Size (m)").fill("0.01")
+    await page.get_by_role("group", name="Scene").focus()
+    await page.keyboard.press("1")
+    await move_to(0, 0.4)
+    # The trail is not opaque: its colour is between that of the setting and the background.
+    red, green, blue = (round(0.7 * a + 0.3 * b) for a, b in zip(ORANGE, DARK, strict=True))
+    trail = red, green, blue
+    before = await shown(page, trail, 50)
+    assert before["right"] - before["left"] < 10
+    heading = page.locator("details.section", has_text="Scene").locator("summary").first
+    for wanted in (False, True):
+        await heading.click()
+        await subscribed(wanted)
+    await move_to(0.3, 0.4)
+    await move_to(0.3, 0)
+    canvas = f"({FOUND})(document.querySelector('.scene-canvas'), {list(trail)})"
+    await until(page, f"{canvas}.left > {before['right']}")
+    after = await shown(page, trail, 50)
+    assert after["right"] - after["left"] < 10
+
+
+async def test_goal_says_its_age_without_a_new_picture(
+    hub: Hub, robot: fibws.Node, open_page: OpenPage
+) -> None:
+    topic = await robot.advertise("/goal", PoseStamped, latch=True)
+    goal = PoseStamped(Header(frame_id="map", stamp=fibws.Time(100)))
+    goal.pose.orientation.w = 1.0
+    await topic.publish(goal)
+    page = await open_page(hub, "#/topics/%2Fgoal", width=1600, prepare=COUNT_DRAWS)
+    await state(page, "/goal", "x 0.00, y 0.00 m, 0°")
+    before = await at_rest(page)
+    await page.evaluate("{ const { now } = Date; Date.now = () => now() + 40000; }")
+    await state(page, "/goal", re.compile("0°, 4[0-9] s ago"))
+    assert await page.evaluate("draws") == before
+    # It is latched, so it comes again, and is as old as before.
+    heading = page.locator("details.section", has_text="Scene").locator("summary").first
+    for _ in range(2):
+        await heading.click()
+    await state(page, "/goal", re.compile("0°, 4[0-9] s ago"))
+    goal.header.stamp = fibws.Time(101)
+    goal.pose.position.x = 1.0
+    await topic.publish(goal)
+    await state(page, "/goal", re.compile("x 1.00, y 0.00 m, 0°$"))
 
 
 async def test_escape_ends_a_tool_before_the_large_panel(

@@ -1,4 +1,5 @@
 /** One layer of the scene: its subscription, and its state in words. */
+import { ago } from "../../format";
 import type { Hub } from "../../hub";
 import { dataClient } from "../../messages/data_client";
 import type { Fields } from "../../messages/reader";
@@ -15,6 +16,8 @@ import type { TransformBuffer } from "./tf_buffer";
 
 /** A stream without a message for this time is worth a word, in ms. */
 const SILENT = 3000;
+/** The age of an event is worth a word from this time on, in ms. */
+const AGED = 5000;
 /** Updates that wait while others are processed. */
 const MAX_UPDATES = 100;
 
@@ -49,6 +52,9 @@ export class Entry {
   #warning = "";
   /** When the newest message arrived, in ms since 1970; 0 before the first. */
   #arrived = 0;
+  /** Its stamp, and when a message with that first arrived. */
+  #stamp = "";
+  #since = 0;
   /** The frame of the first message with one. */
   frame = "";
 
@@ -167,13 +173,20 @@ export class Entry {
     this.#error = "";
     this.#warning = "";
     this.#arrived = 0;
+    this.#stamp = "";
   }
 
   #receive(message: Fields): void {
     const now = Date.now();
+    const header = message.header as Header | undefined;
+    const { secs, nsecs } = header?.stamp ?? { secs: 0, nsecs: 0 };
+    const stamp = secs === 0 && nsecs === 0 ? "" : `${secs} ${nsecs}`;
+    // A latched message comes again when the scene is shown again, and is no younger.
+    if (stamp === "" || stamp !== this.#stamp) this.#since = now;
+    this.#stamp = stamp;
     this.#arrived = now;
     this.#faults.feed = "";
-    this.frame ||= (message.header as Header | undefined)?.frame_id ?? "";
+    this.frame ||= header?.frame_id ?? "";
     this.#take(() => this.layer?.receive?.(message, now));
   }
 
@@ -227,6 +240,8 @@ export class Entry {
     if (isStream && silence > SILENT) {
       return { level: "warn", text: `no message for ${Math.floor(silence / 1000)} s` };
     }
-    return { level: "good", text: this.layer?.facts() ?? "" };
+    const age = now - this.#since;
+    const aged = this.kind.isEvent === true && age > AGED ? `, ${ago(age / 1000)}` : "";
+    return { level: "good", text: `${this.layer?.facts() ?? ""}${aged}` };
   }
 }

@@ -117,6 +117,7 @@ const POSE: LayerKind = {
   label: "Pose",
   types: ["geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped"],
   throttle: 30,
+  isEvent: true,
   isFirst: true,
   settings: [
     shape,
@@ -132,6 +133,7 @@ const POSE_ARRAY: LayerKind = {
   label: "Poses",
   types: ["geometry_msgs/PoseArray"],
   throttle: 50,
+  isEvent: true,
   isFirst: true,
   settings: [shape, size(0.25), color("#b04fd8")],
   make: async (context) => new (await import("./layers/poses")).Poses(context),
@@ -170,6 +172,7 @@ const POINT: LayerKind = {
   label: "Point",
   types: ["geometry_msgs/PointStamped"],
   throttle: 30,
+  isEvent: true,
   isFirst: true,
   settings: [
     color("#d8b33f"),

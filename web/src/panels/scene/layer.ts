@@ -39,6 +39,8 @@ export interface LayerKind {
   readonly queue?: number;
   /** A message is expected again and again: say so if none has come for some seconds. */
   readonly isStream?: boolean;
+  /** A message is an event, such as a goal, and has its age as it gets older. */
+  readonly isEvent?: boolean;
   /** Another topic that changes what has been received: its messages go to `receiveUpdate`. */
   updates?(topic: string): { topic: string; type: string };
   /** Whether a scene that belongs to no topic begins with it. */

@@ -35,6 +35,8 @@ export class Poses implements Layer {
   /** Places in the fixed frame of `#trailFrame`. */
   #places: number[] = [];
   #trailFrame = "";
+  /** Whether messages have been missed, so that the next one begins a new trail. */
+  #isTrailCut = false;
   #header: Header | undefined;
   #poses: readonly Pose[] = [];
   #covariance: Float32Array | undefined;
@@ -44,7 +46,13 @@ export class Poses implements Layer {
     this.#context = context;
   }
 
+  resume(): void {
+    this.#isTrailCut = true;
+  }
+
   receive(message: Fields): void {
+    if (this.#isTrailCut) this.#places = [];
+    this.#isTrailCut = false;
     this.#header = message.header as Header;
     this.#covariance = undefined;
     if (Array.isArray(message.poses)) {
