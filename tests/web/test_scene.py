@@ -430,8 +430,29 @@ async def test_tools_publish_where_they_are_used(
     await page.mouse.up()
     other = await place_at(x, y + 50)
     length = math.dist(place, other)
-    text = await status.inner_text()
-    assert abs(float(text.split(" m")[0]) - length) < 0.05
+    label = page.locator(".scene-labels span", has_text=" m (x ")
+
+    async def expect_length() -> None:
+        for each in (status, label):
+            await expect(each).to_contain_text(" m (x ")
+            assert abs(float((await each.inner_text()).split(" m")[0]) - length) < 0.05
+
+    await expect_length()
+    await stage.focus()
+    await page.keyboard.press("Escape")
+    await expect(label).to_have_count(0)
+    await expect(status).to_have_text("")
+    measure = page.get_by_role("button", name="Measure")
+    await measure.click()
+    # Two clicks measure, too; the line is drawn to the pointer before the second one.
+    await page.mouse.click(x, y)
+    await page.mouse.move(x, y + 20)
+    await expect(label).to_have_count(1)
+    await expect(status).to_have_text("")
+    await page.mouse.click(x, y + 50)
+    await expect_length()
+    await measure.click()
+    await expect(label).to_have_count(0)
 
 
 async def open_dashboard(hub: Hub, open_page: OpenPage, *views: str, **context: Any) -> Page:

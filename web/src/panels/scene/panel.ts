@@ -476,6 +476,7 @@ class ScenePanel implements Panel, GestureTarget {
 
   hovered(at: Pointer | undefined): void {
     this.#pointer = at;
+    if (at !== undefined) this.#tools.hover(at);
     if (at === undefined) setText(this.#hover, "");
     else this.#hoverFrame ??= requestAnimationFrame(() => this.#showHover());
   }

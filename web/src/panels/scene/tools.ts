@@ -50,7 +50,7 @@ export const TOOLS: Readonly<Record<ToolName, Tool>> = {
     label: "Measure",
     title: "Measure a distance",
     key: "m",
-    help: "Drag from one point to another.",
+    help: "Drag from one point to another, or click both.",
   },
 };
 
@@ -109,6 +109,8 @@ export class Tools {
   #pressed: Pointer | undefined;
   /** Whether the mark waits for Send. */
   #isWaiting = false;
+  /** Whether a click has begun a measurement, which the next one ends. */
+  #isHalf = false;
 
   constructor(scene: Scene, hub: Hub, model: Model, onChange: () => void) {
     this.#scene = scene;
@@ -139,9 +141,11 @@ export class Tools {
 
   /** Choose a tool, or none. */
   choose(tool: ToolName | undefined): void {
-    // What has been sent stays in the picture; what has not is gone.
-    if (this.#isWaiting) this.#mark = undefined;
+    // What has been sent stays in the picture; what has not, and a measurement, is gone.
+    if (this.#isWaiting || this.#mark?.tool === "measure") this.#mark = undefined;
+    if (this.chosen === "measure") setText(this.status, "");
     this.#isWaiting = false;
+    this.#isHalf = false;
     this.#pressed = undefined;
     this.lens.hidden = true;
     this.chosen = tool;
@@ -177,6 +181,10 @@ export class Tools {
     const place = this.#scene.camera.ground(x, y);
     if (tool === undefined || place === undefined) return;
     this.#pressed = { x, y };
+    if (this.#isHalf && this.#mark !== undefined) {
+      this.drag({ x, y, isTouch });
+      return;
+    }
     const yaw = this.#scene.camera.heading;
     this.#mark = { tool, frame: this.#scene.fixedFrame, from: place, to: place, yaw };
     this.#isWaiting = true;
@@ -197,18 +205,31 @@ export class Tools {
   }
 
   release(at: Press): void {
-    if (this.#pressed === undefined) return;
+    const pressed = this.#pressed;
+    if (pressed === undefined) return;
     this.drag(at);
     this.#pressed = undefined;
     this.lens.hidden = true;
+    const isClick = Math.hypot(at.x - pressed.x, at.y - pressed.y) < MIN_DRAG;
+    this.#isHalf = this.chosen === "measure" && isClick && !this.#isHalf;
+    if (this.#isHalf) return;
     // A finger is not exact: what it has shown is sent by a button.
     if (at.isTouch && this.chosen !== "measure") this.#askToSend();
     else this.#finish();
   }
 
+  /** Draw a measurement to where the pointer is, once its beginning has been clicked. */
+  hover({ x, y }: Pointer): void {
+    const place = this.#scene.camera.ground(x, y);
+    if (!this.#isHalf || this.#mark === undefined || place === undefined) return;
+    this.#mark.to = place;
+    this.#scene.redraw();
+  }
+
   cancel(): void {
     if (this.#isWaiting) this.#mark = undefined;
     this.#isWaiting = false;
+    this.#isHalf = false;
     this.#pressed = undefined;
     this.lens.hidden = true;
     this.#send.hidden = true;
@@ -324,6 +345,7 @@ export class Tools {
     const mark = this.#mark;
     if (mark === undefined || !this.#isWaiting) return;
     this.#isWaiting = false;
+    this.#isHalf = false;
     const topic = this.#topicOf(mark.tool);
     if (mark.tool === "measure") {
       setText(this.status, markText(mark));
