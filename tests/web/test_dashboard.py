@@ -468,6 +468,25 @@ async def test_numbers_of_an_echo_are_plotted_beside_it(hub: Hub, open_page: Ope
         await expect(plot.get_by_label("Time range")).to_have_value("120")
 
 
+async def test_title_of_a_narrow_panel_is_not_covered(robot: Robot, open_page: OpenPage) -> None:
+    page = await open_robot(robot, open_page, width=800)
+    bar = page.get_by_role("separator").first
+    await bar.focus()
+    for _ in range(3):
+        await page.keyboard.press("Shift+ArrowLeft")
+    camera = pane(page, "Picture /camera")
+    assert (await box(camera))[2] < 200
+    title = camera.get_by_role("button", name="Picture /camera")
+    tools = camera.locator(".pane-tools")
+    left, _, width, _ = await box(title)
+    assert left + width <= (await box(tools))[0] + 1
+    await expect(camera.get_by_role("button", name="Split")).to_have_count(0)
+    # What is not in the head is in the choice that the title opens.
+    await title.click()
+    await camera.get_by_role("button", name="Split below").click()
+    await expect_panes(page, [FOUR[0], "New panel", *FOUR[1:]])
+
+
 @asynccontextmanager
 async def phone(robot: Robot, open_page: OpenPage, width: int, height: int) -> AsyncIterator[Page]:
     yield await open_robot(

@@ -19,6 +19,12 @@ export interface Changes {
   others(id: number): PaneView[];
 }
 
+/** The buttons that split a pane, with their icons. */
+const SPLITS: readonly { label: string; path: string; side: Side }[] = [
+  { label: "Split right", path: "M2 3h12v10H2z M9 3v10 M11.5 6.5v3 M10 8h3", side: "right" },
+  { label: "Split below", path: "M2 3h12v10H2z M2 8.5h12 M8 9.8v2.4 M6.8 11h2.4", side: "below" },
+];
+
 const SIDES: readonly Side[] = ["left", "right", "above", "below"];
 
 export class PaneView {
@@ -59,7 +65,7 @@ export class PaneView {
         type: "button",
         class: "quiet pane-title",
         "aria-expanded": "false",
-        title: "Choose what it shows, or move it",
+        title: `${this.title}: choose what it shows, or move it`,
         onclick: toggle,
       },
       h("b", {}, label),
@@ -71,7 +77,6 @@ export class PaneView {
         { type: "button", class: "quiet", title: text, "aria-label": text, onclick: work },
         icon(path),
       );
-    const split = (side: Side) => () => changes.split(id, side);
     const maximize = (): void => changes.maximize(id);
     const corners = "M2.5 6V2.5H6 M10 2.5h3.5V6 M13.5 10v3.5H10 M6 13.5H2.5V10";
     this.#maximize = button("Maximize", corners, maximize);
@@ -102,8 +107,9 @@ export class PaneView {
           h(
             "span",
             { class: "pane-splits" },
-            button("Split right", "M2 3h12v10H2z M9 3v10 M11.5 6.5v3 M10 8h3", split("right")),
-            button("Split below", "M2 3h12v10H2z M2 8.5h12 M8 9.8v2.4 M6.8 11h2.4", split("below")),
+            ...SPLITS.map(({ label, path, side }) =>
+              button(label, path, () => changes.split(id, side)),
+            ),
           ),
           this.#maximize,
           button("Close", "M3.5 3.5l9 9 M12.5 3.5l-9 9", () => changes.close(id)),
@@ -240,6 +246,13 @@ export class PaneView {
       this.#chooser,
       h("div", { class: "pane-offers" }, ...(groups.length === 0 ? [nothing] : groups)),
       this.#moveForm(),
+      h(
+        "div",
+        { class: "pane-splits offered" },
+        ...SPLITS.map(({ label, side }) =>
+          h("button", { type: "button", onclick: () => this.#changes.split(this.id, side) }, label),
+        ),
+      ),
     );
   }
 
