@@ -485,6 +485,44 @@ async def test_scene_has_the_theme_that_changed_while_it_was_covered(
     await shown(page, DARK, 1000)
 
 
+async def test_followed_robot_is_in_the_middle_at_once_and_after_a_reload(
+    hub: Hub, robot: fibws.Node, open_page: OpenPage
+) -> None:
+    await publish_frames(robot, stamped("map", "base_link", 3, 1, math.pi / 2))
+    topic = await robot.advertise("/scan", LaserScan, latch=True)
+    await topic.publish(scan("base_link", [1.0] * 4))
+    page = await open_dashboard(hub, open_page, "scene", "console", width=1600)
+    # The returns are all around the robot.
+    await shown(page, RED, 20)
+
+    async def off_the_middle() -> float:
+        return (await pixels(page, RED))["x"] - (await box_of(page))["width"] / 2
+
+    async def centered() -> None:
+        async with asyncio.timeout(60):
+            while abs(await off_the_middle()) > 3:
+                await page.evaluate("new Promise(requestAnimationFrame)")
+
+    async def move_aside() -> None:
+        await page.get_by_role("group", name="Scene").focus()
+        await page.keyboard.press("ArrowRight")
+        async with asyncio.timeout(60):
+            while abs(await off_the_middle()) < 10:
+                await page.evaluate("new Promise(requestAnimationFrame)")
+
+    await page.get_by_role("group", name="Scene").focus()
+    await page.keyboard.press("1")
+    await move_aside()
+    follow = page.get_by_label("Follow the robot")
+    await follow.select_option("position")
+    await centered()
+    await move_aside()
+    await page.reload()
+    await expect(follow).to_have_value("position")
+    await shown(page, RED, 20)
+    await centered()
+
+
 async def test_list_of_layers_is_hidden_by_its_button_and_stays_so(
     hub: Hub, robot: fibws.Node, open_page: OpenPage
 ) -> None:
