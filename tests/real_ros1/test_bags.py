@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import signal
 from pathlib import Path
 from typing import NamedTuple
@@ -147,7 +148,13 @@ async def test_rosbag_records_what_fibws_plays(ros: World, tmp_path: Path) -> No
     recorder = await ros.program("/usr/lib/rosbag/record", "-O", str(target), *LIMIT, *TOPICS)
     relay = await ros.program("/usr/lib/topic_tools/relay", "/points", "/again", "__name:=relay")
     async with fibws.Node("ear", hub=ros.url) as node:
-        await is_subscribed(node)
+        for topic, type_ in zip(TOPICS, (Int32, String, PointStamped), strict=True):
+            # The player waits for one subscriber of a topic; the links of all are open before.
+            expected = {"/record", "/relay"} if topic == "/points" else {"/record"}
+            publisher = await node.advertise(topic, type_, peers=True)
+            async for names in publisher.peers.changes():
+                if expected <= {re.sub(r"_\d+$", "", each) for each in names}:
+                    break
         again = node.subscribe("/again", PointStamped, queue_size=None)
         player = await our_bag(ros, "play", str(source), "--wait-for-subscribers", "-k")
         async with asyncio.timeout(60):

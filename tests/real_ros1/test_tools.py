@@ -219,8 +219,8 @@ async def test_bag_of_a_killed_recorder_is_restored(
         [connection] = bag.connections
         assert (connection.topic, connection.type) == ("/numbers", "std_msgs/Int32")
         numbers = [int.from_bytes(data, "little") for _, _, data in bag.messages()]
-    assert numbers == list(range(numbers[0], numbers[0] + found.messages))
-    assert found.messages > 200
+    # In order, and each once; a recorder that was too slow has missed some.
+    assert numbers == sorted(set(numbers)) and len(numbers) == found.messages > 200
     assert f"{found.messages} msgs" in await ros.output("rosbag", "info", str(restored))
 
 

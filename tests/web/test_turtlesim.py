@@ -95,7 +95,7 @@ async def test_stick_drives_the_chosen_turtle(
 ) -> None:
     page = await open_page(hub, "#/turtlesim", width=390, has_touch=True)
     await page.get_by_text("Stick", exact=True).click()
-    stick = page.locator(".teleop-stick")
+    stick = page.locator(".teleop-stick").first
     await stick.scroll_into_view_if_needed()
     box = await stick.bounding_box()
     assert box is not None

@@ -6,6 +6,7 @@ import os
 import queue
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -126,10 +127,13 @@ def test_node_is_started_and_ended(
     )
     process = launch.launch(node)
     assert (process.name, process.is_alive()) == ("ns/x-1", True)
+    printed = ""
+    while "[ns/x-1] 5 in /ns: a b in:=out __name:=x\n" not in printed:
+        printed += capfd.readouterr().out  # Another thread copies what the node prints.
+        time.sleep(0.01)
     process.stop()
     assert not process.is_alive()
     assert process.exit_code is not None
-    assert "[ns/x-1] 5 in /ns: a b in:=out __name:=x" in capfd.readouterr().out
 
 
 def test_stopped_node_is_not_started_again(launch: roslaunch.ROSLaunch) -> None:
