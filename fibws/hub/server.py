@@ -30,7 +30,7 @@ from fibws.hub.federation import link
 from fibws.hub.federation.connections import Join, LinkEndpoint
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.records import HubInfo
-from fibws.hub.foxglove import SUBPROTOCOLS
+from fibws.hub.foxglove import SUBPROTOCOLS as FOXGLOVE_SUBPROTOCOLS
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
@@ -371,7 +371,7 @@ class Hub:
                 lambda opening: foxglove().open(opening, subprotocol), subprotocol=subprotocol
             )
 
-        for each in SUBPROTOCOLS:
+        for each in FOXGLOVE_SUBPROTOCOLS:
             add(each)
 
     async def _join_zenoh(self) -> None:
