@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import logging
 from collections import Counter, OrderedDict
 from dataclasses import dataclass
 
+from fibws.errors import NotAllowed
+
+logger = logging.getLogger("fibws.hub")
+
+INTERNAL_ERROR = "this failed in the hub; see its log"
+"""The text for clients about exceptions that are not their fault."""
 LONGEST_TEXT = 1000
 """Most characters of a text about an operation, which may repeat names that a client chose."""
 REPEAT_AFTER = 10.0
@@ -30,6 +37,43 @@ def printable(text: str) -> str:
 def shortened(text: str) -> str:
     """Return a text, cut to a readable length."""
     return text if len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}..."
+
+
+class ErrorLog:
+    """Logs the errors of one client: the first, the tenth, the hundredth and so on.
+
+    Args:
+        node: the client's name.
+    """
+
+    __slots__ = ("_faults", "_node", "count")
+
+    def __init__(self, node: str) -> None:
+        self._node = node
+        self._faults = 0
+        self.count = 0
+        """Errors so far, with those that were not logged."""
+
+    def add(self, text: str, *, code: str | None = None, fault: Exception | None = None) -> None:
+        """Log an error, if its number is due.
+
+        Args:
+            code: the error's; refusals of the policy are not logged, but recorded as audit events.
+            fault: an error within the hub, whose traceback is logged; these are counted apart.
+        """
+        self.count += 1
+        self._faults += fault is not None
+        if code == NotAllowed.code:
+            return
+        if is_power_of_ten(self.count if fault is None else self._faults):
+            logger.log(
+                logging.WARNING if fault is None else logging.ERROR,
+                "%s: %s (error %d of this client)",
+                self._node,
+                printable(text),
+                self.count,
+                exc_info=fault,
+            )
 
 
 @dataclass(slots=True)

@@ -11,9 +11,9 @@ from fibws.access.rights import Right
 from fibws.errors import FibwsError
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.delivery.deferred import Workers
-from fibws.hub.foxglove.client import INTERNAL_ERROR, Client
+from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
-from fibws.hub.log_text import shortened
+from fibws.hub.log_text import INTERNAL_ERROR, shortened
 
 LONGEST_URI = 10_000
 """Most characters of a URI, which waits while other files are read."""

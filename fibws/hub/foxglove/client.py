@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -13,14 +12,9 @@ from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.foxglove.messages import ERROR, WARNING, text_frame
 from fibws.hub.graph.graph import Graph
-from fibws.hub.log_text import is_power_of_ten, printable, shortened
+from fibws.hub.log_text import ErrorLog, shortened
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Registration
-
-logger = logging.getLogger("fibws.hub")
-
-INTERNAL_ERROR = "this failed in the hub; see its log"
-"""The text for clients about exceptions that are not their fault."""
 
 
 class Statuses:
@@ -31,14 +25,13 @@ class Statuses:
         report: takes the node and the reason of each operation that failed.
     """
 
-    __slots__ = ("_errors", "_faults", "_node", "_queue", "_report")
+    __slots__ = ("_errors", "_node", "_queue", "_report")
 
     def __init__(self, node: str, queue: SendQueue, report: Callable[[str, str], object]) -> None:
         self._node = node
         self._queue = queue
         self._report = report
-        self._errors = 0
-        self._faults = 0
+        self._errors = ErrorLog(node)
 
     def error(self, text: str, *, code: str = "", fault: Exception | None = None) -> None:
         """Report that an operation failed, to the log as well.
@@ -52,18 +45,7 @@ class Statuses:
 
     def log(self, text: str, *, code: str = "", fault: Exception | None = None) -> None:
         """Log an error that the client is told in another way; arguments as in `error`."""
-        self._errors += 1
-        self._faults += fault is not None
-        is_recorded = code == NotAllowed.code  # As an audit event.
-        if is_power_of_ten(self._errors if fault is None else self._faults) and not is_recorded:
-            logger.log(
-                logging.WARNING if fault is None else logging.ERROR,
-                "%s: %s (error %d of this client)",
-                self._node,
-                printable(text),
-                self._errors,
-                exc_info=fault,
-            )
+        self._errors.add(text, code=code, fault=fault)
         self._report(self._node, text)
 
     def warning(self, text: str) -> None:

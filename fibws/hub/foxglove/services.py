@@ -8,7 +8,7 @@ from pydantic_core import from_json
 
 from fibws.errors import CallFailed, FibwsError, OperationError, UnknownDefinition
 from fibws.hub.delivery.clock import Timer
-from fibws.hub.foxglove.client import INTERNAL_ERROR, Client
+from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.feeds import ServiceFeed
 from fibws.hub.foxglove.messages import (
     ENCODINGS,
@@ -18,7 +18,7 @@ from fibws.hub.foxglove.messages import (
     text_frame,
 )
 from fibws.hub.graph.service import Call
-from fibws.hub.log_text import shortened
+from fibws.hub.log_text import INTERNAL_ERROR, shortened
 from fibws.interfaces.serialization import FEWEST_BYTES, Serializer
 from fibws.protocol.value_limits import check_json
 

@@ -18,7 +18,7 @@ from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.deferred import InlineWorkers, Workers
 from fibws.hub.foxglove.assets import AssetFiles, AssetRoom, Assets
-from fibws.hub.foxglove.client import INTERNAL_ERROR, Client, Statuses
+from fibws.hub.foxglove.client import Client, Statuses
 from fibws.hub.foxglove.feeds import (
     ChannelFeed,
     GraphFeed,
@@ -55,7 +55,7 @@ from fibws.hub.foxglove.services import Calls
 from fibws.hub.foxglove.topics import Groups, Publications, Subscriptions, unknown_channel
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration
 from fibws.protocol.websocket import REPLACED, Payload

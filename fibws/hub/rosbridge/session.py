@@ -30,11 +30,11 @@ from fibws.errors import (
 )
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import Graph
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.rosbridge.actions import Actions, Goals
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.services import Calls, Services
-from fibws.hub.rosbridge.statuses import INTERNAL_ERROR, Report, Statuses, ignore
+from fibws.hub.rosbridge.statuses import Report, Statuses, ignore
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings

@@ -6,16 +6,12 @@ import logging
 from collections.abc import Callable
 from typing import TypeAlias
 
-from fibws.errors import NotAllowed
 from fibws.hub.delivery.send_queue import SendQueue
-from fibws.hub.log_text import is_power_of_ten, printable, shortened
+from fibws.hub.log_text import ErrorLog, is_power_of_ten, printable, shortened
 from fibws.hub.rosbridge.encodings import text_frame
 from fibws.protocol.operations import Level, Status, encode, legal_id
 
 logger = logging.getLogger("fibws.hub")
-
-INTERNAL_ERROR = "this failed in the hub; see its log"
-"""The text for clients about exceptions that are not their fault."""
 
 _VERBOSITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 
@@ -41,7 +37,6 @@ class Statuses:
         "_codes",
         "_displaced",
         "_errors",
-        "_faults",
         "_level",
         "_node",
         "_queue",
@@ -57,8 +52,7 @@ class Statuses:
         self._queue = queue
         self._codes = codes
         self._displaced = 0
-        self._errors = 0
-        self._faults = 0
+        self._errors = ErrorLog(node)
         self.set_level("error")
 
     def set_level(self, level: Level) -> None:
@@ -76,18 +70,7 @@ class Statuses:
             fault: an error within the hub, whose traceback is logged.
             code: names the error for programs.
         """
-        self._errors += 1
-        self._faults += fault is not None
-        is_recorded = code == NotAllowed.code  # As an audit event.
-        if is_power_of_ten(self._errors if fault is None else self._faults) and not is_recorded:
-            logger.log(
-                logging.WARNING if fault is None else logging.ERROR,
-                "%s: %s (error %d of this client)",
-                self._node,
-                printable(text),
-                self._errors,
-                exc_info=fault,
-            )
+        self._errors.add(text, code=code, fault=fault)
         self._send("error", id_, text, code)
         self._report(self._node, text)
 
@@ -117,8 +100,8 @@ class Statuses:
             id_: the operation's.
             fault: why the definition that the client brought was not taken, if it brought one.
         """
-        self._errors += 1
-        if is_power_of_ten(self._errors):
+        self._errors.count += 1
+        if is_power_of_ten(self._errors.count):
             reason = printable(fault) or "the definition is unknown"
             logger.warning("%s: %s: %s.", self._node, printable(text), reason)
         self.warning(id_, f"{text}: {fault}" if fault else text)

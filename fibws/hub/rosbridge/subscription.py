@@ -15,9 +15,9 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Topic
 from fibws.hub.graph.types import MessageType
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.rosbridge.encodings import PLAIN, EncodeFrame, Encoding, text_frame
-from fibws.hub.rosbridge.statuses import INTERNAL_ERROR, Statuses
+from fibws.hub.rosbridge.statuses import Statuses
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.operations import Id, Subscribe, Subscribed, encode
 from fibws.protocol.serialized import ROS1
