@@ -398,7 +398,7 @@ class Recorder:
             self._continue()
 
     def _keep_latched(self, stream: Stream, data: Buffer) -> None:
-        """Keep a message for the next files; the oldest ones go if there is no room for all."""
+        """Keep a message for the next files; drop the oldest ones if there is no room."""
         self._drop_latched(stream)
         stream.last = data
         self._latched[stream] = None

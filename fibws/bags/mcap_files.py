@@ -40,7 +40,7 @@ _MESSAGE_RECORD = struct.Struct("<BQHIQQ")
 _MESSAGE_FIELDS = _MESSAGE_RECORD.size - _RECORD.size
 _OTHERS = {_HEADER: "Header", _ATTACHMENT: "Attachment", _METADATA: "Metadata"}
 _CHUNK_START = struct.Struct("<QQQII")
-"""What a chunk begins with: times, uncompressed size, checksum, length of the method's name."""
+"""The head of a chunk: times, uncompressed size, checksum, length of the method's name."""
 _CHUNK_LIKE = re.compile(rb"\x06(?=[\s\S]{36}(?:\x00{4}|\x03\x00{3}lz4|\x04\x00{3}zstd))")
 """The start of what may be a chunk: its kind, and the name of a compression method further on."""
 _FOOTER_SIZE = _RECORD.size + 20 + len(MAGIC)
@@ -184,6 +184,7 @@ class McapWriter:
             raise BagError(f"{self.path}: the bag is closed")
         if not 0 <= time < 2**64:
             raise BagError(f"{self.path}: MCAP holds times from 1970 to 2554, got {time} ns")
+        # Its types want bytes; it takes any buffer. Other functions of it have no types.
         self.mcap.add_message(connection.id, time, data, time)  # type: ignore[arg-type]
 
     def flush(self) -> None:
@@ -393,7 +394,7 @@ class McapReader(Reader):
         self.file.file.close()
 
     def _read_summary(self) -> str | None:
-        """Read the summary at the end of the file; return why there is none, or None."""
+        """Read the summary at the end of the file; return why it is missing, or None."""
         file = self.file
         position = file.size - _FOOTER_SIZE
         if position < len(MAGIC) or file.read(file.size - len(MAGIC), len(MAGIC)) != MAGIC:
@@ -722,7 +723,7 @@ def rewrite_mcap(
 def _import_mcap(path: str) -> None:
     """Raise UnsupportedBag if the package mcap is not installed."""
     try:
-        import mcap  # noqa: F401
+        import mcap  # noqa: F401 - only whether it is there
     except ImportError:
         fault = f"{path}: MCAP files need the package mcap: pip install 'fibws[mcap]'"
         raise UnsupportedBag(fault, "format") from None

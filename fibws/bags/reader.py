@@ -1,4 +1,4 @@
-"""What readers of all formats have in common: messages in the order of time."""
+"""The base of the readers of all formats: messages in the order of time."""
 
 from __future__ import annotations
 
@@ -90,12 +90,12 @@ class Reader(ABC):
 
     @property
     def start(self) -> int:
-        """The time of the first message in ns; 0 if there is none."""
+        """The time of the first message in ns; 0 in an empty bag."""
         return min((chunk.start for chunk in self.chunks), default=0)
 
     @property
     def end(self) -> int:
-        """The time of the last message in ns; 0 if there is none."""
+        """The time of the last message in ns; 0 in an empty bag."""
         return max((chunk.end for chunk in self.chunks), default=0)
 
     @property

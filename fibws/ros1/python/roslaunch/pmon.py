@@ -134,7 +134,7 @@ class ProcessMonitor:
         self.procs.append(process)
         return process
 
-    def add_process_listener(self, l: ProcessListener) -> None:  # noqa: E741
+    def add_process_listener(self, l: ProcessListener) -> None:  # noqa: E741 - as in ROS
         """Report processes that end by themselves to a listener from now on."""
         self._listeners.append(l)
 
