@@ -11,6 +11,9 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from recorded_answers import add_option, select_tests
+from recorded_answers import answer_files as answer_files
+from recorded_answers import answers as answers
 
 from fibws.hub import Hub, Settings
 
@@ -43,6 +46,10 @@ SETTINGS: dict[str, Any] = {
 }
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    add_option(parser)
+
+
 def pytest_xdist_auto_num_workers() -> int:
     """Return three workers for two CPUs: many tests wait most of their time."""
     return max(2, (os.cpu_count() or 1) * 3 // 2)
@@ -59,8 +66,9 @@ def pytest_asyncio_loop_factories(
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests that run on uvloop's event loop."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark the tests that run on uvloop's event loop; select those that record answers of ROS."""
+    select_tests(config, items)
     if UVLOOP is None:
         return
     for item in items:

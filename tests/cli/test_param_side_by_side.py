@@ -1,27 +1,18 @@
-"""Parameters as rosparam has them, where that is installed."""
+"""Parameters are listed, printed and dumped as by ROS's rosparam."""
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeAlias
 
-import pytest
 from hub_in_thread import Run
-from running_programs import free_port
+from recorded_answers import Answers
+from ros_masters import roscore
 
-pytestmark = [
-    pytest.mark.real_ros,
-    pytest.mark.skipif(
-        shutil.which("rosparam") is None or shutil.which("rosmaster") is None,
-        reason="rosparam and rosmaster are not installed (python3-rosparam, python3-rosmaster)",
-    ),
-]
-
-Rosparam: TypeAlias = Callable[..., str]
+Command: TypeAlias = Callable[..., str]
 
 FILE = """
 gains: {p: 1, i: 0.5, d: "0"}
@@ -36,61 +27,51 @@ empty: ''
 """
 
 
-@pytest.fixture
-def rosparam(tmp_path: Path) -> Iterator[Rosparam]:
-    """Runs rosparam with a ROS master of its own, and returns what it prints."""
-    port = free_port()
-    environment = {
-        **os.environ,
-        "PYTHONPATH": "",
-        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-        "ROS_HOSTNAME": "127.0.0.1",
-        "ROS_LOG_DIR": str(tmp_path / "log"),
-    }
-    master = subprocess.Popen(
-        ["rosmaster", "--core", "-p", str(port)],
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+PREPARED = (
+    ("delete", "/"),
+    ("load", "FOLDER/file.yaml", "/robot"),
+    ("set", "/robot/negative", "-5"),
+    ("set", "/robot/text", ""),
+    ("set", "/robot/gains", "{p: 2, more: {x: 1}}"),
+    ("delete", "/robot/sure"),
+)
 
-    def run(*words: str) -> str:
-        ran = subprocess.run(["rosparam", *words], env=environment, capture_output=True, text=True)
-        return ran.stdout if ran.returncode == 0 else ran.stderr
 
-    try:
-        while run("list").startswith("ERROR"):
-            assert master.poll() is None, "the ROS master does not start"
+@contextmanager
+def rosparam(folder: Path) -> Iterator[Command]:
+    """Give the real rosparam, at a ROS master of its own."""
+    with roscore(folder) as environment:
+
+        def run(*words: str) -> str:
+            command = ["/usr/bin/rosparam", *words]
+            ran = subprocess.run(command, env=environment, capture_output=True, text=True)
+            return ran.stdout if ran.returncode == 0 else ran.stderr
+
         yield run
-    finally:
-        master.terminate()
-        master.wait()
 
 
-def test_what_is_loaded_is_listed_got_and_dumped_alike(
-    run: Run, rosparam: Rosparam, tmp_path: Path
-) -> None:
-    (tmp_path / "file.yaml").write_text(FILE)
+def play(run: Command, folder: Path) -> dict[str, str]:
+    """Return what `rosparam` prints for each list of words, and the file that it dumps."""
+    folder.mkdir()
+    (folder / "file.yaml").write_text(FILE)
+    for words in PREPARED:
+        run(*(word.replace("FOLDER", str(folder)) for word in words))
+    names = [name for name in run("list", "/robot").split()]
+    asked = [
+        *(("list", "/robot"), ("list", "/robot/arm"), ("get", "/robot"), ("get", "-p", "/robot")),
+        *(("get", name) for name in names),
+        *(("get", "-p", name) for name in names),
+    ]
+    printed = {" ".join(words): run(*words) for words in asked}
+    run("dump", str(folder / "dumped"), "/robot")
+    return {**printed, "dump": (folder / "dumped").read_text()}
 
-    def ours(*words: str) -> str:
-        return run("param", *words).output
 
-    for both in (ours, rosparam):
-        both("delete", "/")
-        both("load", str(tmp_path / "file.yaml"), "/robot")
-        both("set", "/robot/negative", "-5")
-        both("set", "/robot/text", "")
-        both("set", "/robot/gains", "{p: 2, more: {x: 1}}")
-        both("delete", "/robot/sure")
-    for words in (
-        ("list",),
-        ("list", "/robot/arm"),
-        ("get", "/"),
-        ("get", "-p", "/"),
-        *(("get", name) for name in rosparam("list").split()),
-        *(("get", "-p", name) for name in rosparam("list").split()),
-    ):
-        assert ours(*words) == rosparam(*words), words
-    for both, name in ((ours, "ours"), (rosparam, "theirs")):
-        both("dump", str(tmp_path / name), "/robot")
-    assert (tmp_path / "ours").read_text() == (tmp_path / "theirs").read_text()
+def test_parameters_are_printed_as_by_rosparam(run: Run, answers: Answers, tmp_path: Path) -> None:
+    def ask() -> dict[str, str]:
+        with rosparam(tmp_path / "ros") as theirs:
+            return play(theirs, tmp_path / "theirs")
+
+    expected = answers.of("printed", ask)
+    assert play(lambda *words: run("param", *words).output, tmp_path / "ours") == expected
+    assert len(expected) > 20

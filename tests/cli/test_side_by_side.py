@@ -1,11 +1,10 @@
-"""The same as Debian's rostopic and genpy print it, asked of them."""
+"""Texts are those of Debian's rostopic and genpy."""
 
 from __future__ import annotations
 
 import json
 import math
 import random
-import shutil
 import struct
 import subprocess
 import tempfile
@@ -18,6 +17,7 @@ import click
 import pytest
 from click.testing import CliRunner
 from hub_in_thread import Publish, Run
+from recorded_answers import Answers
 
 from fibws.cli import output
 from fibws.cli.topic.rates import Delay
@@ -38,8 +38,6 @@ PATIENCE = 60
 NOW = 1_700_000_000_123_456_789
 
 Ask: TypeAlias = Callable[..., Any]
-
-pytestmark = pytest.mark.real_ros
 
 INTERFACES = Interfaces()
 TYPEDEFS = TypeDefs(INTERFACES)
@@ -62,35 +60,53 @@ TEXTS = [
 FLOATS = [0.0, -0.0, 1.0, -1.5, 1 / 3, 1e-7, 1e16, 1e300, 123456.789, math.nan]
 
 
-@pytest.fixture(scope="module")
-def ask() -> Iterator[Ask]:
-    """Call a function of `rostopic_says`."""
-    if (
-        not shutil.which(PYTHON)
-        or subprocess.run(
-            [PYTHON, "-I", "-c", "import rostopic, genpy.dynamic"], capture_output=True
-        ).returncode
-    ):
-        pytest.skip("Debian's python3-rostopic is not installed")
-    with tempfile.TemporaryDirectory() as home:
-        process = subprocess.Popen(
+class RealRostopic:
+    """Debian's rostopic, whose functions are called in a process of its own."""
+
+    def __init__(self, folder: str) -> None:
+        self._process = subprocess.Popen(
             [PYTHON, "-I", SCRIPT],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
-            env={"PATH": "/usr/bin:/bin", "HOME": home, "LANG": "C.UTF-8"},
+            env={"PATH": "/usr/bin:/bin", "HOME": folder, "LANG": "C.UTF-8"},
         )
-        assert process.stdin is not None and process.stdout is not None
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._stdin, self._stdout = self._process.stdin, self._process.stdout
 
-        def ask(question: str, **arguments: Any) -> Any:
-            assert process.stdin is not None and process.stdout is not None
-            print(json.dumps([question, arguments]), file=process.stdin, flush=True)
-            return json.loads(process.stdout.readline())
+    def call(self, function: str, arguments: dict[str, Any]) -> Any:
+        """Call a function of `rostopic_says`."""
+        print(json.dumps([function, arguments]), file=self._stdin, flush=True)
+        return json.loads(self._stdout.readline())
 
-        yield ask
-        process.stdin.close()
-        assert process.wait(PATIENCE) == 0
-        process.stdout.close()
+    def close(self) -> None:
+        """End the process."""
+        self._stdin.close()
+        assert self._process.wait(PATIENCE) == 0
+        self._stdout.close()
+
+
+@pytest.fixture(scope="module")
+def real_rostopic() -> Iterator[RealRostopic]:
+    """Debian's rostopic, needed for recording only."""
+    with tempfile.TemporaryDirectory() as home:
+        rostopic = RealRostopic(home)
+        yield rostopic
+        rostopic.close()
+
+
+@pytest.fixture
+def ask(answers: Answers, request: pytest.FixtureRequest) -> Ask:
+    """Return what a function of `rostopic_says` returns."""
+
+    def ask(function: str, **arguments: Any) -> Any:
+        question = {key: value for key, value in arguments.items() if key != "full_text"}
+        return answers.of(
+            f"{function} {json.dumps(question)}",
+            lambda: request.getfixturevalue("real_rostopic").call(function, arguments),
+        )
+
+    return ask
 
 
 def typedefs(type_: str) -> Typedefs:
@@ -347,7 +363,7 @@ def test_topics_are_listed_as_by_rostopic(
     client.subscribe("/ns/heard")
     client.subscribe("/chatter")
     client.call("/rosapi/get_time")
-    log, node = "rosgraph_msgs/Log", [client.node]
+    log, node = "rosgraph_msgs/Log", ["/pub"]
     published = [
         ("/chatter", "std_msgs/String", node),
         ("/client_count", "std_msgs/Int32", ["/rosbridge_websocket"]),
@@ -368,7 +384,7 @@ def test_topics_are_listed_as_by_rostopic(
         subscribers_only="-s" in options,
         verbose="-v" in options,
     )
-    assert run("topic", "list", *options).output == theirs
+    assert run("topic", "list", *options).output.replace(client.node, "/pub") == theirs
 
 
 def test_info_is_printed_as_by_rostopic(ask: Ask, run: Run, publish: Publish) -> None:
@@ -377,10 +393,10 @@ def test_info_is_printed_as_by_rostopic(ask: Ask, run: Run, publish: Publish) ->
         "info",
         topic="/chatter",
         type_="std_msgs/String",
-        publishers=[client.node],
+        publishers=["/pub"],
         subscribers=[],
     )
-    mine = run("topic", "info", "/chatter").output
+    mine = run("topic", "info", "/chatter").output.replace(client.node, "/pub")
     address = mine.partition("(")[2].partition(")")[0]
     assert mine.replace(address, "address") == theirs
 

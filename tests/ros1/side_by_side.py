@@ -1,4 +1,4 @@
-"""Plays the same rospy scripts under a real ROS and under fibws."""
+"""Plays rospy scripts under fibws, and compares them with what they did under a real ROS."""
 
 from __future__ import annotations
 
@@ -8,24 +8,27 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import ExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 from difflib import unified_diff
+from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
-from running_programs import free_port
+import pytest
+from recorded_answers import Answers
+from ros_masters import PYTHON, roscore
 
 import fibws
 from fibws.hub import Hub, Settings
 
 PATIENCE = 120
 IDLE = 0.03
-"""Seconds after which a program that has just said something waits for its next turn."""
-TRIES = 2
-"""On a busy machine the threads of a program, the real rospy's too, may overtake each other or lose
-what a queue of one had: a difference counts if it comes each time."""
+"""Seconds to wait before Ctrl-C under the real rospy, which deadlocks if it comes in `publish`."""
+TRIES = 5
+"""How often a scenario is played to record it: the threads of the real rospy overtake each other,
+lose what a queue of one had, and deadlock."""
 AT_RANDOM = re.compile(
     r"Got a transition callback on a goal handle that we're not tracking$"
     r"|Received comm state PREEMPTING when in simple state DONE with SimpleActionClient in NS "
@@ -33,17 +36,8 @@ AT_RANDOM = re.compile(
 )
 """What the real ROS logs at random, depending on which of its threads is faster."""
 SCRIPTS = Path(__file__).parent / "scripts"
-PYTHON = "/usr/bin/python3"
-"""Debian's, which its ROS packages are installed for."""
-ROSCORE = "/usr/bin/roscore"
 GENERATORS = Path("/usr/lib/genpy")
 DEFINITIONS = Path(fibws.__file__).parent / "interfaces" / "definitions"
-
-MODULES = (
-    "numpy, rospy, std_msgs, sensor_msgs, actionlib, message_filters, genpy, dynamic_reconfigure, "
-    "tf2_ros, tf2_geometry_msgs, tf2_sensor_msgs, cv_bridge, diagnostic_updater, rosbag, "
-    "interactive_markers.interactive_marker_server, roslaunch"
-)
 
 
 @dataclass(frozen=True)
@@ -87,11 +81,16 @@ class Stuck(AssertionError):
 
 
 class World:
-    """One of the two: how it starts a script, and what it has it know."""
+    """One of the two: how it starts a script, and what it has it know.
 
-    def __init__(self, command: list[str], environment: dict[str, str]) -> None:
+    Args:
+        idle: seconds to wait before Ctrl-C.
+    """
+
+    def __init__(self, command: list[str], environment: dict[str, str], *, idle: float = 0) -> None:
         self._command = command
         self._environment = environment
+        self._idle = idle
 
     async def play(self, *parts: Part) -> list[Outcome]:
         """Run the programs of a scenario; each outcome is that of the part in the same place."""
@@ -112,8 +111,8 @@ class World:
                 if part.interrupted:
                     if part.last is not None:
                         await program.said(part.last, 1)
-                    # The real rospy deadlocks if it is interrupted while it publishes.
-                    await asyncio.sleep(IDLE)
+                    if self._idle:
+                        await asyncio.sleep(self._idle)
                     program.interrupt()
                     await program.ended()
             return [program.outcome(part) for part, program in zip(parts, running, strict=True)]
@@ -212,93 +211,62 @@ def plain(lines: list[str]) -> list[str]:
     return lines
 
 
-@dataclass
-class _Said:
-    """What a program has said under fibws, and under the real ROS, each time that it was played."""
-
-    found: list[Outcome] = field(default_factory=list)
-    expected: list[Outcome] = field(default_factory=list)
-
-    def agrees(self) -> bool:
-        return any(outcome in self.expected for outcome in self.found)
-
-    def diff(self, script: str) -> str:
-        """Return how the last outcomes differ."""
-        found, expected = self.found[-1].lines(), self.expected[-1].lines()
-        return "\n".join(
-            unified_diff(expected, found, f"{script} in ROS", f"{script} here", lineterm="")
-        )
-
-
-async def say_the_same(ros: World, *parts: Part) -> None:
-    """Play a scenario in both worlds, until each program has said what it once said in the other.
+async def compare(answers: Answers, ros: RealRos, *parts: Part) -> None:
+    """Play a scenario under fibws; each program must say what it said under the real ROS.
 
     Raises:
-        AssertionError: one never did.
+        AssertionError: one did not.
     """
-    said = [_Said() for _ in parts]
-    for left in reversed(range(TRIES)):
-        async with our_ros() as ours:
+
+    async def ask() -> list[Outcome]:
+        for left in reversed(range(TRIES)):
             try:
-                plays = await asyncio.gather(ours.play(*parts), ros.play(*parts))
-            except Stuck:  # The real rospy, too, loses messages and has deadlocks.
+                return await ros().play(*parts)
+            except Stuck:
                 if not left:
                     raise
-                continue
-        for so_far, found, expected in zip(said, *plays, strict=True):
-            so_far.found.append(found)
-            so_far.expected.append(expected)
-        if all(each.agrees() for each in said):
-            return
+        raise AssertionError
+
+    recorded = await answers.once("outcomes", ask, TRIES)
+    async with our_ros() as ours:
+        found = await ours.play(*parts)
     differences = [
-        each.diff(part.script) for part, each in zip(parts, said, strict=True) if not each.agrees()
+        "\n".join(
+            unified_diff(
+                Outcome(*expected).lines(),
+                outcome.lines(),
+                f"{part.script} in ROS",
+                f"{part.script} here",
+                lineterm="",
+            )
+        )
+        for part, expected, outcome in zip(parts, recorded, found, strict=True)
     ]
-    assert not differences, "\n".join(differences)
+    assert not any(differences), "\n".join(differences)
 
 
-def missing_ros() -> str | None:
-    """Why the real ROS cannot be asked, if it cannot."""
-    if not Path(ROSCORE).exists() or not GENERATORS.is_dir():
-        return "there is no roscore, or no genpy: see the packages in .ci/run"
-    tried = subprocess.run(
-        [PYTHON, "-I", "-c", f"import {MODULES}"], capture_output=True, text=True
-    )
-    if tried.returncode:
-        return f"{PYTHON} cannot import all of {MODULES}: {tried.stderr.splitlines()[-1]}"
-    return None
+RealRos: TypeAlias = Callable[[], World]
+"""Gives the real ROS, which runs from then on."""
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RealRos]:
+    """A roscore, started when it is first needed, which it is for recording only."""
+    with ExitStack() as stack:
+
+        @cache
+        def started() -> World:
+            return stack.enter_context(real_ros(tmp_path_factory.mktemp("ros")))
+
+        yield started
 
 
 @contextmanager
 def real_ros(folder: Path) -> Iterator[World]:
-    """A roscore on a free port, and the messages of packages that Debian has not."""
+    """A roscore, and the messages of packages that Debian has not."""
     _generate(folder, "rospy_tutorials", "std_srvs", "trajectory_msgs", "turtlesim")
-    port = free_port()
-    environment = {
-        "PATH": "/usr/bin:/bin",
-        "HOME": str(folder),
-        "ROS_HOME": str(folder / "ros"),
-        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-        "ROS_IP": "127.0.0.1",
-        "PYTHONPATH": str(folder),
-        "LANG": "C.UTF-8",
-        "PYTHONUNBUFFERED": "1",
-    }
-    roscore = subprocess.Popen(
-        [ROSCORE, "-p", str(port)],
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    try:
-        assert roscore.stdout is not None
-        for line in roscore.stdout:
-            if "started core service [/rosout]" in line:
-                break
-        yield World([PYTHON], environment)
-    finally:
-        roscore.send_signal(signal.SIGINT)
-        roscore.communicate(timeout=PATIENCE)
+    with roscore(folder) as environment:
+        yield World([PYTHON], environment, idle=IDLE)
 
 
 @asynccontextmanager
@@ -322,12 +290,11 @@ def _generate(folder: Path, *packages: str) -> None:
                 continue
             output = folder / package / kind
             generator = [PYTHON, "-I", str(GENERATORS / f"gen{kind}_py.py")]
-            for file in files:
-                subprocess.run(
-                    [*generator, "-p", package, "-o", str(output), *search, str(file)],
-                    check=True,
-                    capture_output=True,
-                )
+            subprocess.run(
+                [*generator, "-p", package, "-o", str(output), *search, *map(str, files)],
+                check=True,
+                capture_output=True,
+            )
             subprocess.run(
                 [*generator, "--initpy", "-p", package, "-o", str(output)],
                 check=True,

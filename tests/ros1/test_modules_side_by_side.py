@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
+from recorded_answers import Answers
 
-from ros1.side_by_side import SCRIPTS, Part, World, missing_ros, real_ros, say_the_same
+from ros1.side_by_side import SCRIPTS, Part, RealRos, compare
+from ros1.side_by_side import ros as ros
 
 SCENARIOS: dict[str, tuple[Part, ...]] = {
     "goals, one at a time": (
@@ -49,19 +49,10 @@ NOT_IN_ROS = {"actions/fibonacci_client.py", "actions/fibonacci_server.py"}
 """Debian has no actionlib_tutorials."""
 
 
-@pytest.fixture(scope="module")
-def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    if (reason := missing_ros()) is not None:
-        pytest.skip(reason)
-    with real_ros(tmp_path_factory.mktemp("ros")) as world:
-        yield world
-
-
-@pytest.mark.real_ros
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("name", SCENARIOS)
-async def test_scenario_goes_as_in_ros(ros: World, name: str) -> None:
-    await say_the_same(ros, *SCENARIOS[name])
+async def test_scenario_goes_as_in_ros(answers: Answers, ros: RealRos, name: str) -> None:
+    await compare(answers, ros, *SCENARIOS[name])
 
 
 @pytest.mark.parametrize("folder", ["actions", "bags", "filters", "reconfigure", "tf", "tools"])

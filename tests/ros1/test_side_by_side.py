@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from recorded_answers import Answers
 
-from ros1.side_by_side import Part, World, missing_ros, real_ros, say_the_same
+from ros1.side_by_side import Part, RealRos, compare
+from ros1.side_by_side import ros as ros
 
 SCENARIOS: dict[str, tuple[Part, ...]] = {
     "talker and listener": (
@@ -107,19 +108,10 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
 }
 
 
-@pytest.fixture(scope="module")
-def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    if (reason := missing_ros()) is not None:
-        pytest.skip(reason)
-    with real_ros(tmp_path_factory.mktemp("ros")) as world:
-        yield world
-
-
-@pytest.mark.real_ros
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("name", SCENARIOS)
-async def test_scenario_goes_as_in_ros(ros: World, name: str) -> None:
-    await say_the_same(ros, *SCENARIOS[name])
+async def test_scenario_goes_as_in_ros(answers: Answers, ros: RealRos, name: str) -> None:
+    await compare(answers, ros, *SCENARIOS[name])
 
 
 def test_all_scripts_are_played() -> None:

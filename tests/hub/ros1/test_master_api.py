@@ -10,16 +10,16 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import datetime
+from pathlib import Path
 from typing import Any
 
-import pytest
-from running_programs import free_port
+from recorded_answers import Answers, shortened
+from ros_masters import roscore
 
 from fibws.hub import Hub, Settings
 
 from .peer import Peer, request
 
-ROSMASTER = "/usr/bin/rosmaster"
 A, B = "<api of a>", "<api of b>"
 """In calls and answers, the URIs of the two nodes."""
 INT32, STRING = "std_msgs/Int32", "std_msgs/String"
@@ -197,39 +197,14 @@ class Node(Peer):
 
 
 @asynccontextmanager
-async def rosmaster() -> AsyncIterator[str]:
-    """ROS's own master, on a free port."""
-    port = free_port()
-    process = await asyncio.create_subprocess_exec(
-        *(ROSMASTER, "--core", "-p", str(port)),
-        env={"PATH": "/usr/bin:/bin", "ROS_IP": "127.0.0.1", "HOME": "/tmp", "ROS_LOG_DIR": "/tmp"},
-        stdout=asyncio.subprocess.DEVNULL,
-        stderr=asyncio.subprocess.DEVNULL,
-    )
-    uri = f"http://127.0.0.1:{port}/"
-    try:
-        async with asyncio.timeout(60):
-            while True:
-                try:
-                    await request(uri, "getPid", "/test")
-                    break
-                except ConnectionError:
-                    await asyncio.sleep(0.05)
-        yield uri
-    finally:
-        process.kill()
-        await process.wait()
-
-
-@asynccontextmanager
 async def hub() -> AsyncIterator[str]:
     async with Hub(Settings(port=0, ros1=0, ros1_host="127.0.0.1")) as hub:
         assert hub.ros1 is not None
         yield hub.ros1.uri
 
 
-async def play(master: str) -> tuple[list[Any], dict[str, Any]]:
-    """Make all calls; return the answers, and what the nodes were told."""
+async def play(master: str) -> dict[str, Any]:
+    """Make all calls; return the answers, and what each node was told."""
     async with Node("/a", master) as a, Node("/b", master) as b:
         apis = {A: a.api, B: b.api}
         names = {a.api: A, b.api: B, master: "<master>"}
@@ -242,7 +217,11 @@ async def play(master: str) -> tuple[list[Any], dict[str, Any]]:
             except Exception as error:
                 answer = type(error).__name__
             answers.append(normal(answer, names))
-        return answers, normal({"a": await a.told(), "b": await b.told()}, names)
+        return {
+            "answers": answers,
+            "a": normal(await a.told(), names),
+            "b": normal(await b.told(), names),
+        }
 
 
 def normal(value: Any, names: dict[str, str]) -> Any:
@@ -260,19 +239,25 @@ def normal(value: Any, names: dict[str, str]) -> Any:
         case str():
             for uri, name in names.items():
                 value = value.replace(uri, name)
-            return value
+            return shortened(value)
+        case datetime():
+            return str(value)
     return value
 
 
-@pytest.mark.real_ros
-async def test_answers_are_those_of_rosmaster() -> None:
-    async with rosmaster() as theirs, hub() as ours:
-        (expected, told), (answers, known) = await asyncio.gather(play(theirs), play(ours))
+async def test_answers_are_those_of_rosmaster(answers: Answers, tmp_path: Path) -> None:
+    async def ask() -> dict[str, Any]:
+        with roscore(tmp_path) as environment:
+            return await play(environment["ROS_MASTER_URI"])
+
+    expected = await answers.once("all calls", ask)
+    async with hub() as ours:
+        found = await play(ours)
     faults = [
-        f"{str(call)[:200]}: expected {str(wanted)[:500]}, got {str(found)[:500]}"
-        for call, wanted, found in zip(CALLS, expected, answers, strict=True)
-        if wanted != found
+        f"{str(call)[:200]}: expected {str(wanted)[:500]}, got {str(got)[:500]}"
+        for call, wanted, got in zip(CALLS, expected["answers"], found["answers"], strict=True)
+        if wanted != got
     ]
     assert not faults, "\n".join(faults)
-    assert known == told
-    assert {"paramUpdate", "/t/one"} <= known["b"].keys()
+    assert (found["a"], found["b"]) == (expected["a"], expected["b"])
+    assert {"paramUpdate", "/t/one"} <= found["b"].keys()

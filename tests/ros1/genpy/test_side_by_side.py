@@ -9,7 +9,7 @@ import pytest
 from fibws.interfaces import Interfaces, builtin
 from fibws.interfaces.definition import Field
 
-from .conftest import Agree
+from .conftest import Agree, say
 
 INTERFACES = Interfaces()
 TYPES = [name for package in INTERFACES.packages() for name in INTERFACES.messages(package)]
@@ -29,21 +29,19 @@ def test_standard_messages_are_the_same(agree: Agree) -> None:
 
 
 def check_type(agree: Agree, type_: str) -> None:
-    agree(ABOUT.format(t=type_), type_)
-    agree(f"C({type_!r})._full_text")
-    agree(f"constants(C({type_!r}))")
     new = f"M({type_!r})"
-    for question in ("str({})", "repr({})", "packed({})", "parts({})"):
-        agree(question.format(new))
+    asked = [
+        *(ABOUT.format(t=type_), f"C({type_!r})._full_text", f"constants(C({type_!r}))"),
+        *(f"str({new})", f"repr({new})", f"packed({new})", f"parts({new})"),
+    ]
     chance = random.Random(type_)
     for _ in range(1 if len(INTERFACES.full_text(type_)) > LONG else 3):
         message = written(type_, chance)
-        agree(f"str({message})")
-        agree(f"parts({message})")
-        data = agree(f"packed({message})")
-        agree(f"parts({new}.deserialize({data}))")
-        agree(f"str({new}.deserialize({data}))")
-        agree(f"packed({new}.deserialize({data})) == {data}")
+        data = say(f"packed({message})")
+        read = f"{new}.deserialize({data})"
+        asked += [f"str({message})", f"parts({message})", f"packed({message})"]
+        asked += [f"parts({read})", f"str({read})", f"packed({read}) == {data}"]
+    agree.on_all(type_, asked, type_)
 
 
 @pytest.mark.parametrize("type_", ["roscpp/Empty", "roscpp/GetLoggers", "roscpp/SetLoggerLevel"])

@@ -1,4 +1,4 @@
-"""The same files read by ROS's own roslaunch, if that is installed."""
+"""Launch files are read as by ROS's own roslaunch."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 import yaml
+from recorded_answers import Answers
 
 from fibws.ros1.launch.reader import Reader
 
 from .conftest import FakeEnvironment
 
-PYTHON = "/usr/bin/python3"
 SCRIPT = """
 import contextlib, io, json, os, sys
 sys.argv[1:], files = [], json.loads(sys.argv[1])
@@ -227,35 +227,47 @@ TEXTS = [
 VALUES = ["given:=G"]
 
 
+class RealRoslaunch:
+    """What ROS's roslaunch reads in each of these files.
+
+    Args:
+        folder: the folder of the files.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        files = [[str(folder / f"{number}.launch"), VALUES] for number in range(len(TEXTS))]
+        done = subprocess.run(
+            ["/usr/bin/python3", "-c", SCRIPT, json.dumps(files)],
+            capture_output=True,
+            text=True,
+            env={
+                "PATH": os.environ["PATH"],
+                "HOME": "/home/me",
+                "ROS_MASTER_URI": "http://localhost:1",
+            },
+            check=True,
+        )
+        read = done.stdout.splitlines()[-1].replace(str(folder), FOLDER)
+        self.results: list[Any] = json.loads(read)
+
+
 @pytest.fixture(scope="module")
-def theirs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Any]]:
-    """The folder of the files, and the content of each as ROS's roslaunch reads it."""
-    if (
-        not Path(PYTHON).exists()
-        or subprocess.run([PYTHON, "-I", "-c", "import roslaunch"], capture_output=True).returncode
-    ):
-        pytest.skip("ROS's own roslaunch is not installed")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of all files."""
     folder = tmp_path_factory.mktemp("launch")
     (folder / "one.launch").write_text(INCLUDED)
     (folder / "t.txt").write_text("some text\n")
     (folder / "f.yaml").write_text("home: $(env HOME)\n")
-    files = []
     for number, text in enumerate(TEXTS):
         file = folder / f"{number}.launch"
         file.write_text(f"<launch>{text.replace(FOLDER, str(folder))}</launch>")
-        files.append([str(file), VALUES])
-    done = subprocess.run(
-        [PYTHON, "-c", SCRIPT, json.dumps(files)],
-        capture_output=True,
-        text=True,
-        env={
-            "PATH": os.environ["PATH"],
-            "HOME": "/home/me",
-            "ROS_MASTER_URI": "http://localhost:1",
-        },
-        check=True,
-    )
-    return folder, json.loads(done.stdout.splitlines()[-1])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def real_roslaunch(folder: Path) -> RealRoslaunch:
+    """ROS's roslaunch, needed for recording only."""
+    return RealRoslaunch(folder)
 
 
 class Real(FakeEnvironment):
@@ -274,19 +286,16 @@ class Real(FakeEnvironment):
             raise ValueError(str(error)) from None
 
 
-@pytest.mark.real_ros
-@pytest.mark.parametrize("number", range(len(TEXTS)), ids=TEXTS)
-def test_result_is_that_of_roslaunch(number: int, theirs: tuple[Path, list[Any]]) -> None:
-    folder, expected = theirs
+def read(file: Path) -> Any:
+    """Return what fibws reads in a file as `RealRoslaunch` has it; None if it is refused."""
     reader = Reader(Real(), {"given": "G"})
     try:
-        reader.read(str(folder / f"{number}.launch"))
+        reader.read(str(file))
     except (ValueError, subprocess.CalledProcessError):
-        assert expected[number] is None
-        return
+        return None
     launch = reader.launch
     nodes = [node for node in launch.nodes.values() if not node.is_test]
-    assert {
+    found = {
         "nodes": [
             [
                 *(node.package, node.type, node.name, node.namespace, node.args),
@@ -301,4 +310,15 @@ def test_result_is_that_of_roslaunch(number: int, theirs: tuple[Path, list[Any]]
         "cleared": launch.cleared,
         "warnings": len(launch.warnings),
         "steps": [[step.command, step.name] for step in launch.steps],
-    } == expected[number]
+    }
+    return json.loads(json.dumps(found).replace(str(file.parent), FOLDER))
+
+
+@pytest.mark.parametrize("number", range(len(TEXTS)), ids=TEXTS)
+def test_result_is_that_of_roslaunch(
+    number: int, folder: Path, answers: Answers, request: pytest.FixtureRequest
+) -> None:
+    expected = answers.of(
+        TEXTS[number], lambda: request.getfixturevalue("real_roslaunch").results[number]
+    )
+    assert read(folder / f"{number}.launch") == expected
