@@ -7,12 +7,12 @@ import os
 import random
 import signal
 import socket
-import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Self, TypeAlias
 
+import fork_server
 import pytest
 
 from fibws.hub import Hub, Settings
@@ -42,13 +42,10 @@ class Program:
     @classmethod
     async def start(cls, *arguments: str, **environment: str) -> Self:
         variables = {name: value for name, value in os.environ.items() if "FIBWS" not in name}
-        process = await asyncio.create_subprocess_exec(
-            sys.executable,
+        process = await fork_server.start(
             *("-W", "error", "-m"),
             *arguments,
             stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE,
             cwd=ROOT,
             env={**variables, **environment},
         )

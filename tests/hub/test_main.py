@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import fork_server
 import pytest
 from certificates import Authority
 from certificates import authority as authority
@@ -64,8 +65,8 @@ class Program:
 def running(*arguments: str, **environment: str) -> Iterator[Program]:
     """A hub in a process of its own; it does not outlive the block."""
     known = {name: value for name, value in os.environ.items() if not name.startswith("FIBWS_")}
-    process = subprocess.Popen(
-        [sys.executable, "-m", "fibws.hub", *arguments],
+    process = fork_server.popen(
+        ["-m", "fibws.hub", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -194,8 +195,8 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
     except BlockingIOError:
         pass
     os.set_blocking(writing, True)
-    process = subprocess.Popen(
-        [sys.executable, "-m", "fibws.hub", "--port", str(port)],
+    process = fork_server.popen(
+        ["-m", "fibws.hub", "--port", str(port)],
         stdout=writing,
         stderr=subprocess.PIPE,
         text=True,

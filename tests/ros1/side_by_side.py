@@ -7,15 +7,15 @@ import os
 import re
 import signal
 import subprocess
-import sys
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 from difflib import unified_diff
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
+import fork_server
 import pytest
 from recorded_answers import Answers
 from ros_masters import PYTHON, roscore
@@ -84,11 +84,19 @@ class World:
     """One of the two: how it starts a script, and what it has it know.
 
     Args:
+        start: starts a script; else as `asyncio.create_subprocess_exec`.
+        environment: the environment variables of all scripts.
         idle: seconds to wait before Ctrl-C.
     """
 
-    def __init__(self, command: list[str], environment: dict[str, str], *, idle: float = 0) -> None:
-        self._command = command
+    def __init__(
+        self,
+        start: Callable[..., Awaitable[asyncio.subprocess.Process]],
+        environment: dict[str, str],
+        *,
+        idle: float = 0,
+    ) -> None:
+        self._start_program = start
         self._environment = environment
         self._idle = idle
 
@@ -121,8 +129,7 @@ class World:
                 program.kill()
 
     async def _start(self, part: Part) -> _Program:
-        process = await asyncio.create_subprocess_exec(
-            *self._command,
+        process = await self._start_program(
             str(SCRIPTS / part.script),
             *part.arguments,
             stdin=asyncio.subprocess.DEVNULL,
@@ -266,7 +273,7 @@ def real_ros(folder: Path) -> Iterator[World]:
     """A roscore, and the messages of packages that Debian has not."""
     _generate(folder, "rospy_tutorials", "std_srvs", "trajectory_msgs", "turtlesim")
     with roscore(folder) as environment:
-        yield World([PYTHON], environment, idle=IDLE)
+        yield World(partial(asyncio.create_subprocess_exec, PYTHON), environment, idle=IDLE)
 
 
 @asynccontextmanager
@@ -275,7 +282,7 @@ async def our_ros() -> AsyncIterator[World]:
     async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
         kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
         environment = {**kept, "FIBWS_HUB": hub.url, "LANG": "C.UTF-8"}
-        yield World([sys.executable, "-m", "fibws.rospy"], environment)
+        yield World(partial(fork_server.start, "-m", "fibws.rospy"), environment)
 
 
 def _generate(folder: Path, *packages: str) -> None:

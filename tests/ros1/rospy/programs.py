@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
-import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from textwrap import dedent
+
+import fork_server
 
 from fibws.hub import Hub, Settings
 
@@ -74,8 +75,7 @@ class Programs:
     async def start(self, text: str, *arguments: str) -> Program:
         """Start a program with this text."""
         kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
-        process = await asyncio.create_subprocess_exec(
-            sys.executable,
+        process = await fork_server.start(
             "-c",
             f"from fibws.ros1 import finder; finder.install()\n{dedent(text)}",
             *arguments,
@@ -85,8 +85,6 @@ class Programs:
                 "PYTHONPATH": str(PYTHONPATH),
                 "PYTHONUNBUFFERED": "1",
             },
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE,
         )
         self._programs.append(Program(process))
         return self._programs[-1]
