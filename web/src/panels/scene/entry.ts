@@ -8,6 +8,8 @@ import {
   type Header,
   type Layer,
   type LayerKind,
+  NO_PROBLEMS,
+  type Places,
   type Settings,
   settingsOf,
   type View,
@@ -28,6 +30,22 @@ export interface State {
   readonly text: string;
 }
 
+/** Why a layer is wrong, in words; empty texts where it is not. */
+interface Faults {
+  /** Why there are no messages. */
+  readonly feed: string;
+  /** Why the last message could not be taken. */
+  readonly message: string;
+  /** Why the settings cannot be used. */
+  readonly settings: string;
+  /** Why there is no layer. */
+  readonly layer: string;
+  /** Why the last picture does not have it. */
+  readonly drawing: string;
+}
+
+const NO_FAULTS: Faults = { feed: "", message: "", settings: "", layer: "", drawing: "" };
+
 /** What entries share. */
 export interface Surroundings {
   readonly hub: Hub;
@@ -46,10 +64,7 @@ export class Entry {
   layer: Layer | undefined;
   readonly #scene: Surroundings;
   #stop: (() => void) | undefined;
-  /** Why there are no messages; why the last one could not be taken; why the layer is wrong. */
-  #faults = { feed: "", message: "", layer: "" };
-  #error = "";
-  #warning = "";
+  #faults = NO_FAULTS;
   /** When the newest message arrived, in ms since 1970; 0 before the first. */
   #arrived = 0;
   /** Its stamp, and when a message with that first arrived. */
@@ -102,8 +117,7 @@ export class Entry {
   async #make(): Promise<Layer> {
     const { hub, model, transforms, redraw } = this.#scene;
     const { topic, type, settings } = this;
-    const fail = (why: string): void => this.#fail("layer", why);
-    const context = { hub, model, topic, type, settings, transforms, redraw, fail };
+    const context = { hub, model, topic, type, settings, transforms, redraw };
     return this.layer ?? (await this.kind.make(context));
   }
 
@@ -169,9 +183,7 @@ export class Entry {
     this.pause();
     this.layer?.close();
     this.layer = undefined;
-    this.#faults = { feed: "", message: "", layer: "" };
-    this.#error = "";
-    this.#warning = "";
+    this.#faults = NO_FAULTS;
     this.#arrived = 0;
     this.#stamp = "";
   }
@@ -185,50 +197,56 @@ export class Entry {
     if (stamp === "" || stamp !== this.#stamp) this.#since = now;
     this.#stamp = stamp;
     this.#arrived = now;
-    this.#faults.feed = "";
+    this.#fail("feed", "");
     this.frame ||= header?.frame_id ?? "";
     this.#take(() => this.layer?.receive?.(message, now));
   }
 
   #take(receive: () => void): void {
-    try {
-      receive();
-      this.#faults.message = "";
-    } catch (error) {
-      this.#faults.message = (error as Error).message;
-    }
+    // A message that could be taken has been made ready for the settings, too.
+    if (this.#attempt("message", receive)) this.#fail("settings", "");
     this.#scene.redraw();
   }
 
-  #fail(what: "feed" | "message" | "layer", why: string): void {
-    this.#faults[what] = why;
+  /** Do something, and keep why it failed; return whether it did not. */
+  #attempt(what: keyof Faults, run: () => void): boolean {
+    try {
+      run();
+      this.#fail(what, "");
+      return true;
+    } catch (error) {
+      const { message } = error as Error;
+      if (this.#faults[what] !== message) console.debug(error);
+      this.#fail(what, message);
+      return false;
+    }
+  }
+
+  #fail(what: keyof Faults, why: string): void {
+    if (this.#faults[what] !== why) this.#faults = { ...this.#faults, [what]: why };
   }
 
   /** Settings have changed. */
   update(): void {
-    this.layer?.update?.();
+    this.#attempt("settings", () => this.layer?.update?.());
     this.#scene.redraw();
   }
 
   draw(view: View): void {
-    view.error = "";
-    view.warning = "";
-    try {
-      this.layer?.draw(view);
-    } catch (error) {
-      // One layer must not end the picture of all others.
-      view.error = (error as Error).message;
-      console.debug(error);
-    }
-    this.#error = view.error;
-    this.#warning = view.warning;
+    // One layer must not end the picture of all others.
+    this.#attempt("drawing", () => this.layer?.draw(view));
   }
 
-  /** The state at a time, in ms since 1970. `isPublished`: whether a node publishes the topic. */
-  state(now: number, isPublished: boolean): State {
+  /**
+   * The state at a time, in ms since 1970, whether or not anything is drawn.
+   *
+   * `isPublished`: whether a node publishes the topic; `places`: where frames are now.
+   */
+  state(now: number, isPublished: boolean, places: Places): State {
     if (!this.isOn) return { level: "off", text: "" };
-    const { feed, message, layer } = this.#faults;
-    const error = feed || message || layer || this.#error;
+    const { feed, message, settings, layer, drawing } = this.#faults;
+    const problems = this.layer?.problems(places) ?? NO_PROBLEMS;
+    const error = feed || message || settings || layer || drawing || problems.error;
     if (error !== "") return { level: "bad", text: error };
     const { isOwn = false, isStream = false } = this.kind;
     if (!isOwn && this.#arrived === 0) {
@@ -236,12 +254,12 @@ export class Entry {
       return { level: "warn", text };
     }
     const silence = now - this.#arrived;
-    if (this.#warning !== "") return { level: "warn", text: this.#warning };
+    if (problems.warning !== "") return { level: "warn", text: problems.warning };
     if (isStream && silence > SILENT) {
       return { level: "warn", text: `no message for ${Math.floor(silence / 1000)} s` };
     }
     const age = now - this.#since;
     const aged = this.kind.isEvent === true && age > AGED ? `, ${ago(age / 1000)}` : "";
-    return { level: "good", text: `${this.layer?.facts() ?? ""}${aged}` };
+    return { level: "good", text: `${this.layer?.facts(places) ?? ""}${aged}` };
   }
 }

@@ -67,8 +67,6 @@ export interface LayerContext {
   readonly transforms: TransformBuffer;
   /** The picture has changed: draw it soon. */
   redraw(): void;
-  /** Show why the layer is wrong, until it is called with an empty text. */
-  fail(why: string): void;
 }
 
 export interface Layer {
@@ -78,9 +76,15 @@ export interface Layer {
   receiveUpdate?(message: Fields, now: number): void;
   /** Draw what there is. */
   draw(view: View): void;
+  /**
+   * What is wrong with what it shows now.
+   *
+   * It is asked for again and again, also while nothing is drawn: keep no answer of `draw` for it.
+   */
+  problems(places: Places): Problems;
   /** What it shows, in words: `180 points, nearest 0.42 m at 12°`. */
-  facts(): string;
-  /** The settings have changed. */
+  facts(places: Places): string;
+  /** The settings have changed; throw an `Error` if they cannot be used. */
   update?(): void;
   /** What is under the pointer. */
   pick?(view: View, pointer: Pointer): Hit | undefined;
@@ -88,6 +92,8 @@ export interface Layer {
   extent?(view: View): Vector[];
   /** Settings that depend on messages, such as namespaces, and their elements. */
   controls?(): HTMLElement | undefined;
+  /** Update these elements, which are visible now. */
+  updateControls?(places: Places): void;
   /** The scene is hidden, and shown again: own subscriptions end, and begin. */
   pause?(): void;
   resume?(): void;
@@ -135,78 +141,113 @@ export interface Label {
   readonly color: string | undefined;
 }
 
-/** What a layer needs to draw one picture: the camera and the places of frames. */
-export class View {
-  readonly camera: Camera;
+/** What is wrong with what a layer shows, in words; empty if nothing is. */
+export interface Problems {
+  /** Why it, or a part of it, is not shown. */
+  readonly error: string;
+  /** Why it may not be where it is shown. */
+  readonly warning: string;
+}
+
+export const NO_PROBLEMS: Problems = { error: "", warning: "" };
+
+/** The first error and the first warning of several parts. */
+export function firstProblems(parts: Iterable<Problems>): Problems {
+  let { error, warning } = NO_PROBLEMS;
+  for (const part of parts) {
+    error ||= part.error;
+    warning ||= part.warning;
+  }
+  return { error, warning };
+}
+
+/** Where a frame is in the fixed frame, and what is wrong with that. */
+export interface Place extends Problems {
+  /** `undefined` if that is unknown, as the error says. */
+  readonly transform: Transform | undefined;
+}
+
+/** The places of messages that stay the same, by their headers, and the fixed frame they are in. */
+export type KnownPlaces = WeakMap<Header, { readonly target: string; readonly place: Place }>;
+
+/** The places of frames in the fixed frame. */
+export class Places {
   readonly fixedFrame: string;
+  readonly #transforms: TransformBuffer;
+  readonly #known: KnownPlaces;
+
+  constructor(fixedFrame: string, transforms: TransformBuffer, known: KnownPlaces) {
+    this.fixedFrame = fixedFrame;
+    this.#transforms = transforms;
+    this.#known = known;
+  }
+
+  /**
+   * Where the frame of a message is at the time of its stamp.
+   *
+   * If tf does not have that time, it is the nearest one. Pass the message's own header, since what
+   * has been found for it is kept.
+   */
+  locate(header: Header): Place {
+    const known = this.#known.get(header);
+    if (known?.target === this.fixedFrame) return known.place;
+    const { secs, nsecs } = header.stamp;
+    const { place, apart } = this.#lookup(header.frame_id, secs * 1000 + nsecs / 1e6);
+    if (apart > APART) {
+      const warning = `tf is ${(apart / 1000).toFixed(1)} s from the message's time`;
+      return { ...place, warning };
+    }
+    if (apart === 0) this.#known.set(header, { target: this.fixedFrame, place });
+    return place;
+  }
+
+  /** Where a frame is now. */
+  locateNow(frame: string): Place {
+    return this.#lookup(frame, 0).place;
+  }
+
+  /** As `locate`: where a layer draws a message. */
+  place(header: Header): Transform | undefined {
+    return this.locate(header).transform;
+  }
+
+  /** As `locateNow`: where a layer draws what moves with a frame. */
+  placeNow(frame: string): Transform | undefined {
+    return this.locateNow(frame).transform;
+  }
+
+  /** `apart` is how far the transforms are from the time, in ms; NaN if there are none. */
+  #lookup(frame: string, stamp: number): { place: Place; apart: number } {
+    const source = frameName(frame);
+    const warning = source === "" ? `no frame_id: shown in ${this.fixedFrame}` : "";
+    try {
+      const { fixedFrame } = this;
+      const { transform, apart } = this.#transforms.lookup(fixedFrame, source || fixedFrame, stamp);
+      return { place: { transform, error: "", warning }, apart };
+    } catch (error) {
+      if (!(error instanceof FrameError)) throw error;
+      return { place: { transform: undefined, error: error.message, warning }, apart: Number.NaN };
+    }
+  }
+}
+
+/** What a layer needs to draw one picture: the camera and the places of frames. */
+export class View extends Places {
+  readonly camera: Camera;
   /** Colours of the page's theme. */
   readonly theme: Theme;
   readonly labels: Label[] = [];
-  /** What is wrong with the layer that is drawn now: an error, or a warning. */
-  error = "";
-  warning = "";
-  readonly #transforms: TransformBuffer;
-  readonly #exact: WeakMap<object, { target: string; transform: Transform }>;
 
   constructor(
     camera: Camera,
     fixedFrame: string,
     theme: Theme,
     transforms: TransformBuffer,
-    exact: WeakMap<object, { target: string; transform: Transform }>,
+    known: KnownPlaces,
   ) {
+    super(fixedFrame, transforms, known);
     this.camera = camera;
-    this.fixedFrame = fixedFrame;
     this.theme = theme;
-    this.#transforms = transforms;
-    this.#exact = exact;
-  }
-
-  /**
-   * Where the frame of a message is in the fixed frame, at the time of its stamp.
-   *
-   * `undefined` if that is unknown: the layer's row says why. If tf does not have that time, it is
-   * the nearest one. Pass the message's own header, since what has been found for it is kept.
-   */
-  place(header: Header): Transform | undefined {
-    const known = this.#exact.get(header);
-    if (known?.target === this.fixedFrame) return known.transform;
-    const { secs, nsecs } = header.stamp;
-    const found = this.#lookup(header.frame_id, secs * 1000 + nsecs / 1e6);
-    if (found === undefined) return undefined;
-    if (found.apart === 0) {
-      this.#exact.set(header, { target: this.fixedFrame, transform: found.transform });
-    } else if (found.apart > APART) {
-      this.warning = `tf is ${(found.apart / 1000).toFixed(1)} s from the message's time`;
-    }
-    return found.transform;
-  }
-
-  /** Where a frame is now in the fixed frame; `undefined` if that is unknown. */
-  placeNow(frame: string): Transform | undefined {
-    return this.#lookup(frame, 0)?.transform;
-  }
-
-  /** As `placeNow`, but it is not wrong if that is unknown. */
-  placeIfKnown(frame: string): Transform | undefined {
-    const { error } = this;
-    const found = this.placeNow(frame);
-    this.error = error;
-    return found;
-  }
-
-  #lookup(frame: string, stamp: number): { transform: Transform; apart: number } | undefined {
-    const source = frameName(frame);
-    if (source === "") {
-      this.warning = `no frame_id: shown in ${this.fixedFrame}`;
-    }
-    try {
-      return this.#transforms.lookup(this.fixedFrame, source || this.fixedFrame, stamp);
-    } catch (error) {
-      if (!(error instanceof FrameError)) throw error;
-      this.error = error.message;
-      return undefined;
-    }
   }
 
   /** Write text at a place of the fixed frame. */

@@ -48,6 +48,7 @@ export class LayerList {
   update(): void {
     const now = Date.now();
     const { entries } = this.#scene;
+    const places = this.#scene.places();
     this.#empty.hidden = entries.length > 0;
     const published = new Set(
       this.#model.graph.value?.topics
@@ -56,7 +57,7 @@ export class LayerList {
     );
     for (const entry of entries) {
       const row = this.#row(entry);
-      const { level, text } = entry.state(now, published.has(entry.topic));
+      const { level, text } = entry.state(now, published.has(entry.topic), places);
       row.box.checked = entry.isOn;
       row.gear.hidden = !entry.isOn;
       if (!entry.isOn) {
@@ -64,6 +65,7 @@ export class LayerList {
         // Another layer has other ones.
         row.settings.replaceChildren();
       }
+      if (!row.settings.hidden) entry.layer?.updateControls?.(places);
       setAttribute(row.element, "data-level", level);
       setText(row.sign, SIGNS[level]);
       setText(row.text, text);
@@ -111,6 +113,7 @@ export class LayerList {
         onclick: () => {
           if (settings.childElementCount === 0) settings.append(...this.#settings(entry));
           this.#openSettings(row as Row, settings.hidden === true);
+          this.update();
         },
       },
       "⚙",

@@ -7,7 +7,16 @@ import { Camera, type Follow } from "./camera";
 import type { Color } from "./colors";
 import { Entry, type Surroundings } from "./entry";
 import { LAYER_KINDS } from "./kinds";
-import { type Hit, type Label, type LayerKind, type Pointer, type Theme, View } from "./layer";
+import {
+  type Hit,
+  type KnownPlaces,
+  type Label,
+  type LayerKind,
+  Places,
+  type Pointer,
+  type Theme,
+  View,
+} from "./layer";
 import { type Lines, renderer, Vertices } from "./renderer";
 import { frameName, TransformBuffer } from "./tf_buffer";
 
@@ -45,7 +54,7 @@ export class Scene implements Surroundings {
   onDrawn: () => void = () => undefined;
   readonly #ground = new Vertices();
   #groundKey = "";
-  #exact = new WeakMap<object, { target: string; transform: Transform }>();
+  readonly #known: KnownPlaces = new WeakMap();
   #theme: Theme | undefined;
   #view: View | undefined;
   #frame: number | undefined;
@@ -259,9 +268,14 @@ export class Scene implements Surroundings {
     });
   };
 
+  /** Where frames are now. */
+  places(): Places {
+    return new Places(this.fixedFrame, this.transforms, this.#known);
+  }
+
   #newView(): View {
     this.#theme ??= themeOf(this.canvas);
-    return new View(this.camera, this.fixedFrame, this.#theme, this.transforms, this.#exact);
+    return new View(this.camera, this.fixedFrame, this.#theme, this.transforms, this.#known);
   }
 
   #draw(): void {

@@ -367,7 +367,7 @@ export class Tools {
   draw(view: View): void {
     const mark = this.#mark;
     if (mark === undefined) return;
-    const model = view.placeIfKnown(mark.frame);
+    const model = view.placeNow(mark.frame);
     if (model === undefined) return;
     const { accent } = view.theme;
     const { scale } = this.#scene.camera;

@@ -2,7 +2,15 @@
 import type { Fields } from "../../../messages/reader";
 import { applied, type Vector } from "../../../transforms";
 import { parseColor } from "../colors";
-import type { Header, Layer, LayerContext, View } from "../layer";
+import {
+  type Header,
+  type Layer,
+  type LayerContext,
+  NO_PROBLEMS,
+  type Places,
+  type Problems,
+  type View,
+} from "../layer";
 import { floats } from "../message";
 import { renderer, Vertices } from "../renderer";
 
@@ -45,6 +53,11 @@ export class CameraInfo implements Layer {
     const count = this.#vertices.data.byteLength / 12;
     const color = parseColor(String(this.#context.settings.color));
     renderer.lines({ vertices: this.#vertices, count, pairs: true, width: 2, color }, model);
+  }
+
+  problems(places: Places): Problems {
+    const header = this.#message?.header as Header | undefined;
+    return header === undefined ? NO_PROBLEMS : places.locate(header);
   }
 
   facts(): string {

@@ -1,6 +1,14 @@
 /** The coordinate frames of tf: their axes, their names, and lines to their parents. */
 import { IDENTITY, type Transform, type Vector } from "../../../transforms";
-import type { Hit, Layer, LayerContext, Pointer, View } from "../layer";
+import {
+  type Hit,
+  type Layer,
+  type LayerContext,
+  NO_PROBLEMS,
+  type Pointer,
+  type Problems,
+  type View,
+} from "../layer";
 import { nearestPoint } from "../picking";
 import { renderer, Vertices } from "../renderer";
 import { Axes } from "./arrows";
@@ -21,8 +29,7 @@ export class Frames implements Layer {
     const found = new Map<string, Transform>();
     for (const name of transforms.names) {
       if (below !== "" && !this.#isBelow(name, below)) continue;
-      // Frames of another tree are not wrong: their own layers report them.
-      const place = view.placeIfKnown(name);
+      const place = view.placeNow(name);
       if (place !== undefined) found.set(name, place);
     }
     return found;
@@ -61,6 +68,11 @@ export class Frames implements Layer {
       width: 1,
       color,
     });
+  }
+
+  problems(): Problems {
+    // Frames of another tree are not wrong: the layers that need them report them.
+    return NO_PROBLEMS;
   }
 
   facts(): string {

@@ -2,7 +2,17 @@
 import type { Fields } from "../../../messages/reader";
 import type { Vector } from "../../../transforms";
 import { parseColor, percentiles } from "../colors";
-import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
+import {
+  firstProblems,
+  type Header,
+  type Hit,
+  type Layer,
+  type LayerContext,
+  type Places,
+  type Pointer,
+  type Problems,
+  type View,
+} from "../layer";
 import { floats } from "../message";
 import { corners, nearestPoint } from "../picking";
 import { type Paint, renderer, Vertices } from "../renderer";
@@ -84,6 +94,10 @@ export class LaserScan implements Layer {
       low,
       high,
     };
+  }
+
+  problems(places: Places): Problems {
+    return firstProblems(this.#scans.toReversed().map(({ header }) => places.locate(header)));
   }
 
   facts(): string {

@@ -3,7 +3,17 @@ import { plural } from "../../../format";
 import type { Fields } from "../../../messages/reader";
 import type { Vector } from "../../../transforms";
 import { parseColor } from "../colors";
-import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
+import {
+  type Header,
+  type Hit,
+  type Layer,
+  type LayerContext,
+  NO_PROBLEMS,
+  type Places,
+  type Pointer,
+  type Problems,
+  type View,
+} from "../layer";
 import type { Pose } from "../message";
 import { corners, nearestPoint } from "../picking";
 import { renderer, Vertices } from "../renderer";
@@ -61,6 +71,10 @@ export class Lines implements Layer {
       model,
     );
     this.#arrows.draw(model);
+  }
+
+  problems(places: Places): Problems {
+    return this.#header === undefined ? NO_PROBLEMS : places.locate(this.#header);
   }
 
   facts(): string {
@@ -132,6 +146,11 @@ export class GridCells implements Layer {
     const isClear = Number(this.#context.settings.alpha) < 1;
     const count = this.#cells.length;
     renderer.solids({ shape: "box", vertices: this.#vertices, count, isClear }, model);
+  }
+
+  problems(places: Places): Problems {
+    const header = this.#message?.header as Header | undefined;
+    return header === undefined ? NO_PROBLEMS : places.locate(header);
   }
 
   facts(): string {

@@ -12,8 +12,18 @@ import {
   type Vector,
 } from "../../../transforms";
 import type { Color } from "../colors";
-import type { Hit, Layer, LayerContext, Pointer, View } from "../layer";
-import { REACH } from "../layer";
+import {
+  firstProblems,
+  type Hit,
+  type Layer,
+  type LayerContext,
+  type Place,
+  type Places,
+  type Pointer,
+  type Problems,
+  REACH,
+  type View,
+} from "../layer";
 import {
   type InteractiveMarker,
   type InteractiveMarkerPose,
@@ -23,6 +33,7 @@ import {
   MarkerSet,
   nameOf,
   type Rgba,
+  type Shown,
   TYPES,
 } from "../marker_set";
 import type { Pose } from "../message";
@@ -65,10 +76,7 @@ export class Markers implements Layer {
 
   constructor(context: LayerContext) {
     this.#context = context;
-    this.#meshes = new Meshes(context.hub, () => {
-      context.fail(this.#meshes.fault);
-      context.redraw();
-    });
+    this.#meshes = new Meshes(context.hub, () => context.redraw());
     this.#set = new MarkerSet(
       (marker) => drawn(marker, this.#meshes),
       ({ vertices }) => vertices?.close(),
@@ -143,36 +151,39 @@ export class Markers implements Layer {
     );
   }
 
+  /** The markers whose namespaces are not hidden. */
+  get #visible(): Shown<Drawn>[] {
+    if (this.#context.settings.hidden === "") return [...this.#set];
+    const hidden = this.#hidden;
+    return [...this.#set].filter(({ marker }) => !hidden.has(settingName(marker.ns)));
+  }
+
   draw(view: View): void {
-    const hidden = this.#context.settings.hidden === "" ? new Set<string>() : this.#hidden;
-    /** Where frames are now. */
-    const frames = new Map<string, Transform | undefined>();
+    const locate = locator(view);
     const draws: (() => void)[] = [];
     this.#batch.begin();
-    for (const { marker, drawn } of this.#set) {
-      if (hidden.has(settingName(marker.ns))) continue;
-      const frame = this.#frameOf(marker, view, frames);
+    for (const { marker, drawn } of this.#visible) {
+      const frame = locate(marker).transform;
       if (frame === undefined) continue;
       const model = multiplied(frame, drawn.pose);
       for (const solid of drawn.solids) this.#batch.add(solid, model);
       if (drawn.draw !== undefined) draws.push(() => drawn.draw?.(model, view));
-      const why = invisible(marker);
-      if (why !== "") view.warning = why;
     }
     this.#batch.draw();
     for (const draw of draws) draw();
   }
 
-  /** The frame of a marker: where it was at the time of its stamp, or where it is now. */
-  #frameOf(
-    { header, frame_locked }: Marker,
-    view: View,
-    frames: Map<string, Transform | undefined>,
-  ): Transform | undefined {
-    if (!frame_locked) return view.place(header);
-    const { frame_id } = header;
-    if (!frames.has(frame_id)) frames.set(frame_id, view.placeNow(frame_id));
-    return frames.get(frame_id);
+  problems(places: Places): Problems {
+    const visible = this.#visible;
+    const locate = locator(places);
+    const meshes = new Set(visible.map(({ marker }) => marker.mesh_resource));
+    return firstProblems([
+      { error: this.#meshes.faultOf(meshes), warning: "" },
+      ...visible.map(({ marker }) => {
+        const { error, warning } = locate(marker);
+        return { error, warning: invisible(marker) || warning };
+      }),
+    ]);
   }
 
   facts(): string {
@@ -226,8 +237,9 @@ export class Markers implements Layer {
 
   pick(view: View, pointer: Pointer): Hit | undefined {
     let found: Hit | undefined;
+    const locate = locator(view);
     for (const { marker, drawn } of this.#set) {
-      const frame = this.#frameOf(marker, view, new Map());
+      const frame = locate(marker).transform;
       if (frame === undefined) continue;
       const model = multiplied(frame, drawn.pose);
       const near = nearestPoint(view, pointer, model, drawn.places, 3);
@@ -240,8 +252,9 @@ export class Markers implements Layer {
   }
 
   extent(view: View): Vector[] {
+    const locate = locator(view);
     return [...this.#set].flatMap(({ marker, drawn }) => {
-      const frame = this.#frameOf(marker, view, new Map());
+      const frame = locate(marker).transform;
       if (frame === undefined) return [];
       const model = multiplied(frame, drawn.pose);
       const { places } = drawn;
@@ -269,6 +282,21 @@ export class Markers implements Layer {
     this.#batch.close();
     this.#meshes.close();
   }
+}
+
+/** A function for the frame of a marker: where it was at the time of its stamp, or where it is now. */
+function locator(places: Places): (marker: Marker) => Place {
+  const now = new Map<string, Place>();
+  return ({ header, frame_locked }) => {
+    if (!frame_locked) return places.locate(header);
+    const { frame_id } = header;
+    let place = now.get(frame_id);
+    if (place === undefined) {
+      place = places.locateNow(frame_id);
+      now.set(frame_id, place);
+    }
+    return place;
+  };
 }
 
 /** A namespace as it is in the list of hidden ones. */

@@ -9,7 +9,17 @@ import {
   type Vector,
 } from "../../../transforms";
 import type { Palette } from "../colors";
-import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
+import {
+  type Header,
+  type Hit,
+  type Layer,
+  type LayerContext,
+  NO_PROBLEMS,
+  type Places,
+  type Pointer,
+  type Problems,
+  type View,
+} from "../layer";
 import { bytes } from "../message";
 import { Cells, renderer } from "../renderer";
 
@@ -89,6 +99,10 @@ export class OccupancyGrid implements Layer {
       },
       place,
     );
+  }
+
+  problems(places: Places): Problems {
+    return this.#header === undefined ? NO_PROBLEMS : places.locateNow(this.#header.frame_id);
   }
 
   facts(): string {

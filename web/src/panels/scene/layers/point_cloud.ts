@@ -2,7 +2,18 @@
 import type { Fields } from "../../../messages/reader";
 import { applied, type Transform, type Vector } from "../../../transforms";
 import { type Palette, parseColor, percentiles } from "../colors";
-import type { Header, Hit, Layer, LayerContext, Pointer, Settings, View } from "../layer";
+import {
+  firstProblems,
+  type Header,
+  type Hit,
+  type Layer,
+  type LayerContext,
+  type Places,
+  type Pointer,
+  type Problems,
+  type Settings,
+  type View,
+} from "../layer";
 import { matrixOf } from "../matrix";
 import { bytes, floats } from "../message";
 import { corners, nearestPoint } from "../picking";
@@ -287,11 +298,7 @@ export class PointCloud implements Layer {
     const newest = this.#newest;
     this.#clouds = this.#clouds.filter((each) => each !== last);
     last.vertices.close();
-    try {
-      this.receive(newest, last.arrived);
-    } catch (error) {
-      this.#context.fail((error as Error).message);
-    }
+    this.receive(newest, last.arrived);
   }
 
   draw(view: View): void {
@@ -306,8 +313,12 @@ export class PointCloud implements Layer {
       const every = packed.isThinned ? 1 : packed.every;
       renderer.points({ vertices, count, stride, offset, size, paint, every }, model);
     }
-    const fault = this.#clouds.at(-1)?.packed.fault ?? "";
-    if (fault !== "") view.warning = fault;
+  }
+
+  problems(places: Places): Problems {
+    const warning = this.#clouds.at(-1)?.packed.fault ?? "";
+    const located = this.#clouds.toReversed().map(({ header }) => places.locate(header));
+    return firstProblems([{ error: "", warning }, ...located]);
   }
 
   #paint(cloud: Cloud, model: Transform): Paint {

@@ -12,7 +12,17 @@ import {
   type Vector,
 } from "../../../transforms";
 import { type Color, parseColor } from "../colors";
-import type { Header, Hit, Layer, LayerContext, Pointer, View } from "../layer";
+import {
+  type Header,
+  type Hit,
+  type Layer,
+  type LayerContext,
+  NO_PROBLEMS,
+  type Places,
+  type Pointer,
+  type Problems,
+  type View,
+} from "../layer";
 import { floats, type Pose } from "../message";
 import { nearestPoint } from "../picking";
 import { renderer, Vertices } from "../renderer";
@@ -134,6 +144,10 @@ export class Poses implements Layer {
     }
     const count = this.#places.length / 3;
     renderer.lines({ vertices: this.#trail, count, width: 2, color: this.#color(0.7) });
+  }
+
+  problems(places: Places): Problems {
+    return this.#header === undefined ? NO_PROBLEMS : places.locate(this.#header);
   }
 
   facts(): string {

@@ -2,7 +2,15 @@
 import type { Fields } from "../../../messages/reader";
 import { applied, IDENTITY, type Vector } from "../../../transforms";
 import { parseColor } from "../colors";
-import type { Header, Layer, LayerContext, View } from "../layer";
+import {
+  type Header,
+  type Layer,
+  type LayerContext,
+  NO_PROBLEMS,
+  type Places,
+  type Problems,
+  type View,
+} from "../layer";
 import { renderer, Vertices } from "../renderer";
 import { FAN_STEPS, fan } from "./poses";
 
@@ -34,6 +42,10 @@ export class Point implements Layer {
     if (model !== undefined) {
       renderer.solids({ shape: "sphere", vertices: this.#vertices, count: 1 }, model);
     }
+  }
+
+  problems(places: Places): Problems {
+    return this.#header === undefined ? NO_PROBLEMS : places.locate(this.#header);
   }
 
   facts(): string {
@@ -88,6 +100,10 @@ export class Range implements Layer {
     renderer.mesh({ vertices: this.#vertices, count, color, isFlat: true }, model);
   }
 
+  problems(places: Places): Problems {
+    return this.#header === undefined ? NO_PROBLEMS : places.locate(this.#header);
+  }
+
   facts(): string {
     return this.#facts;
   }
@@ -136,6 +152,10 @@ export class Vectors implements Layer {
       const paint = parseColor(String(at === 0 ? color : turnColor));
       renderer.lines({ vertices, count: 2, width: 4, color: paint }, model);
     }
+  }
+
+  problems(places: Places): Problems {
+    return this.#header === undefined ? NO_PROBLEMS : places.locate(this.#header);
   }
 
   facts(): string {

@@ -5,7 +5,7 @@ import { dataClient } from "../../../messages/data_client";
 import type { Graph, TopicInfo } from "../../../model";
 import { applied, multiplied, type Transform, type Vector } from "../../../transforms";
 import type { Color } from "../colors";
-import type { Hit, Layer, LayerContext, Pointer, View } from "../layer";
+import type { Hit, Layer, LayerContext, Places, Pointer, Problems, View } from "../layer";
 import { floats } from "../message";
 import { nearestPoint } from "../picking";
 import { Meshes } from "../robot/mesh_client";
@@ -52,9 +52,7 @@ export class RobotModel implements Layer {
   readonly #chosen = new Map<string, number>();
   #positions = new Map<string, number>();
   /** Where links were when they were last drawn, in the fixed frame. */
-  #places = new Map<string, Transform>();
-  /** The joints that tf says nothing of. */
-  #loose: readonly Joint[] = [];
+  #drawn: ReadonlyMap<string, Transform> = new Map();
   /** The topics that are subscribed to. */
   #topics = { description: "", joints: "" };
   #ends: (() => void)[] = [];
@@ -71,15 +69,7 @@ export class RobotModel implements Layer {
   }
 
   #newMeshes(): Meshes {
-    return new Meshes(this.#context.hub, () => {
-      this.#report();
-      this.#context.redraw();
-    });
-  }
-
-  /** Show what is wrong with the description, or with a mesh. */
-  #report(): void {
-    this.#context.fail(this.#fault || this.#meshes.fault);
+    return new Meshes(this.#context.hub, () => this.#context.redraw());
   }
 
   resume(): void {
@@ -196,34 +186,52 @@ export class RobotModel implements Layer {
         this.#fault = `the description is invalid: ${(error as Error).message}`;
       }
     }
-    this.#report();
     this.#joint();
     this.#context.redraw();
   }
 
-  draw(view: View): void {
-    const model = this.#model;
-    if (model === undefined) return;
-    const { settings } = this.#context;
-    const prefix = settings.prefix === "" ? "" : `${settings.prefix}/`;
-    const known = new Set<string>();
-    this.#places = placesOf(model, this.#positions, (link) => {
-      const place = view.placeIfKnown(prefix + link);
-      if (place !== undefined) known.add(link);
-      return place;
-    });
-    this.#loose = model.joints.filter(
-      (joint) => moves(joint) && joint.mimic === undefined && !known.has(joint.child),
+  /** What comes before the names of links in tf. */
+  get #prefix(): string {
+    const { prefix } = this.#context.settings;
+    return prefix === "" ? "" : `${prefix}/`;
+  }
+
+  /** Where links are in the fixed frame, by tf or by the joints above them. */
+  #locate(places: Places): ReadonlyMap<string, Transform> {
+    if (this.#model === undefined) return new Map();
+    return placesOf(this.#model, this.#positions, (link) => places.placeNow(this.#prefix + link));
+  }
+
+  /** The joints that tf says nothing of. */
+  #looseJoints(places: Places): readonly Joint[] {
+    return (this.#model?.joints ?? []).filter(
+      (joint) =>
+        moves(joint) &&
+        joint.mimic === undefined &&
+        places.placeNow(this.#prefix + joint.child) === undefined,
     );
-    if (!known.has(model.root)) {
-      view.warning = `no tf for ${prefix}${model.root}: shown at the origin of ${view.fixedFrame}`;
-    }
-    this.#showControls();
+  }
+
+  problems(places: Places): Problems {
+    const root = this.#model?.root;
+    const isLost = root !== undefined && places.placeNow(this.#prefix + root) === undefined;
+    const origin = `the origin of ${places.fixedFrame}`;
+    const warning = isLost ? `no tf for ${this.#prefix}${root}: shown at ${origin}` : "";
+    const meshes = this.#parts.flatMap(({ geometry }) =>
+      geometry.kind === "mesh" ? [geometry.uri] : [],
+    );
+    return { error: this.#fault || this.#meshes.faultOf(new Set(meshes)), warning };
+  }
+
+  draw(view: View): void {
+    const { settings } = this.#context;
+    if (this.#model === undefined) return;
+    this.#drawn = this.#locate(view);
     const alpha = Number(settings.alpha);
     this.#batch.begin();
     for (const { link, isCollision, origin, color, geometry } of this.#parts) {
       if (settings[isCollision ? "collision" : "visual"] !== true) continue;
-      const place = this.#places.get(link) as Transform;
+      const place = this.#drawn.get(link) as Transform;
       const tint: Color = [color[0], color[1], color[2], color[3] * alpha];
       const solid = solidOf(geometry, origin, tint);
       if (solid !== undefined) this.#batch.add(solid, place);
@@ -235,12 +243,13 @@ export class RobotModel implements Layer {
     this.#batch.draw();
   }
 
-  facts(): string {
+  facts(places: Places): string {
     const model = this.#model;
     if (model === undefined) return `no robot is loaded: there is no ${this.#context.topic}`;
     const parts = [`${model.name || "robot"}: ${plural(model.links.size, "link")}`];
     const moving = model.joints.filter(moves).length;
-    if (moving > 0 && this.#loose.length === 0) parts.push(`${plural(moving, "joint")} by tf`);
+    if (moving > 0 && this.#looseJoints(places).length === 0)
+      parts.push(`${plural(moving, "joint")} by tf`);
     else if (moving > 0) {
       const from = this.#published.size > 0 ? `by ${this.#topics.joints}` : "by the sliders in ⚙";
       parts.push(`${plural(moving, "joint")} ${from}`);
@@ -250,14 +259,12 @@ export class RobotModel implements Layer {
   }
 
   controls(): HTMLElement {
-    this.#shown = "";
-    this.#showControls();
     return this.#element;
   }
 
   /** Sliders for joints that nobody moves, and what is missing. */
-  #showControls(): void {
-    const sliders = this.#published.size > 0 ? [] : this.#loose;
+  updateControls(places: Places): void {
+    const sliders = this.#published.size > 0 ? [] : this.#looseJoints(places);
     const faults = [...this.#meshes.faults].map(([uri, why]) => `${uri}: ${why}`);
     const key = JSON.stringify([sliders.map(({ name }) => name), faults]);
     if (key === this.#shown) return;
@@ -298,7 +305,7 @@ export class RobotModel implements Layer {
   }
 
   pick(view: View, pointer: Pointer): Hit | undefined {
-    const links = [...this.#places];
+    const links = [...this.#drawn];
     const numbers = links.flatMap(
       ([
         ,
@@ -316,9 +323,9 @@ export class RobotModel implements Layer {
     return { ...near, text: `link ${link}${at}` };
   }
 
-  extent(): Vector[] {
+  extent(view: View): Vector[] {
     const half = 0.2;
-    return [...this.#places.values()].flatMap((place) =>
+    return [...this.#locate(view).values()].flatMap((place) =>
       [-half, half].map((each) => applied(place, { x: each, y: each, z: each })),
     );
   }

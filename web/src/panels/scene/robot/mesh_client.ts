@@ -157,12 +157,13 @@ export class Meshes {
     if (!this.#isClosed) this.#onChange();
   }
 
-  /** The missing meshes in words; empty if there are none. */
-  get fault(): string {
-    const [first] = this.faults;
+  /** Those of some URIs that are missing, in words; empty if none is. */
+  faultOf(uris: ReadonlySet<string>): string {
+    const missing = [...this.faults].filter(([uri]) => uris.has(uri));
+    const [first] = missing;
     if (first === undefined) return "";
     const [uri, why] = first;
-    const others = this.faults.size - 1;
+    const others = missing.length - 1;
     return `${uri}: ${why}${others > 0 ? ` (and ${others} more meshes)` : ""}`;
   }
 
