@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+import pytest
 from playwright.async_api import Browser, Page, expect
 from websockets.asyncio.client import ClientConnection, connect
 
@@ -47,6 +48,7 @@ async def texts(page: Page) -> list[str]:
     return await page.locator(f"{ROWS} .text").all_inner_texts()
 
 
+@pytest.mark.smoke
 async def test_messages_are_listed_with_their_levels(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:

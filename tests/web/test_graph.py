@@ -81,6 +81,7 @@ async def middle(locator: Locator) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
+@pytest.mark.smoke
 async def test_publisher_topic_and_subscriber_are_drawn_from_left_to_right(
     hub: Hub, open_page: OpenPage
 ) -> None:

@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 
+import pytest
 from playwright.async_api import Page, expect
 
 import fibws
@@ -43,6 +44,7 @@ async def log_in(page: Page, token: str) -> None:
     await page.get_by_role("button", name="Log in").click()
 
 
+@pytest.mark.smoke
 async def test_page_logs_in_and_stays_logged_in(token_hub: TokenHub, open_page: OpenPage) -> None:
     page = await open_page(token_hub.hub, state="closed")
     await expect(page.get_by_label("Token", exact=True)).to_be_focused()

@@ -55,6 +55,7 @@ async def roslib(page: Page) -> None:
     await until(page, "'value' in (Object.getOwnPropertyDescriptor(window, 'ROSLIB') ?? {})")
 
 
+@pytest.mark.smoke
 async def test_empty_hub_shows_first_steps(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub)
     await expect(page.get_by_role("heading", name="This hub is empty")).to_be_visible()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import AsyncIterator
 
+import pytest
 from playwright.async_api import Locator, Page, expect
 
 import fibws
@@ -42,6 +43,7 @@ async def test_parameters_are_shown_by_namespace(
     await expect(leaf(page, "joints")).to_be_hidden()
 
 
+@pytest.mark.smoke
 async def test_value_is_changed_with_the_keyboard(
     open_page: OpenPage, hub: Hub, node: fibws.Node
 ) -> None:

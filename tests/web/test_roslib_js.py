@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import pytest
 from playwright.async_api import Browser
 
 import fibws
@@ -98,6 +99,7 @@ async def served(html: str) -> AsyncIterator[str]:
         yield f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
 
 
+@pytest.mark.smoke
 async def test_page_of_an_old_tutorial_works(
     browser: Browser, hub: Hub, complaints: Complaints
 ) -> None:

@@ -42,6 +42,7 @@ async def call(page: Page, a: str, b: str) -> None:
     await page.keyboard.press("Enter")
 
 
+@pytest.mark.smoke
 async def test_service_is_found_by_the_filter_and_called(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:

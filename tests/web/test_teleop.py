@@ -93,6 +93,7 @@ async def held(page: Page, x: float, y: float) -> AsyncIterator[None]:
     await page.mouse.up()
 
 
+@pytest.mark.smoke
 async def test_stick_drives_and_its_release_stops(
     hub: Hub, robot: Robot, open_page: OpenPage
 ) -> None:
