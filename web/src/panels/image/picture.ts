@@ -109,9 +109,10 @@ export class Picture {
     this.#isBusy = true;
     for (let next = this.#next; next !== undefined; next = this.#next) {
       this.#next = undefined;
+      // Also if it cannot be drawn: what is shown with other colours then is its fault.
+      this.#newest = next;
       try {
         await this.#draw(next.message, next.size);
-        this.#newest = next;
       } catch (error) {
         this.#fail((error as Error).message);
       } finally {
