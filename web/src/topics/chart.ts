@@ -118,6 +118,10 @@ export class Chart {
     this.#curves = curves;
     this.#style = style;
     this.#drawnFor = "";
+    // What was found out about others; it is found out again if these are drawn.
+    this.#axes = [];
+    this.isOffLogarithm = false;
+    this.hasFlatCurve = false;
   }
 
   /** Show the last `span` seconds before a time; while paused, with the time of day. */
