@@ -247,6 +247,19 @@ describe("Feed", () => {
     expect(FakeSocket.newest.sent.length).toBe(2);
   });
 
+  it("takes back that the connection was lost, also before there are messages", () => {
+    connected().subscribe(receiver);
+    FakeSocket.newest.open();
+    FakeSocket.newest.lose();
+    expect(receiver.faults).toEqual(["the connection was lost"]);
+    vi.runOnlyPendingTimers();
+    FakeSocket.newest.open();
+    expect(receiver.faults).toEqual(["the connection was lost", ""]);
+    const id = FakeSocket.newest.sent[0]?.id;
+    FakeSocket.newest.receive({ op: "status", id, level: "error", msg: "not allowed" });
+    expect(receiver.faults.at(-1)).toBe("not allowed");
+  });
+
   it("takes JSON from servers without fibws.v1", () => {
     connected().subscribe(receiver);
     const socket = FakeSocket.newest;

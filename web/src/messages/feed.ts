@@ -46,6 +46,8 @@ interface Entry {
   reader: Reader | undefined;
   /** The id of the topic in frames. */
   topicId: number | undefined;
+  /** Whether the subscriber was told last that the connection was lost. */
+  isLost: boolean;
 }
 
 export class Feed {
@@ -84,7 +86,7 @@ export class Feed {
   subscribe(subscriber: Subscriber): () => void {
     this.#ids += 1;
     const id = `feed:${this.#ids}`;
-    const entry: Entry = { id, subscriber, reader: undefined, topicId: undefined };
+    const entry: Entry = { id, subscriber, reader: undefined, topicId: undefined, isLost: false };
     this.#entries.set(id, entry);
     this.#request(entry);
     return () => {
@@ -101,7 +103,12 @@ export class Feed {
     socket.onopen = () => {
       this.#retryTime = MIN_RETRY;
       if (this.#token !== "") this.#send({ op: "auth", token: this.#token });
-      for (const entry of this.#entries.values()) this.#request(entry);
+      for (const entry of this.#entries.values()) {
+        // If there is another reason, the hub says it again.
+        if (entry.isLost) entry.subscriber.fail("");
+        entry.isLost = false;
+        this.#request(entry);
+      }
     };
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
       if (typeof data === "string")
@@ -113,6 +120,7 @@ export class Feed {
       this.#socket = undefined;
       for (const entry of this.#entries.values()) {
         entry.topicId = undefined;
+        entry.isLost = true;
         entry.subscriber.fail(reason || "the connection was lost");
       }
       if (code >= NO_RECONNECT) return;
