@@ -125,9 +125,10 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
     """Return a function that opens a hub's page: ``await open_page(hub, "#/topics", width=360)``.
 
     It returns once the page is connected, or has another ``state``. ``prepare`` is JavaScript that
-    runs before the page's own, ``address`` is the page's address if it is not the hub's own; other
-    keywords are those of playwright's ``new_context``, such as ``color_scheme="dark"``. The fixture
-    ``hub`` is requested so that it outlives all pages.
+    runs before the page's own, ``address`` is the page's address if it is not the hub's own. With
+    ``has_clock``, ``page.clock.run_for`` lets time pass in the page without waiting. Other keywords
+    are those of playwright's ``new_context``, such as ``color_scheme="dark"``. The fixture ``hub``
+    is requested so that it outlives all pages.
     """
     if not (BUILT / "index.html").exists() and not os.environ.get("CI"):
         pytest.skip("the page is not built: npm ci && npm run build, in web/")
@@ -141,6 +142,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
         prepare: str = "",
         address: str = "",
         state: str = "open",
+        has_clock: bool = False,
         **context: Any,
     ) -> Page:
         viewport: ViewportSize = {"width": width, "height": height}
@@ -148,6 +150,8 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
         own_context.set_default_timeout(TIMEOUT)
         page = await own_context.new_page()
         complaints.watch(page)
+        if has_clock:
+            await page.clock.install()
         await page.add_init_script(prepare)
         await page.goto(f"{address or web_address(hub)}/{route}")
         await page.wait_for_selector(f"#hub[data-state={state}]")
