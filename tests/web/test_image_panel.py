@@ -223,6 +223,8 @@ async def test_picture_is_zoomed_and_saved(
         assert image.convert("RGB").getpixel((WIDTH - 1, HEIGHT - 1)) == COLORS[3]
 
 
+# It measures CPU time, which is more on a busy machine.
+@pytest.mark.slow
 async def test_camera_costs_the_page_little(
     hub: Hub, camera: fibws.Node, open_page: OpenPage, browser: Browser
 ) -> None:

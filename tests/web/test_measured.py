@@ -10,6 +10,7 @@ import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import pytest
 from playwright.async_api import Browser, Page, expect
 from websockets.asyncio.client import ClientConnection, connect
 
@@ -65,6 +66,8 @@ async def graph(hub: Hub, nodes: int, topics: int) -> AsyncIterator[list[ClientC
             await client.close()
 
 
+# It measures elapsed time.
+@pytest.mark.slow
 async def test_ten_nodes_are_drawn_within_two_seconds(open_page: OpenPage, hub: Hub) -> None:
     async with graph(hub, nodes=10, topics=12):
         rounds = []
@@ -80,6 +83,8 @@ async def test_ten_nodes_are_drawn_within_two_seconds(open_page: OpenPage, hub: 
     raise AssertionError(rounds)
 
 
+# It measures the CPU time of tasks, which is more on a busy machine.
+@pytest.mark.slow
 async def test_large_graph_does_not_block_the_page(
     browser: Browser, open_page: OpenPage, hub: Hub
 ) -> None:
