@@ -8,6 +8,7 @@ import math
 import struct
 from collections.abc import AsyncIterator
 from contextlib import suppress
+from typing import Any
 
 import pytest
 from PIL import Image as pillow
@@ -255,15 +256,28 @@ async def test_camera_costs_the_page_little(
 
 
 class SlowLine:
-    """A proxy of a hub whose line to a page carries 10 Mbit/s, and keeps all that waits."""
+    """A proxy of a hub whose line to a page carries a piece on demand, and keeps the rest."""
 
-    BYTES_PER_SECOND = 10_000_000 / 8
     PIECE = 16_384
 
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
+        self._turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._tasks: set[asyncio.Task[Any] | None] = set()
         self.most_waiting = 0
         """The most bytes of serialized messages that have waited."""
+
+    def carry(self) -> None:
+        """Carry one piece of each connection that has some."""
+        self._turn.set_result(None)
+        self._turn = asyncio.get_running_loop().create_future()
+
+    async def close(self) -> None:
+        """Close all connections."""
+        tasks = [task for task in self._tasks if task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     async def open(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Connect a page with the hub."""
@@ -288,16 +302,23 @@ class SlowLine:
                     self.most_waiting = max(self.most_waiting, counted)
             waiting.put_nowait(b"")
 
-        async def carry() -> None:
+        async def carry_pieces() -> None:
             nonlocal counted
             while data := await waiting.get():
-                await asyncio.sleep(len(data) / self.BYTES_PER_SECOND)
+                await asyncio.shield(self._turn)
                 counted -= len(data)
                 writer.write(data)
             writer.close()
 
-        with suppress(ConnectionError):
-            await asyncio.gather(take_requests(), take_replies(), carry())
+        self._tasks.add(asyncio.current_task())
+        try:
+            with suppress(ConnectionError):
+                await asyncio.gather(take_requests(), take_replies(), carry_pieces())
+        finally:
+            for each in (to_hub, writer):
+                each.close()
+                with suppress(ConnectionError):
+                    await each.wait_closed()
 
 
 async def test_slow_line_shows_fewer_images_and_no_older_ones(
@@ -313,6 +334,8 @@ async def test_slow_line_shows_fewer_images_and_no_older_ones(
         nonlocal left
         async for _ in camera.rate(60):
             await topic.publish(image)
+            # Less than an image, so that images come faster than the line carries them.
+            line.carry()
             left -= 1
             if left == 0:
                 return
@@ -328,7 +351,9 @@ async def test_slow_line_shows_fewer_images_and_no_older_ones(
         left = 90
         await publishing
         await page.context.close()
+        await line.close()
     size = len(image.data) + 100
+    assert size > 2 * line.PIECE
     assert size < line.most_waiting <= 2 * size
 
 

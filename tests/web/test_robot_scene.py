@@ -135,8 +135,9 @@ def _are_near(found: dict[Any, tuple[float, float]], wanted: dict[Any, Any]) -> 
     )
 
 
-async def scene_of(open_page: OpenPage, hub: Hub, topic: str) -> Scene:
-    page = await open_page(hub, f"#/topics/{topic.replace('/', '%2F')}", width=1440)
+async def scene_of(open_page: OpenPage, hub: Hub, topic: str, **options: Any) -> Scene:
+    route = f"#/topics/{topic.replace('/', '%2F')}"
+    page = await open_page(hub, route, width=1440, **options)
     # The key keeps the distance, "2D" would show all there is.
     await page.get_by_role("group", name="Scene").focus()
     await page.keyboard.press("1")
@@ -173,7 +174,7 @@ async def test_markers_end_when_they_are_deleted_or_their_time_is_over(
     open_page: OpenPage, hub: Hub, robot: fibws.Node
 ) -> None:
     topic = await robot.advertise("/marker", Marker, peers=True)
-    scene = await scene_of(open_page, hub, "/marker")
+    scene = await scene_of(open_page, hub, "/marker", has_clock=True)
     async for names in topic.peers.changes():
         if names:
             break
@@ -183,10 +184,11 @@ async def test_markers_end_when_they_are_deleted_or_their_time_is_over(
     await topic.publish(cube(1, (1.0, -1.0), GREEN))
     await scene.shows({RED: (0, 0), GREEN: (1, -1)})
     short = cube(2, (0.0, 1.0), BLUE)
-    short.lifetime = fibws.Duration(0, 700_000_000)
+    short.lifetime = fibws.Duration(600)
     await topic.publish(short)
     # It comes and goes: what was published before stays.
     await scene.shows({RED: (0, 0), GREEN: (1, -1), BLUE: (0, 1)})
+    await scene.page.clock.fast_forward("10:00")
     await scene.shows({RED: (0, 0), GREEN: (1, -1)})
     await topic.publish(Marker(ns="", id=1, action=Marker.DELETE))
     await scene.shows({RED: (0, 0)})
