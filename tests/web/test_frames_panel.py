@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import re
 
 from playwright.async_api import expect
 
@@ -51,7 +52,7 @@ async def test_frames_are_shown_as_a_tree_with_their_faults(hub: Hub, open_page:
             rows = page.locator(".frames-tree li")
             await expect(rows.nth(4)).to_contain_text("static · /mount")
             await expect(rows.nth(3)).to_contain_text("/wheels")
-            await expect(rows.nth(3)).to_contain_text("20.", timeout=60_000)
+            await expect(rows.nth(3)).to_contain_text(re.compile(r"[1-9].* Hz"))
 
             cells = page.locator(".frames-transform tr").first
             await expect(cells).to_have_text("x, y, z3.0000.0000.000m")

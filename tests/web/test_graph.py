@@ -87,11 +87,11 @@ async def test_publisher_topic_and_subscriber_are_drawn_from_left_to_right(
 ) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
+        await expect(page.locator(".graph .edge")).to_have_count(2)
         talker, _ = await middle(element(page, "node", "/talker"))
         chatter, _ = await middle(element(page, "topic", "/chatter"))
         listener, _ = await middle(element(page, "node", "/listener"))
         assert talker < chatter < listener
-        await expect(page.locator(".graph .edge")).to_have_count(2)
 
 
 async def test_edges_show_rates(hub: Hub, open_page: OpenPage) -> None:
