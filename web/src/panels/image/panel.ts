@@ -101,7 +101,7 @@ class ImagePanel implements Panel {
   #zoom: number | undefined;
   #hz = 0;
   #counted = { shown: 0, at: 0 };
-  #describedAt = 0;
+  #describedAt = -Infinity;
   /** The point whose value is shown, in pixels of the image. */
   #cursor = { x: 0, y: 0 };
   #timer: number | undefined;
