@@ -602,10 +602,10 @@ async def test_goal_says_its_age_without_a_new_picture(
     topic = await robot.advertise("/goal", PoseStamped, latch=True)
     goal = PoseStamped(Header(frame_id="map", stamp=fibws.Time(100)))
     goal.pose.orientation.w = 1.0
-    await topic.publish(goal)
     page = await open_page(hub, "#/topics/%2Fgoal", width=1600, has_clock=True, prepare=COUNT_DRAWS)
     now = time.time()
     await page.clock.set_fixed_time(now)
+    await topic.publish(goal)
     await state(page, "/goal", "x 0.00, y 0.00 m, 0°")
     before = await at_rest(page)
     await page.clock.set_fixed_time(now + 40)
