@@ -1,6 +1,7 @@
 """The source of the Python class of one message, service or action.
 
-It is formatted as ruff does, so that a generated module may be checked in anywhere.
+It is formatted as ruff does, so that a generated module may be checked in anywhere. This module and
+all that it imports need only Python itself: packages of fibws are built where nothing else is.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from fibws.interfaces.definition import (
     Scalar,
     ServiceDefinition,
 )
-from fibws.interfaces.message import python_name
+from fibws.interfaces.python_names import python_name
 
 LINE_LENGTH = 100
 

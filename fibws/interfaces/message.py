@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import keyword
 from collections.abc import Callable, Mapping
 from dataclasses import Field, dataclass, fields
 from functools import cache, partial
@@ -26,29 +25,13 @@ from typing_extensions import TypeVar
 from fibws.interfaces import base64text
 from fibws.interfaces.catalogue import Definitions, Interfaces
 from fibws.interfaces.definition import MessageDefinition
+from fibws.interfaces.python_names import python_name, ros_name
 from fibws.interfaces.times import Duration, Time
 
 if TYPE_CHECKING:
     from fibws.interfaces.serialization import ClassCodec
 
 _Convert: TypeAlias = Callable[[Any], Any]
-
-RESERVED = frozenset(keyword.kwlist) | {
-    *("bool", "bytes", "float", "int", "list", "str"),
-    *("ClassVar", "dataclass", "field", "ros"),
-    *("from_dict", "to_dict"),
-}
-"""Names that a field cannot have in Python: a ``_`` is appended."""
-
-
-def python_name(name: str) -> str:
-    """The attribute for a field: ``from_`` for ``from``, and ``from__`` for ``from_``."""
-    return f"{name}_" if name.rstrip("_") in RESERVED else name
-
-
-def ros_name(attribute: str) -> str:
-    """The field's name for an attribute."""
-    return attribute[:-1] if attribute.rstrip("_") in RESERVED else attribute
 
 
 # Its subclasses are dataclasses without methods of their own for == and repr: to write those for

@@ -9,8 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 
-from pydantic_core import from_json
-
 from fibws.errors import DefinitionError
 from fibws.interfaces import builtin
 from fibws.interfaces.definition import (
@@ -211,6 +209,8 @@ def _default(field: Field, text: str) -> Scalar | tuple[Scalar, ...]:
         value = _scalar(field.type, _unquoted(text) if field.type in builtin.STRINGS else text)
         _check_limit(field, value)
         return value
+    from pydantic_core import from_json  # Builds of fibws parse definitions without this package.
+
     try:
         values = from_json(text)
     except ValueError:

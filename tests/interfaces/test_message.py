@@ -9,7 +9,7 @@ import pytest
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import Duration, Interfaces, Message, Time, Validators
-from fibws.interfaces.message import python_name, ros_name
+from fibws.interfaces.python_names import python_name, ros_name
 from fibws.msg import message_class
 from fibws.msg.geometry_msgs import Point, Polygon, PoseStamped
 from fibws.msg.sensor_msgs import Image, LaserScan, PointCloud
