@@ -40,7 +40,7 @@ BELOW = {
     "processes": set[str](),
     "access": {"errors", "files", "suggestions"},
     "bag_recorder": {"bags", "command_names", "errors"},
-    "interfaces": {"errors", "names", "suggestions"},
+    "interfaces": {"errors", "files", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "bags": {"errors", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},

@@ -9,6 +9,7 @@
     Interfaces ─ serialization, with serialization_code ─> ROS 1's bytes for dicts and objects
     Interfaces ─ cbor, json_text, long_integers ─> valid dicts as CBOR and JSON
     Interfaces ─ generator, with class_source ─> Python classes in fibws.msg, .srv and .action
+    generator ─ generated_modules ─> files of the standard packages' classes
     message, times ─> the base classes of messages and times
 
 There is no clock, no environment and no socket here. A type's file is read when it is first needed.

@@ -3,7 +3,7 @@
 Two commands:
 
     python -m fibws.interfaces.generator
-        writes fibws/msg/*.py, fibws/srv/*.py and fibws/action/*.py again
+        writes fibws/msg/*.py, fibws/srv/*.py and fibws/action/*.py, as builds of fibws do
     python -m fibws.interfaces.generator --interfaces FOLDER [--kind srv] PACKAGE
         prints one of the user's own
 """
@@ -15,13 +15,10 @@ from pathlib import Path
 from typing import TypeAlias
 
 from fibws.errors import FibwsError, InterfaceError
-from fibws.interfaces import class_source
+from fibws.interfaces import class_source, generated_modules
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import MessageDefinition, ServiceDefinition
 from fibws.interfaces.folders import KINDS, Kind
-
-MODULES = Path(__file__).parents[1]
-"""Where the folders are that hold the modules of the standard packages."""
 
 _Classes: TypeAlias = dict[str, list[str]]
 """The lines of classes, in order, by their names."""
@@ -82,7 +79,7 @@ def _actions(package: str, interfaces: Interfaces) -> tuple[_Classes, set[str]]:
 
 def _head(package: str, kind: Kind, imported: set[str], body: list[str]) -> Iterator[str]:
     plural = _PLURALS[kind]
-    yield f'"""The {plural} of {package}, written by fibws.interfaces.generator: do not edit."""'
+    yield f'"""The {plural} of {package}, {generated_modules.GENERATED}"""'
     yield from ("", "from __future__ import annotations", "")
     typed = [
         each for each in ("ClassVar", "TypeAlias") if any(f": {each}" in line for line in body)
@@ -142,19 +139,22 @@ def main(arguments: Sequence[str] | None = None) -> None:
         "--kind", choices=KINDS, default="msg", help="kind of types to print (default: %(default)s)"
     )
     options.add_argument("package", nargs="?", help="print its module; without: write them all")
+    options.add_argument(
+        "--into",
+        type=Path,
+        default=generated_modules.MODULES,
+        metavar="FOLDER",
+        help="without PACKAGE, write the modules into the folders msg, srv and action of FOLDER "
+        "(default: those of fibws)",
+    )
     chosen = options.parse_args(arguments)
     try:
         if chosen.package is not None:
             interfaces = Interfaces(chosen.interfaces)
             print(generate(chosen.package, interfaces, chosen.kind), end="")
             return
-        standard = Interfaces()
-        for kind in KINDS:
-            for package in standard.packages():
-                if standard.types(package, kind):
-                    path = MODULES / kind / f"{package}.py"
-                    path.write_text(generate(package, standard, kind), "utf-8")
-    except FibwsError as error:
+        generated_modules.write_modules(chosen.into)
+    except (FibwsError, OSError) as error:
         options.exit(1, f"{error}\n")
 
 

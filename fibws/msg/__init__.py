@@ -2,10 +2,10 @@
 
     from fibws.msg.std_msgs import Int32
 
-The standard packages are ordinary files here, written by `fibws.interfaces.generator`. A package of
-the user's own is written when it is imported, from the folders that the environment variable
-``FIBWS_INTERFACES`` names or that `add_folder` was given; it then also goes before a standard one
-of its name.
+The standard packages are ordinary files here, which builds of fibws write, and imports in a
+checkout (`fibws.interfaces.generated_modules`). A package of the user's own is written when it is
+imported, from the folders that the environment variable ``FIBWS_INTERFACES`` names or that
+`add_folder` was given; it then also goes before a standard one of its name.
 """
 
 import sys

@@ -1,6 +1,7 @@
 """Imports ``fibws.msg.<package>`` for packages that are in the user's folders.
 
-It does the same for the services in fibws.srv and the actions in fibws.action.
+It does the same for the services in fibws.srv and the actions in fibws.action. In a checkout of
+fibws, it also writes the modules of the standard packages that are missing or out of date.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import importlib
 import os
 from collections.abc import Sequence
 from importlib.machinery import ModuleSpec, PathFinder
+from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, cast
@@ -26,6 +28,9 @@ _PARENTS: dict[str, Kind] = {"fibws.msg": "msg", "fibws.srv": "srv", "fibws.acti
 
 VARIABLE = "FIBWS_INTERFACES"
 """The environment variable that names the user's folders, as PATH does."""
+
+IS_CHECKOUT = Path(__file__).parents[2].joinpath("hatch_build.py").exists()
+"""Whether the standard definitions may change: those of an installed package never do."""
 
 _interfaces = Interfaces()
 
@@ -98,18 +103,48 @@ class PackageFinder:
         if parent not in _PARENTS or package.startswith("_"):
             return None
         kind, interfaces = _PARENTS[parent], default_interfaces()
-        if interfaces.is_users(package):
-            if interfaces.types(package, kind):
-                return ModuleSpec(
-                    fullname, cast("Loader", _GeneratedLoader), origin="written by its import"
-                )
-        elif PathFinder.find_spec(fullname, path) is not None:
-            return None
+        is_users = interfaces.is_users(package)
+        if not is_users:
+            found = PathFinder.find_spec(fullname, path)
+            if found is not None and not _is_outdated(found, package, kind):
+                return None
+        if package in interfaces.packages() and interfaces.types(package, kind):
+            written = None if is_users else _write(fullname, package, kind)
+            return written or ModuleSpec(
+                fullname, cast("Loader", _GeneratedLoader), origin="written by its import"
+            )
         raise ModuleNotFoundError(
             f"No module named {fullname!r}: neither the standard packages nor the folders in "
             f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) hold {kind} files of {package}",
             name=fullname,
         )
+
+
+def _is_outdated(found: ModuleSpec, package: str, kind: Kind) -> bool:
+    """Return whether a module is of this checkout, and older than its definitions."""
+    if not IS_CHECKOUT:
+        return False
+    from fibws.interfaces import generated_modules
+
+    is_ours = found.origin == generated_modules.path(package, kind)
+    return is_ours and not generated_modules.is_current(package, kind)
+
+
+def _write(fullname: str, package: str, kind: Kind) -> ModuleSpec | None:
+    """Write a module of this checkout, and return its spec; None if it is not writable.
+
+    Raises:
+        InterfaceError: one of the package's definitions is wrong.
+    """
+    if not IS_CHECKOUT:
+        return None
+    from fibws.interfaces import generated_modules
+
+    try:
+        generated_modules.write_module(package, kind)
+    except OSError:
+        return None
+    return spec_from_file_location(fullname, generated_modules.path(package, kind))
 
 
 class _GeneratedLoader:
