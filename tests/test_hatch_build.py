@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 import re
 import shutil
+import subprocess
 import sys
 import tarfile
 import zipfile
@@ -61,6 +63,8 @@ match sys.argv[1:]:
 MODULE = re.compile("fibws/(msg|srv|action)/[^_/][^/]*[.]py")
 """The path of a generated module."""
 
+SYSTEM_PATH = os.environ["PATH"]
+
 PutPrograms = Callable[..., None]
 
 
@@ -73,9 +77,9 @@ def project(tmp_path: Path) -> Path:
         path = project / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("8")
-    for name in ["pyproject.toml", "hatch_build.py", "README.md", "LICENSE", ".gitignore"]:
+    names = ["pyproject.toml", "hatch_build.py", "README.md", "LICENSE"]
+    for name in [*names, ".gitignore"]:
         shutil.copy(ROOT / name, project)
-    (project / "fibws" / "__init__.py").write_text("__version__ = '1.0'")
     (project / "web/package.json").write_text(json.dumps(MANIFEST))
     return project
 
@@ -273,7 +277,7 @@ class TestPacking:
 
     def test_wheel_has_the_page_but_not_its_sources(self, project: Path) -> None:
         dist = {f"fibws/hub/page/{name}" for name in ("index.html", "assets/index.js", LICENSES)}
-        assert wheel_files(project) == {"fibws/__init__.py"} | dist
+        assert wheel_files(project) == {"fibws/__init__.py", "fibws/_version.py"} | dist
 
     def test_wheel_is_built_from_an_sdist_without_node(
         self, project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -372,6 +376,91 @@ class TestModules:
             self.modules(project)
         printed = "".join(capfd.readouterr())
         assert "Int32.msg" in printed and "int33" in printed and "Traceback" not in printed
+
+
+class TestVersion:
+    @pytest.fixture(autouse=True)
+    def programs(self, put_programs: PutPrograms) -> None:
+        put_programs(node=FAKE, npm=FAKE, git=f'#!/bin/sh\nPATH={SYSTEM_PATH} exec git "$@"\n')
+
+    def git(self, project: Path, *arguments: str) -> None:
+        user = ("-c", "user.name=Ada", "-c", "user.email=ada@example.org")
+        subprocess.run(["git", "-C", str(project), *user, *arguments], check=True)
+
+    @pytest.fixture
+    def repository(self, project: Path) -> Path:
+        self.git(project, "init", "--quiet")
+        self.commit(project)
+        return project
+
+    def commit(self, project: Path) -> None:
+        self.git(project, "add", ".")
+        self.git(project, "commit", "--quiet", "--allow-empty", "--message=change")
+
+    def version(self, project: Path) -> str:
+        """Return the version that a wheel's code has, which is the one in its file's name."""
+        wheel = built(project, WheelBuilder)
+        with zipfile.ZipFile(wheel) as archive:
+            names: dict[str, str] = {}
+            exec(archive.read("fibws/_version.py"), names)
+        assert wheel.name.split("-")[1] == names["__version__"]
+        return names["__version__"]
+
+    def test_version_without_a_tag_counts_the_commits(self, repository: Path) -> None:
+        assert re.fullmatch(r"0\.1\.0\.dev1\+g[0-9a-f]+", self.version(repository))
+
+    def test_version_is_the_tag(self, repository: Path) -> None:
+        self.git(repository, "tag", "v1.2.0")
+        assert self.version(repository) == "1.2.0"
+
+    def test_version_after_a_tag_precedes_the_next_one(self, repository: Path) -> None:
+        self.git(repository, "tag", "v1.2.0")
+        self.commit(repository)
+        assert re.fullmatch(r"1\.2\.1\.dev1\+g[0-9a-f]+", self.version(repository))
+
+    def test_shallow_clone_has_a_version(self, repository: Path, tmp_path: Path) -> None:
+        self.git(repository, "tag", "v1.2.0")
+        self.commit(repository)
+        shallow = tmp_path / "shallow"
+        self.git(repository, "clone", "--quiet", "--depth=1", f"file://{repository}", str(shallow))
+        with pytest.warns(UserWarning, match="shallow"):
+            version = self.version(shallow)
+        assert re.fullmatch(r"0\.1\.0\.dev1\+g[0-9a-f]+", version)
+
+    def test_archive_has_the_version_of_its_tag(self, repository: Path, tmp_path: Path) -> None:
+        for name in (".gitattributes", ".git_archival.txt"):
+            shutil.copy(ROOT / name, repository)
+        self.commit(repository)
+        self.git(repository, "tag", "v1.2.0")
+        self.git(repository, "archive", f"--output={tmp_path}/archive.tar", "HEAD")
+        with tarfile.open(tmp_path / "archive.tar") as archive:
+            archive.extractall(tmp_path / "unpacked", filter="data")
+        assert self.version(tmp_path / "unpacked") == "1.2.0"
+
+    def test_sdist_keeps_the_version(self, repository: Path, tmp_path: Path) -> None:
+        self.git(repository, "tag", "v1.2.0")
+        with tarfile.open(built(repository, SdistBuilder)) as sdist:
+            sdist.extractall(tmp_path / "unpacked", filter="data")
+        [unpacked] = (tmp_path / "unpacked").iterdir()
+        assert self.version(unpacked) == "1.2.0"
+
+    def test_version_is_unknown_without_git(self, project: Path) -> None:
+        assert self.version(project) == "0.1.0.dev0"
+
+    def test_editable_install_writes_the_version_into_the_checkout(self, repository: Path) -> None:
+        self.git(repository, "tag", "v1.2.0")
+        builder = WheelBuilder(str(repository))
+        assert not list(builder.build(versions=["editable"], hooks_only=True))
+        assert '"1.2.0"' in (repository / "fibws" / "_version.py").read_text()
+
+    def test_checkout_that_was_never_installed_has_no_version(self, tmp_path: Path) -> None:
+        (tmp_path / "fibws").mkdir()
+        for name in ("__init__.py", "__init__.pyi"):
+            shutil.copy(ROOT / "fibws" / name, tmp_path / "fibws")
+        program = "import fibws; print(fibws.__version__)"
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        assert (done.stdout, done.stderr) == ("0.1.0.dev0\n", "")
 
 
 class TestPackages:

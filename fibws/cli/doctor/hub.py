@@ -26,6 +26,8 @@ from fibws.errors import (
 )
 
 TOKENS = "How to create tokens: fibws token --help"
+UNKNOWN = {"0.0", "0.1.0.dev0"}
+"""The versions of builds that had no git, and of checkouts that were never installed."""
 ROUND_TRIPS = 5
 SLOW_ROUND_TRIP = 0.1
 """Seconds of a round trip that a person notices."""
@@ -142,11 +144,14 @@ def version(url: str) -> Finding:
             f"/healthz answers {status} without a version: {_first_line(body)}",
             "If it is another rosbridge server, some tools will not work with it.",
         )
+    text = f"The hub is fibws {theirs}, this is {__version__}"
+    if not UNKNOWN.isdisjoint((theirs, __version__)):
+        return ok("version", f"{text}; one was built without git and does not know its version")
     if theirs.split(".")[:2] == __version__.split(".")[:2]:
-        return ok("version", f"The hub is fibws {theirs}, this is {__version__}")
+        return ok("version", text)
     return warning(
         "version",
-        f"The hub is fibws {theirs}, this is {__version__}",
+        text,
         "Install the same version on both: python -m pip install --upgrade fibws",
     )
 
