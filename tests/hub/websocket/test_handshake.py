@@ -157,7 +157,7 @@ class TestHandshake:
         self, hub: Hub, headers: dict[str, str], status: int
     ) -> None:
         async with dialled(hub.port) as client:
-            await client.send(handshake(**headers))
+            await client.send(handshake("/healthz", **headers))
             assert (await client.response())[0] == status
 
     async def test_unknown_origin_is_refused_with_the_remedy(self, hub: Hub) -> None:
@@ -232,10 +232,10 @@ class TestPlainHttp:
         assert json.loads(body)["status"] == "ok"
 
     async def test_head_returns_the_headers_without_a_body(self, hub: Hub) -> None:
-        _, got, page = await _http(hub, "GET", "/")
-        status, head, body = await _http(hub, "HEAD", "/")
+        _, got, health = await _http(hub, "GET", "/healthz")
+        status, head, body = await _http(hub, "HEAD", "/healthz")
         assert (status, body) == (200, b"")
-        assert head["content-length"] == got["content-length"] == str(len(page))
+        assert head["content-length"] == got["content-length"] == str(len(health))
 
     async def test_unknown_path_is_404(self, hub: Hub) -> None:
         status, _, body = await _http(hub, "GET", "/nothing?x")
@@ -256,7 +256,7 @@ class TestPlainHttp:
     ) -> None:
         hub = await start_hub(close_timeout=0.1)
         async with dialled(hub.port) as client:
-            await client.send(b"GET / HTTP/1.1\r\n\r\n")
+            await client.send(b"GET /healthz HTTP/1.1\r\n\r\n")
             assert (await client.response())[0] == 200
             await until(lambda: not hub._connections)
 
