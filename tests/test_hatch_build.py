@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import gzip
 import json
 import os
@@ -23,7 +24,17 @@ import hatch_build
 from fibws.interfaces import Interfaces
 from fibws.interfaces.folders import KINDS, Kind
 from fibws.interfaces.generator import generate
-from hatch_build import DIGEST, LICENSES, NODE_WHEEL, Node, Page, PageError, run, satisfies
+from hatch_build import (
+    DIGEST,
+    LICENSES,
+    NODE_WHEEL,
+    SKIP_PAGE,
+    Node,
+    Page,
+    PageError,
+    run,
+    satisfies,
+)
 
 ROOT = Path(__file__).parents[1]
 WEB = ROOT / hatch_build.SOURCES
@@ -254,6 +265,14 @@ class TestNode:
         put_programs(node=FAKE, npm=FAKE)
         assert NODE_WHEEL not in WheelBuilder(str(project)).config.dependencies
 
+    def test_download_of_the_package_is_announced(
+        self, project: Path, put_programs: PutPrograms, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        put_programs()
+        assert NODE_WHEEL in WheelBuilder(str(project)).config.dependencies
+        printed = "".join(capfd.readouterr())
+        assert NODE_WHEEL in printed and SKIP_PAGE in printed
+
     @pytest.mark.usefixtures("no_package")
     def test_error_names_what_to_install(self, put_programs: PutPrograms) -> None:
         put_programs()
@@ -303,6 +322,61 @@ class TestPacking:
         (project / "web/src/main.ts").write_text("13")
         wheel_files(project)
         assert (project / "fibws/hub/page/index.html").read_text() == "made of 13"
+
+
+class TestSkippedPage:
+    @pytest.fixture(autouse=True)
+    def no_node(self, put_programs: PutPrograms, monkeypatch: pytest.MonkeyPatch) -> None:
+        put_programs()
+        monkeypatch.setenv(SKIP_PAGE, "1")
+
+    def test_wheel_is_built_without_node(
+        self, project: Path, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        assert NODE_WHEEL not in WheelBuilder(str(project)).config.dependencies
+        assert wheel_files(project) == {"fibws/__init__.py", "fibws/_version.py"}
+        assert SKIP_PAGE in "".join(capfd.readouterr())
+
+    def test_editable_install_needs_no_node(self, project: Path) -> None:
+        builder = WheelBuilder(str(project))
+        assert not list(builder.build(versions=["editable"], hooks_only=True))
+        assert not (project / "fibws/hub/page").exists()
+
+    def test_page_that_is_built_already_is_packed(
+        self, project: Path, put_programs: PutPrograms, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+        monkeypatch.delenv(SKIP_PAGE)
+        files = wheel_files(project)
+        monkeypatch.setenv(SKIP_PAGE, "1")
+        assert wheel_files(project) == files
+
+    @pytest.mark.parametrize("value", ["", "0"])
+    def test_variable_may_be_off(
+        self, project: Path, monkeypatch: pytest.MonkeyPatch, value: str
+    ) -> None:
+        monkeypatch.setenv(SKIP_PAGE, value)
+        assert NODE_WHEEL in WheelBuilder(str(project)).config.dependencies
+
+
+class TestPython:
+    def test_old_python_ends_the_build_with_one_line(
+        self, project: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(sys, "version_info", (3, 10, 12, "final", 0))
+        with pytest.raises(SystemExit) as error:
+            _ = WheelBuilder(str(project)).config.dependencies
+        assert error.value.code == "fibws needs Python 3.11 or newer, this is 3.10"
+
+    def test_required_python_is_that_of_the_package(self) -> None:
+        least = ".".join(map(str, hatch_build.PYTHON))
+        assert WheelBuilder(str(ROOT)).metadata.core.requires_python == f">={least}"
+        assert f'target-version = "py{least.replace(".", "")}"' in (
+            (ROOT / "pyproject.toml").read_text()
+        )
+
+    def test_hook_is_valid_in_old_pythons(self) -> None:
+        ast.parse(Path(hatch_build.__file__).read_text("utf-8"), feature_version=(3, 8))
 
 
 class TestModules:

@@ -83,8 +83,9 @@ NOT_BUILT = """\
 <meta name="color-scheme" content="light dark">
 <title>fibws hub</title>
 <h1>This is a fibws hub, without its page</h1>
-<p>Nodes and other clients can connect. The page that shows the graph has not been built in this
-checkout. Build it there, and start the hub again:</p>
+<p>Nodes and other clients can connect. The page that shows the graph was not built when fibws was
+installed. Install it again in its checkout, without <code>FIBWS_SKIP_PAGE</code>, and restart the
+hub:</p>
 <pre>python -m pip install -e .</pre>
 <p>How the hub is doing is at <a href="healthz">healthz</a>.</p>
 """

@@ -239,6 +239,12 @@ def test_health_is_served_without_the_built_page(path: str, status: int) -> None
         assert int(response.headers["Content-Length"]) > 0
 
 
+def test_missing_page_says_how_to_build_it() -> None:
+    response = requests({}).respond(Request("/", Headers(), "GET"))
+    assert response is not None and response.body is not None
+    assert b"FIBWS_SKIP_PAGE" in response.body and b"pip install" in response.body
+
+
 @pytest.mark.parametrize(
     "path",
     ["/", "/?node=x", "/roslib.js", "/roslib.js?v=2", "/healthz", "/healthz?x", "/nothing?x"],
