@@ -359,6 +359,7 @@ class TestSkippedPage:
         assert NODE_WHEEL in WheelBuilder(str(project)).config.dependencies
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")  # of shallow clones
 class TestPython:
     def test_old_python_ends_the_build_with_one_line(
         self, project: Path, monkeypatch: pytest.MonkeyPatch
@@ -535,6 +536,43 @@ class TestVersion:
         command = [sys.executable, "-c", program]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
         assert (done.stdout, done.stderr) == ("0.1.0.dev0\n", "")
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")  # of shallow clones
+class TestMetadata:
+    def test_description_has_no_relative_links(self) -> None:
+        description = WheelBuilder(str(ROOT)).metadata.core.readme
+        links = re.findall(r"\]\(([^)\s]*)", description)
+        links += re.findall(r"(?:src|href)=[\"']([^\"']*)", description)
+        assert len(links) > 20
+        assert [link for link in links if not link.startswith(("https://", "http://"))] == []
+
+    def test_links_of_the_description_lead_to_files_and_headings(self) -> None:
+        description = WheelBuilder(str(ROOT)).metadata.core.readme
+        own = r"\((https://[\w.]+/fibws/fibws(?:/(?:blob/)?HEAD)?/?)([^)#]*)#?([^)]*)"
+        found = re.findall(own, description)
+        assert {path.rpartition(".")[2] for _, path, _ in found} >= {"png", "md", ""}
+        for address, path, heading in found:
+            assert (ROOT / path).exists()
+            assert ("raw.githubusercontent.com" in address) is path.endswith(".png")
+            if not path:
+                text = heading.replace("-", "[ -]")
+                assert re.search(rf"^#+ {text}$", description, re.MULTILINE | re.IGNORECASE)
+
+    def test_packages_pass_the_check_for_pypi(
+        self, project: Path, put_programs: PutPrograms
+    ) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+        packages = [str(built(project, kind)) for kind in (WheelBuilder, SdistBuilder)]
+        command = [sys.executable, "-m", "twine", "check", "--strict", *packages]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def test_classifiers_name_the_supported_pythons(self) -> None:
+        core = WheelBuilder(str(ROOT)).metadata.core
+        start = "Programming Language :: Python :: 3."
+        minors = [int(each.removeprefix(start)) for each in core.classifiers if start in each]
+        assert minors == list(range(hatch_build.PYTHON[1], max(minors) + 1))
 
 
 class TestPackages:
