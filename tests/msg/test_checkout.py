@@ -77,11 +77,11 @@ def checkout(tmp_path: Path) -> Checkout:
     ("kind", "package", "name"),
     [("msg", "std_msgs", "Int32"), ("srv", "std_srvs", "Empty"), ("action", "tf2_msgs", "*")],
 )
-def test_missing_module_is_written(checkout: Checkout, kind: str, package: str, name: str) -> None:
+def test_missing_module_is_written(checkout: Checkout, kind: Kind, package: str, name: str) -> None:
     program = f"from fibws.{kind}.{package} import {name}; import fibws.{kind}.{package} as module"
     module = checkout.package / kind / f"{package}.py"
     assert checkout.run(f"{program}\nprint(module.__file__)") == str(module)
-    assert module.read_text() == (PACKAGE / kind / f"{package}.py").read_text()
+    assert module.read_text() == generate(package, Interfaces(), kind)
 
 
 def test_module_follows_its_definition(checkout: Checkout) -> None:
