@@ -80,6 +80,13 @@ def test_services_of_compose_run_programs_of_the_image() -> None:
         assert (ROOT / words[2].replace(".", "/")).with_suffix(".py").exists() or name == "hub"
 
 
+def test_generated_files_are_not_sent_to_docker() -> None:
+    sent = (ROOT / ".dockerignore").read_text("utf-8").splitlines()
+    for pattern in (ROOT / ".gitignore").read_text("utf-8").splitlines():
+        if pattern.startswith("/fibws/"):
+            assert pattern.strip("/").replace("[!", "[^") in sent
+
+
 def test_files_that_the_image_copies_are_sent_to_docker() -> None:
     sent = (ROOT / ".dockerignore").read_text("utf-8").splitlines()
     copied = re.findall(r"^COPY (?!--from)(.*) \S+$", (ROOT / "Dockerfile").read_text(), re.M)
