@@ -22,9 +22,9 @@ _PATIENT: dict[str, Any] = {
     "deadline": None,
     "suppress_health_check": [HealthCheck.too_slow],
 }
-settings.register_profile("dev", max_examples=20, **_PATIENT)
-settings.register_profile("ci", max_examples=20, **_PATIENT)
-settings.load_profile("ci" if os.environ.get("CI") else "dev")
+settings.register_profile("landing", max_examples=20, derandomize=True, **_PATIENT)
+settings.register_profile("thorough", max_examples=100, print_blob=True, **_PATIENT)
+settings.load_profile("landing")
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
 StartHub = Callable[..., Awaitable[Hub]]

@@ -34,6 +34,7 @@ def test_api_page_has_all_public_names() -> None:
     assert sorted(names) == sorted(fibws.__all__)
 
 
+@pytest.mark.slow  # MkDocs imports all of fibws, for 7 s of CPU time.
 def test_site_has_the_readme_and_docstrings(tmp_path: Path) -> None:
     pytest.importorskip("mkdocs")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]

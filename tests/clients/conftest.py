@@ -5,12 +5,16 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import shutil
 from collections.abc import Callable
+from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+from filelock import FileLock
 
 from .casts import Cast
 from .runtimes import CHROMIUM
@@ -51,18 +55,27 @@ def _versions(lock: Path) -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
-def observe(request: pytest.FixtureRequest) -> Observe:
-    """The observations of a client, whose scenarios run once for all tests."""
-    observed: dict[Cast, Observations] = {}
+def observe(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, worker_id: str
+) -> Observe:
+    """The observations of a client, whose scenarios run once for all tests of all workers."""
+    folder = tmp_path_factory.getbasetemp()
+    if worker_id != "master":
+        folder = folder.parent  # which the workers share
 
+    @cache
     def observe(cast: Cast) -> Observations:
-        if cast not in observed:
-            if cast.library != "roslibpy":
-                request.getfixturevalue("npm_packages")
-            if cast.runtime == "Chromium" and CHROMIUM is None:
-                _lack("there is no Chromium here")
-            observed[cast] = asyncio.run(play(cast))
-        return observed[cast]
+        if cast.library != "roslibpy":
+            request.getfixturevalue("npm_packages")
+        if cast.runtime == "Chromium" and CHROMIUM is None:
+            _lack("there is no Chromium here")
+        name = re.sub(r"\W", "_", f"{cast} {' '.join(cast.scenarios)}")
+        file = folder / f"{name}.json"
+        with FileLock(file.with_suffix(".lock")):
+            if not file.exists():
+                observed = asyncio.run(play(cast))
+                file.write_text(json.dumps(asdict(observed)))
+        return Observations(**json.loads(file.read_text()))
 
     return observe
 
