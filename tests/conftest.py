@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.database import DirectoryBasedExampleDatabase
 from recorded_answers import add_option, select_tests
 from recorded_answers import answer_files as answer_files
 from recorded_answers import answers as answers
@@ -23,7 +24,14 @@ _PATIENT: dict[str, Any] = {
     "suppress_health_check": [HealthCheck.too_slow],
 }
 settings.register_profile("landing", max_examples=20, derandomize=True, **_PATIENT)
-settings.register_profile("thorough", max_examples=100, print_blob=True, **_PATIENT)
+settings.register_profile(
+    "thorough",
+    max_examples=100,
+    derandomize=False,  # Hypothesis sets this and the next where the variable CI is set.
+    database=DirectoryBasedExampleDatabase(".hypothesis/examples"),
+    print_blob=True,
+    **_PATIENT,
+)
 settings.load_profile("landing")
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]

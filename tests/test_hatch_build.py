@@ -42,7 +42,7 @@ MANIFEST = json.loads((WEB / "package.json").read_text())
 PACKAGES = json.loads((WEB / "package-lock.json").read_text())["packages"]
 LIMIT = 280 * 1024
 """Of all files; most of them are fetched when what they show is first opened."""
-SCENE_LIMIT = 25 * 1024
+SCENE_LIMIT = 26 * 1024
 """Of what the first picture of a scene needs; rarer layers are loaded when they are shown."""
 
 FAKE = f"""\
