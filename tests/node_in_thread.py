@@ -7,9 +7,9 @@ import threading
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 
-import fibws
+from patience import PATIENCE
 
-PATIENCE = 60
+import fibws
 
 ACTION_TOPICS = {
     "goal": "actionlib_tutorials/FibonacciActionGoal",

@@ -14,11 +14,11 @@ from typing import Self, TypeAlias
 
 import fork_server
 import pytest
+from patience import PATIENCE
 
 from fibws.hub import Hub, Settings
 
 ROOT = Path(__file__).parents[1]
-PATIENCE = 60
 
 
 def free_port() -> int:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 from fibws.bag_recorder import (
     MESSAGE_COST,
@@ -30,7 +31,6 @@ from fibws.errors import BagError
 
 SECOND = 10**9
 START = 1_700_000_000 * SECOND
-PATIENCE = 60
 LOG = logging.getLogger("test_bag_recorder")
 
 

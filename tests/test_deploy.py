@@ -17,6 +17,7 @@ from urllib.parse import quote
 import pytest
 import yaml
 from conftest import StartHub
+from patience import PATIENCE
 from prometheus_client.parser import text_string_to_metric_families
 from running_programs import free_port
 from websockets.datastructures import Headers
@@ -35,7 +36,6 @@ KUBERNETES: dict[str, dict[str, Any]] = {
     for each in yaml.safe_load_all((DEPLOY / "kubernetes" / "fibws.yaml").read_text("utf-8"))
 }
 UNIT = DEPLOY / "fibws-hub.service"
-PATIENCE = 60
 SHELL_VARIABLE = re.compile(r"\$\{\w+:-(\w+)\}")
 
 

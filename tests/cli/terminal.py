@@ -8,7 +8,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-PATIENCE = 60
+from patience import PATIENCE
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -12,10 +12,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from hub_in_thread import HubThread, Publish
+from patience import PATIENCE
 
 from fibws.cli.commands import command
 
-from .terminal import PATIENCE, Terminal
+from .terminal import Terminal
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such shells")
 

@@ -14,13 +14,13 @@ from typing import TypeAlias
 import pytest
 from click.testing import CliRunner, Result
 from hub_in_thread import HubThread
+from patience import PATIENCE
 from running_programs import free_port
 
 from fibws.cli import core as module
 from fibws.cli.commands import command
 from fibws.client.hub_client import HubClient
 
-PATIENCE = 60
 PORT = 65001
 """A port without a hub."""
 

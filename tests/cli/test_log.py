@@ -11,13 +11,13 @@ from typing import Any, TypeAlias
 
 import pytest
 from hub_in_thread import HubThread, Run
+from patience import PATIENCE
 from running_programs import Start
 
 from fibws.cli.log import log_line
 from fibws.client.hub_client import HubClient
 
 DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
-PATIENCE = 60
 Logged: TypeAlias = Callable[..., None]
 
 

@@ -13,11 +13,11 @@ from typing import TypeAlias
 
 import pytest
 from click.testing import CliRunner, Result
+from patience import PATIENCE
 
 from fibws.cli import run as module
 from fibws.cli.commands import command
 
-PATIENCE = 60
 FIBWS = [sys.executable, "-P", "-m", "fibws"]
 MANIFEST = """\
 <package format="2">

@@ -17,6 +17,7 @@ import click
 import pytest
 from click.testing import CliRunner
 from hub_in_thread import Publish, Run
+from patience import PATIENCE
 from recorded_answers import Answers
 
 from fibws.cli import output
@@ -34,7 +35,6 @@ from fibws.values.yaml_text import Style, message_text, value_text
 
 PYTHON = "/usr/bin/python3"
 SCRIPT = Path(__file__).with_name("rostopic_says.py")
-PATIENCE = 60
 NOW = 1_700_000_000_123_456_789
 
 Ask: TypeAlias = Callable[..., Any]

@@ -12,13 +12,13 @@ from resource import RUSAGE_CHILDREN, getrusage
 
 import pytest
 from hub_in_thread import HubThread, Publish
+from patience import PATIENCE
 
 SLOW = {"asyncio", "cbor2", "fibws.hub", "fibws.interfaces", "fibws.msg", "fibws.node.node"}
 SLOW |= {"multiprocessing", "pydantic", "pydantic_core", "rich", "ssl", "unittest", "yaml"}
 MAX_RATIO = 1.3
 """Maximum ratio of the CPU times of ``fibws topic echo -n 1`` and a bare script."""
 ROUNDS = 7
-PATIENCE = 60
 
 BARE = """
 import asyncio, json, sys, websockets

@@ -10,11 +10,11 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Self
 
+from patience import PATIENCE
+
 from fibws import Node
 
 from .casts import Program
-
-PATIENCE = 60
 
 
 class Hub:

@@ -9,6 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from patience import PATIENCE
+
 from fibws.access.rights import RIGHTS, Rights
 from fibws.access.token_file import TokenFile
 
@@ -16,7 +18,8 @@ from . import runtimes
 from .casts import Cast
 from .programs import Hub, running
 
-PATIENCE = 120
+PLAY_PATIENCE = 1.5 * PATIENCE
+"""Seconds for all scenarios of a cast, each of which gives up by itself after `PATIENCE`."""
 
 
 @dataclass
@@ -53,7 +56,7 @@ async def play(cast: Cast) -> Observations:
             await stack.enter_async_context(running(cast.programs, hub.url))
         await stack.enter_async_context(runtimes.run(cast, url, lines.put_nowait))
         try:
-            async with asyncio.timeout(PATIENCE):
+            async with asyncio.timeout(PLAY_PATIENCE):
                 await _watch(lines, hub, observations)
         except TimeoutError:
             pass  # The test of each unfinished scenario fails.

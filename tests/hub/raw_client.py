@@ -12,11 +12,11 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any
 
+from patience import PATIENCE
+
 from fibws.hub import Hub
 
 TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
-PATIENCE = 60
-"""Seconds after which a test gives up waiting."""
 PATIENT = 600.0
 """Seconds: a timeout that must not matter to the test."""
 

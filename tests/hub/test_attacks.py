@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 from conftest import Faults, StartHub
+from patience import PATIENCE
 from websockets.exceptions import InvalidStatus
 
 from fibws.access.token_file import Tokens
@@ -28,7 +29,7 @@ from fibws.interfaces.serialization import Serializers
 from fibws.protocol.serialized import publish_head
 
 from .raw_client import until
-from .token_clients import PATIENCE, Client, World, closing, entering, entry
+from .token_clients import Client, World, closing, entering, entry
 
 INT32 = "std_msgs/Int32"
 ADD, EMPTY, LOG = "rospy_tutorials/AddTwoInts", "std_srvs/Empty", "rosgraph_msgs/Log"

@@ -24,6 +24,7 @@ import pytest
 from certificates import Authority
 from certificates import authority as authority
 from click.testing import CliRunner
+from patience import PATIENCE
 from running_programs import free_port
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.sync.client import ClientConnection, connect
@@ -33,8 +34,6 @@ from fibws import __version__
 from fibws.hub import Settings
 from fibws.hub.__main__ import command
 from fibws.hub.settings import flag_of
-
-PATIENCE = 60
 
 
 class Program:

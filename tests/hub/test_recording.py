@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.bags import open_reader
@@ -23,8 +24,6 @@ from fibws.srv.fibws_msgs import GetRecording
 from fibws.srv.std_srvs import Trigger
 
 from .token_clients import entry
-
-PATIENCE = 60
 
 
 def settings(folder: Path, **others: Any) -> Settings:

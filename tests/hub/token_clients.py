@@ -21,9 +21,6 @@ def entry(name: str, more: str) -> str:
     return f'[tokens.{name}]\nsha256 = "{digest_of(name)}"\n{more}\n'
 
 
-PATIENCE = 60
-
-
 class Client:
     """A client of the hub that is one principal.
 

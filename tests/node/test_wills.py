@@ -7,12 +7,11 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
 
 import fibws
 from fibws.errors import InvalidMessage, NodeClosed
 from fibws.msg.std_msgs import Int32, String
-
-PATIENCE = 60
 
 
 async def test_will_is_published_when_the_node_ends(start_hub: StartHub) -> None:

@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from cli.terminal import PATIENCE, ROOT, Terminal
+from cli.terminal import ROOT, Terminal
+from patience import PATIENCE
 
 TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text("utf-8")
 WITHOUT_BASH = TUTORIAL.index("## Without bash")

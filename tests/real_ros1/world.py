@@ -12,8 +12,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Self
 
-PATIENCE = 60
-"""Seconds after which a program is taken to be stuck."""
+from patience import PATIENCE
+
 NEEDED = [
     *("/usr/bin/rosbag", "/usr/bin/roslaunch", "/usr/bin/rosrun", "/usr/bin/rostopic"),
     *("/usr/lib/topic_tools/relay", "/usr/lib/tf2_ros/static_transform_publisher"),

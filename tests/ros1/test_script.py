@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.ros1.shell.environment import PYTHON_FOLDER
 
 OURS = [sys.executable, "-P", "-m", "fibws.rospy"]
-PATIENCE = 60
 
 
 class Said(NamedTuple):

@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import TypeAlias
 
 import pytest
+from patience import PATIENCE
 from running_programs import start as start
 
 import fibws
@@ -23,7 +24,6 @@ from fibws.tf.transform import Transform
 Place: TypeAlias = tuple[str, str, float]
 """A frame, its parent, and how far along x it is there."""
 
-PATIENCE = 60
 
 Publish: TypeAlias = Callable[..., Awaitable[None]]
 Transforms: TypeAlias = Sequence[TransformStamped]

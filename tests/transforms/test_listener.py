@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.hub import Hub
@@ -17,7 +18,7 @@ from fibws.tf import Buffer, TransformListener
 from fibws.tf.errors import InvalidTransform, UnknownFrame
 from fibws.tf.history import Sample
 
-from .conftest import PATIENCE, Publish
+from .conftest import Publish
 
 
 class Known:

@@ -11,6 +11,7 @@ from math import inf, nan
 from typing import Any, Literal, TypeAlias
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.action import tf2_web_republisher, tf2_web_republisher_interfaces
@@ -30,7 +31,7 @@ from fibws.tf import republisher as module
 from fibws.tf.republisher import Republisher
 from fibws.tf.subscribers import Subscribers
 
-from .conftest import PATIENCE, Place, Publish, places
+from .conftest import Place, Publish, places
 
 pytestmark = pytest.mark.usefixtures("republisher")
 

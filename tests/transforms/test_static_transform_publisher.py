@@ -8,7 +8,8 @@ from math import pi, sqrt
 
 import pytest
 from click.testing import CliRunner
-from running_programs import PATIENCE, Start
+from patience import PATIENCE
+from running_programs import Start
 
 import fibws
 from fibws.hub import Hub

@@ -7,14 +7,13 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.hub import Hub
 from fibws.msg.std_msgs import String
 from fibws.tf import subscribers as module
 from fibws.tf.subscribers import Subscribers
-
-from .conftest import PATIENCE
 
 
 @pytest.fixture

@@ -8,7 +8,8 @@ from math import pi, sqrt
 from typing import Any
 
 import pytest
-from running_programs import PATIENCE, Start
+from patience import PATIENCE
+from running_programs import Start
 
 import fibws
 from fibws.action.tf2_web_republisher import TFSubscription

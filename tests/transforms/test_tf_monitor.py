@@ -6,7 +6,8 @@ import asyncio
 
 import pytest
 from click.testing import CliRunner
-from running_programs import PATIENCE, Start
+from patience import PATIENCE
+from running_programs import Start
 
 from fibws.hub import Hub
 from fibws.msg.tf2_msgs import TFMessage

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from running_programs import PATIENCE, ROOT
+from patience import PATIENCE
+from running_programs import ROOT
 
 import fibws
 from fibws.hub import Hub

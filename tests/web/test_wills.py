@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
+from patience import PATIENCE
 from playwright.async_api import Browser, Page
 
 import fibws
@@ -13,7 +14,6 @@ from fibws.msg.std_msgs import Int32
 
 pytestmark = pytest.mark.browser
 
-PATIENCE = 60
 DRIVE = """
 async (timeout) => {
   const ros = new ROSLIB.Ros({url: `ws://${location.host}`});

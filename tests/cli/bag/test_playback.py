@@ -9,14 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 from fibws.bags import open_reader
 from fibws.cli.bag.playback import Bags, Playback, PlaybackOptions
 from fibws.msg.fibws_msgs import PlaybackState
 
 from .conftest import SECOND, START, Entry, int32, write
-
-PATIENCE = 60
 
 
 class FakeTarget:

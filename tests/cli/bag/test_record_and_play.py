@@ -17,6 +17,7 @@ import click
 import pytest
 from hub_in_thread import HubThread, Publish, Run
 from node_in_thread import peer
+from patience import PATIENCE
 
 import fibws
 from fibws.bags import open_reader, open_writer
@@ -27,7 +28,6 @@ from fibws.msg.std_msgs import Int32
 from ..terminal import ROOT, Terminal
 from .conftest import SECOND, START, Entry, entries, entry, int32, write
 
-PATIENCE = 60
 QUICK = ("-d", "0", "-i", "--wait-for-subscribers")
 IMAGE = "sensor_msgs/Image"
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 import fibws.ros1
 from fibws.hub import Hub, Settings
@@ -25,8 +26,6 @@ from fibws.interfaces.serialization import Serializers
 from fibws.msg import default_interfaces
 
 HERE = Path(__file__).parent
-PATIENCE = 50
-"""Seconds to wait for each step."""
 GOAL_PATIENCE, TRIES = 15, 3
 LOSING = {"real_rospy", "roscpp"}
 """ROS's own actionlib loses feedback and results at random, even within one process: such a goal is

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from patience import PATIENCE
 from roslibpy import Message
 from roslibpy.ros1.actionlib import (
     ActionClient,
@@ -11,7 +12,7 @@ from roslibpy.ros1.actionlib import (
     SimpleActionServer,
 )
 
-from .world import PATIENCE, Collected, World, eventually
+from .world import Collected, World, eventually
 
 FIBONACCI = "actionlib_tutorials/FibonacciAction"
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from patience import PATIENCE
 from roslibpy import Service, ServiceRequest, Topic
 
-from .world import PATIENCE, World
+from .world import World
 
 ADD = "rospy_tutorials/AddTwoInts"
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from patience import PATIENCE
 from roslibpy import Param
 
-from .world import PATIENCE, World
+from .world import World
 
 
 def parameter_can_be_set_read_listed_and_deleted(world: World) -> Any:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from patience import PATIENCE
 from roslibpy import Message, Service, ServiceRequest, Topic
 
-from .world import PATIENCE, Collected, World, eventually
+from .world import Collected, World, eventually
 
 
 def client_reconnects_when_the_hub_returns(world: World) -> Any:

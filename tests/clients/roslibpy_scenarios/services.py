@@ -5,10 +5,11 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+from patience import PATIENCE
 from roslibpy import Service, ServiceRequest
 from roslibpy.core import ServiceException
 
-from .world import PATIENCE, World
+from .world import World
 
 ADD = "rospy_tutorials/AddTwoInts"
 TRIGGER = "std_srvs/Trigger"

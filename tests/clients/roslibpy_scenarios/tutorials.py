@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from patience import PATIENCE
 from roslibpy import Message, Service, ServiceRequest
 from roslibpy.ros1.actionlib import ActionClient, Goal, GoalStatus
 
-from .world import PATIENCE, World, eventually
+from .world import World, eventually
 
 
 def tutorial_service_adds_two_ints(world: World) -> Any:

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import roslibpy
-
-PATIENCE = 60
+from patience import PATIENCE
 
 
 class World:

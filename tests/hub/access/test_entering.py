@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
@@ -21,7 +22,6 @@ from fibws.hub import Hub
 from fibws.protocol.serialized import SUBPROTOCOL
 
 INT32 = "std_msgs/Int32"
-PATIENCE = 60
 FILE = f"""\
 [tokens.ann]
 sha256 = "{digest_of("one")}"

@@ -9,13 +9,11 @@ from typing import Protocol
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
 from running_programs import free_port
 
 import fibws
 from fibws.hub import Hub
-
-PATIENCE = 20.0
-"""Seconds, after which a test has failed."""
 
 
 class Reachable(Protocol):

@@ -24,10 +24,9 @@ from pathlib import Path
 from typing import Any, Self
 
 import pytest
+from patience import PATIENCE
 
 ROOT = Path(__file__).parents[3]
-PATIENCE = 30.0
-"""Seconds, after which a test has failed."""
 PORT = 9090
 ZENOH_PORT = 7447
 _CLONE_NEWNET = 0x40000000

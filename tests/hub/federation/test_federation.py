@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.hub import Hub
@@ -18,7 +19,7 @@ from fibws.msg.std_msgs import Int32, String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..graph.recorder import Recorder
-from .conftest import PATIENCE, Join, Reachable, StartNode, until
+from .conftest import Join, Reachable, StartNode, until
 
 BOTH = pytest.mark.parametrize("join", ["websocket", "zenoh"], indirect=True)
 """Runs a test with hubs that are joined by WebSockets, and with hubs on a zenoh network."""

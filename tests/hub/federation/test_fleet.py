@@ -11,13 +11,14 @@ import pytest
 from certificates import Authority
 from certificates import authority as authority
 from conftest import StartHub
+from patience import PATIENCE
 from running_programs import Start
 from running_programs import start as start
 
 from fibws.msg.std_msgs import Int32
 
 from ..token_clients import entry
-from .conftest import PATIENCE, Join, StartNode, until
+from .conftest import Join, StartNode, until
 from .test_federation import peers, remote_nodes, take
 
 HUBS, TOPICS = 20, 50

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
 from random_inputs import times
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
@@ -23,7 +24,7 @@ from fibws.hub.federation import link as links
 from fibws.interfaces import Interfaces
 from fibws.msg.std_msgs import Int32
 
-from .conftest import PATIENCE, until
+from .conftest import until
 
 ID = "0123456789abcdef"
 HELLO = {"hub": {"id": ID, "name": "other", "version": "1"}}

@@ -8,6 +8,7 @@ from statistics import median
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.hub.federation.link import LEASE
@@ -15,7 +16,7 @@ from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, Int32, String
 
 from .conftest import StartNode
-from .networks import PATIENCE, StartMachine
+from .networks import StartMachine
 from .networks import start_machine as start_machine
 from .networks import switch as switch
 from .test_federation import exchange

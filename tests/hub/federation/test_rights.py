@@ -10,6 +10,7 @@ import pytest
 from certificates import Authority
 from certificates import authority as authority
 from conftest import StartHub
+from patience import PATIENCE
 from running_programs import free_port
 
 import fibws
@@ -19,7 +20,7 @@ from fibws.hub import Hub
 from fibws.hub.federation.connections import Join as Joining
 from fibws.msg.std_msgs import String
 
-from .conftest import PATIENCE, until
+from .conftest import until
 from .test_federation import remote_nodes
 
 

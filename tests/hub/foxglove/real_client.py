@@ -8,13 +8,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+from patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from fibws.hub import Hub
 from fibws.hub.foxglove import SUBPROTOCOLS
-
-from ..raw_client import PATIENCE
 
 
 class Foxglove:

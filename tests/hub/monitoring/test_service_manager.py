@@ -12,12 +12,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE
 
 from fibws.hub.monitoring.service_manager import ServiceManager
 
 from ..fakes import FakeClock
-
-PATIENCE = 60
 
 
 class Systemd:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Self
 
 import xxhash
 import zenoh
+from patience import PATIENCE
 from zenoh import ext
 
 import fibws
@@ -20,8 +21,6 @@ ADD = "example_interfaces::srv::dds_::AddTwoInts_"
 ADD_HASH = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
 QOS = "::,10:,:,:,,"
 LATCHED_QOS = ":1:,1:,:,:,,"
-PATIENCE = 20.0
-"""Seconds, after which a test has failed."""
 
 
 async def reaching(publisher: fibws.Publisher[Any, ...], *nodes: str) -> None:

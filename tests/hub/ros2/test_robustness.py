@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
 
 import fibws
 from fibws.access.rights import Rights
@@ -19,7 +20,7 @@ from fibws.msg.std_msgs import Float64MultiArray, String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
-from .peer import ADD, ADD_HASH, PATIENCE, STRING, STRING_HASH, Peer, cdr_string, reaching, text_of
+from .peer import ADD, ADD_HASH, STRING, STRING_HASH, Peer, cdr_string, reaching, text_of
 from .test_services import adder, request
 from .test_topics import flowing, ros2_nodes, sources, subscribers, tokens_of, until_tokens
 

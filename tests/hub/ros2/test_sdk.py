@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from typing import Any, NamedTuple
 
 import pytest
+from patience import PATIENCE
 from websockets.asyncio.client import connect
 
 import fibws
@@ -17,7 +18,7 @@ from fibws.msg.std_msgs import String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
-from .peer import PATIENCE, reaching
+from .peer import reaching
 
 sdk: Any = pytest.importorskip("zenoh_ros2_sdk")
 

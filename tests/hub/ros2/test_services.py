@@ -9,6 +9,7 @@ from collections.abc import Callable
 import pytest
 import zenoh
 from conftest import StartHub
+from patience import PATIENCE
 
 import fibws
 from fibws.errors import ServiceError
@@ -17,7 +18,7 @@ from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
 from .conftest import StartPeer
-from .peer import ADD, ADD_HASH, PATIENCE, Peer, read_attachment
+from .peer import ADD, ADD_HASH, Peer, read_attachment
 from .test_topics import tokens_of, until_tokens
 
 HEAD = b"\x00\x01\x00\x00"

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
 
 import fibws
 from fibws.hub import Hub
@@ -18,7 +19,7 @@ from fibws.msg.std_msgs import Header, Int32, String
 
 from ..federation.conftest import until
 from .conftest import StartPeer
-from .peer import PATIENCE, STRING, STRING_HASH, Entity, Peer, cdr_string, reaching, text_of
+from .peer import STRING, STRING_HASH, Entity, Peer, cdr_string, reaching, text_of
 
 
 def sources(hub: Hub, topic: str) -> set[str]:

@@ -7,6 +7,7 @@ import struct
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
 
 import fibws
 from fibws.msg.std_msgs import String
@@ -14,7 +15,7 @@ from fibws.msg.std_msgs import String
 from ..federation.conftest import until
 from ..ros1.peer import MD5_OF_INT32
 from ..ros1.peer import Peer as Ros1Peer
-from .peer import PATIENCE, Peer, cdr_string, text_of
+from .peer import Peer, cdr_string, text_of
 from .test_topics import flowing, sources, subscribers
 
 INT32 = "std_msgs::msg::dds_::Int32_"

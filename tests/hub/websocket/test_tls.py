@@ -17,6 +17,7 @@ from certificates import Authority
 from certificates import authority as authority
 from conftest import StartHub
 from cryptography.hazmat.primitives import serialization
+from patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 
@@ -25,7 +26,7 @@ from fibws.errors import HubError
 from fibws.hub import Hub
 from fibws.msg.std_msgs import Int32
 
-from ..raw_client import PATIENCE, frame, handshake
+from ..raw_client import frame, handshake
 
 pytestmark = pytest.mark.both_loops
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from textwrap import dedent
 
 import fork_server
+from patience import PATIENCE
 
 from fibws.hub import Hub, Settings
 
-PATIENCE = 60
 PYTHONPATH = Path(__file__).parents[3] / "fibws" / "ros1" / "python"
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import rospy
+from patience import PATIENCE
 
 import fibws
 from fibws.msg.tf2_msgs import TFMessage
@@ -18,7 +19,7 @@ from fibws.tf.errors import TransformError
 from fibws.tf.history import Sample
 from fibws.tf.messages import write
 from fibws.tf.transform import Transform
-from ros1.rospy.programs import PATIENCE, Programs, running_hub
+from ros1.rospy.programs import Programs, running_hub
 from ros1.side_by_side import Part, our_ros
 
 PYTHON = Path(rospy.__file__).parents[1]
