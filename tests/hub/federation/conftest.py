@@ -5,15 +5,17 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack
+from pathlib import Path
 from typing import Protocol
 
 import pytest
 from conftest import StartHub
 from patience import PATIENCE
-from running_programs import free_port
 
 import fibws
 from fibws.hub import Hub
+
+from ..zenoh_endpoints import ANY_PORT, listens_at, zenoh_config
 
 
 class Reachable(Protocol):
@@ -45,14 +47,14 @@ async def until(condition: Callable[[], object], *hubs: Hub) -> None:
 
 
 @pytest.fixture(params=["websocket"])
-async def join(start_hub: StartHub, request: pytest.FixtureRequest) -> Join:
+async def join(start_hub: StartHub, request: pytest.FixtureRequest, tmp_path: Path) -> Join:
     """Starts a hub that joins others, and waits until each of them has its links.
 
     Parameterized with ``zenoh`` it joins them over that.
     """
     if request.param == "zenoh":
         pytest.importorskip("zenoh")
-        return _join_by_zenoh(start_hub)
+        return _join_by_zenoh(start_hub, zenoh_config(tmp_path))
 
     async def start(name: str, *others: Hub, **settings: object) -> Hub:
         before = [len(other.federation.peers) for other in others]
@@ -73,19 +75,20 @@ async def join(start_hub: StartHub, request: pytest.FixtureRequest) -> Join:
     return start
 
 
-def _join_by_zenoh(start_hub: StartHub) -> Join:
+def _join_by_zenoh(start_hub: StartHub, config: Path) -> Join:
     endpoints: dict[Hub, str] = {}
 
     async def start(name: str, *others: Hub, **settings: object) -> Hub:
-        endpoint = f"tcp/127.0.0.1:{free_port()}"
         hub = await start_hub(
             hub_name=name,
-            zenoh_listen=(endpoint,),
+            zenoh_listen=(ANY_PORT,),
+            zenoh_config=config,
             zenoh=tuple(dict.fromkeys(endpoints[other] for other in others)),
             **settings,
         )
         group = {hub, *others}
-        endpoints[hub] = endpoint
+        assert hub._zenoh is not None
+        endpoints[hub] = await listens_at(hub._zenoh._session)
         ids = {each.federation.hub.id for each in group}
         await until(
             lambda: all(

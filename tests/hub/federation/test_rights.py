@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from pathlib import Path
+from tempfile import mkdtemp
 
 import pytest
 from certificates import Authority
 from certificates import authority as authority
 from conftest import StartHub
 from patience import PATIENCE
-from running_programs import free_port
 
 import fibws
 from fibws.access.rights import Right, Rights
@@ -20,6 +19,7 @@ from fibws.hub import Hub
 from fibws.hub.federation.connections import Join as Joining
 from fibws.msg.std_msgs import String
 
+from ..zenoh_endpoints import listens_at, zenoh_config
 from .conftest import until
 from .test_federation import remote_nodes
 
@@ -109,22 +109,21 @@ async def test_zenoh_accepts_only_hubs_that_trust_its_certificate(
     right, wrong = Authority(tmp_path / "right"), Authority(tmp_path / "wrong")
     certificate, key = right.issue()
 
-    def config(name: str, **tls: object) -> Path:
-        path = tmp_path / name
-        path.write_text(json.dumps({"transport": {"link": {"tls": tls}}}))
-        return path
+    def config(**tls: Path) -> Path:
+        return zenoh_config(
+            Path(mkdtemp(dir=tmp_path)), link={"tls": {key: str(tls[key]) for key in tls}}
+        )
 
-    endpoint = f"tls/127.0.0.1:{free_port()}"
-    listening = config(
-        "listen.json5", listen_certificate=str(certificate), listen_private_key=str(key)
+    hub = await start_hub(
+        zenoh_listen=("tls/127.0.0.1:0",),
+        zenoh_config=config(listen_certificate=certificate, listen_private_key=key),
     )
-    await start_hub(zenoh_listen=(endpoint,), zenoh_config=listening)
-    stranger = await start_hub(
-        zenoh=(endpoint,), zenoh_config=config("no.json5", root_ca_certificate=str(wrong.file))
-    )
-    friend = await start_hub(
-        zenoh=(endpoint,), zenoh_config=config("yes.json5", root_ca_certificate=str(right.file))
-    )
+    assert hub._zenoh is not None
+    endpoint = await listens_at(hub._zenoh._session)
+    stranger, friend = [
+        await start_hub(zenoh=(endpoint,), zenoh_config=config(root_ca_certificate=each.file))
+        for each in (wrong, right)
+    ]
     await until(lambda: friend.federation.peers, friend)
     assert not stranger.federation.peers
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack
+from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import StartHub
-from running_programs import free_port
 
 import fibws
 from fibws.hub import Hub
@@ -15,19 +16,40 @@ from fibws.hub import Hub
 pytest.importorskip("zenoh")
 pytest.importorskip("xxhash")
 
+from ..zenoh_endpoints import ANY_PORT, listens_at, zenoh_config
 from .peer import Peer
 
+StartRos2Hub = Callable[..., Awaitable[tuple[Hub, str]]]
 StartPeer = Callable[[], Awaitable[Peer]]
 
 
 @pytest.fixture
-def endpoint() -> str:
-    return f"tcp/127.0.0.1:{free_port()}"
+def start_ros2_hub(start_hub: StartHub, tmp_path: Path) -> StartRos2Hub:
+    """Starts a hub that ROS 2 nodes can join; returns it and their endpoint."""
+
+    async def start(**settings: Any) -> tuple[Hub, str]:
+        config = zenoh_config(tmp_path)
+        hub = await start_hub(ros2=(ANY_PORT,), zenoh_config=config, **settings)
+        assert hub.ros2 is not None
+        return hub, await listens_at(hub.ros2.network._session)
+
+    return start
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub, endpoint: str) -> Hub:
-    return await start_hub(ros2=(endpoint,))
+async def started(start_ros2_hub: StartRos2Hub) -> tuple[Hub, str]:
+    return await start_ros2_hub()
+
+
+@pytest.fixture
+def hub(started: tuple[Hub, str]) -> Hub:
+    return started[0]
+
+
+@pytest.fixture
+def endpoint(started: tuple[Hub, str]) -> str:
+    """Where ROS 2 nodes join the hub."""
+    return started[1]
 
 
 @pytest.fixture

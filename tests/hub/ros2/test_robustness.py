@@ -20,6 +20,7 @@ from fibws.msg.std_msgs import Float64MultiArray, String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
+from .conftest import StartRos2Hub
 from .peer import ADD, ADD_HASH, STRING, STRING_HASH, Peer, cdr_string, reaching, text_of
 from .test_services import adder, request
 from .test_topics import flowing, ros2_nodes, sources, subscribers, tokens_of, until_tokens
@@ -88,8 +89,8 @@ async def test_tokens_beyond_the_limit_are_left_out(
     await until(lambda: len(ros2_nodes(hub)) == 3, hub)
 
 
-async def test_messages_that_are_too_large_are_left_out(start_hub: StartHub, endpoint: str) -> None:
-    hub = await start_hub(ros2=(endpoint,), max_message_size=1000)
+async def test_messages_that_are_too_large_are_left_out(start_ros2_hub: StartRos2Hub) -> None:
+    hub, endpoint = await start_ros2_hub(max_message_size=1000)
     async with Peer(endpoint) as peer, fibws.Node("ours", hub=hub.url) as node:
         talker = await peer.publisher("/talker", "/chatter")
         async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
@@ -143,23 +144,24 @@ async def test_hub_needs_an_endpoint_that_it_can_use(start_hub: StartHub) -> Non
 
 
 async def start_with_rights(
-    start_hub: StartHub, path: Path, endpoint: str, allow: str
-) -> tuple[Hub, str]:
-    """Return a hub whose ROS 2 nodes have rights, and the token of its operator."""
+    start_ros2_hub: StartRos2Hub, path: Path, allow: str
+) -> tuple[Hub, str, str]:
+    """Return a hub whose ROS 2 nodes have rights, their endpoint, and its operator's token."""
     admin = TokenFile(path).add("operator", Rights(admin=True))
     with path.open("a") as file:
         file.write(f"[ros2]\nallow = {{{allow}}}\n")
-    return await start_hub(ros2=(endpoint,), tokens=path), admin
+    return *await start_ros2_hub(tokens=path), admin
 
 
 async def test_section_ros2_limits_what_ros_2_nodes_do_and_see(
-    start_hub: StartHub, tmp_path: Path, endpoint: str
+    start_ros2_hub: StartRos2Hub, tmp_path: Path
 ) -> None:
     allow = (
         'publish = ["/scan"], subscribe = ["/cmd_vel"], call = ["/open"], provide = ["/served"],'
         ' node = ["/robot/**"]'
     )
-    hub, admin = await start_with_rights(start_hub, tmp_path / "tokens.toml", endpoint, allow)
+    path = tmp_path / "tokens.toml"
+    hub, endpoint, admin = await start_with_rights(start_ros2_hub, path, allow)
     async with (
         Peer(endpoint) as peer,
         fibws.Node("ours", hub=hub.url, token=admin) as node,
@@ -196,11 +198,11 @@ async def test_section_ros2_limits_what_ros_2_nodes_do_and_see(
 
 
 async def test_rights_can_change_while_nodes_are_there(
-    start_hub: StartHub, tmp_path: Path, endpoint: str
+    start_ros2_hub: StartRos2Hub, tmp_path: Path
 ) -> None:
     path = tmp_path / "tokens.toml"
     allow = 'publish = ["/a"], node = ["/**"]'
-    hub, _ = await start_with_rights(start_hub, path, endpoint, allow)
+    hub, endpoint, _ = await start_with_rights(start_ros2_hub, path, allow)
     async with Peer(endpoint) as peer:
         await peer.publisher("/talker", "/a")
         await peer.publisher("/talker", "/b")

@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 import pytest
 import zenoh
-from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
@@ -17,7 +16,7 @@ from fibws.hub import Hub
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
-from .conftest import StartPeer
+from .conftest import StartPeer, StartRos2Hub
 from .peer import ADD, ADD_HASH, Peer, read_attachment
 from .test_topics import tokens_of, until_tokens
 
@@ -191,9 +190,9 @@ async def test_invalid_request_gets_an_error_and_does_no_harm(
 
 
 async def test_service_that_fails_or_is_too_slow_gives_ros_2_an_error(
-    start_hub: StartHub, endpoint: str
+    start_ros2_hub: StartRos2Hub,
 ) -> None:
-    hub = await start_hub(ros2=(endpoint,), service_timeout=0.05)
+    hub, endpoint = await start_ros2_hub(service_timeout=0.05)
 
     async def add(request: AddTwoInts.Request) -> AddTwoInts.Response:
         if request.a:

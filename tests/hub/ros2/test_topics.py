@@ -18,7 +18,7 @@ from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Header, Int32, String
 
 from ..federation.conftest import until
-from .conftest import StartPeer
+from .conftest import StartPeer, StartRos2Hub
 from .peer import STRING, STRING_HASH, Entity, Peer, cdr_string, reaching, text_of
 
 
@@ -372,9 +372,9 @@ async def test_ros_2_sees_the_nodes_of_the_hub(hub: Hub, peer: Peer) -> None:
 
 @pytest.mark.parametrize("domain", [0, 7])
 async def test_nodes_of_other_domains_are_not_seen(
-    start_hub: StartHub, endpoint: str, domain: int
+    start_ros2_hub: StartRos2Hub, domain: int
 ) -> None:
-    hub = await start_hub(ros2=(endpoint,), ros2_domain=domain)
+    hub, endpoint = await start_ros2_hub(ros2_domain=domain)
     async with Peer(endpoint, domain=1) as other, Peer(endpoint, domain=domain) as peer:
         await other.declare("NN", "/other")
         await peer.declare("NN", "/same")

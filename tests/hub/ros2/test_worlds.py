@@ -15,6 +15,7 @@ from fibws.msg.std_msgs import String
 from ..federation.conftest import until
 from ..ros1.peer import MD5_OF_INT32
 from ..ros1.peer import Peer as Ros1Peer
+from .conftest import StartRos2Hub
 from .peer import Peer, cdr_string, text_of
 from .test_topics import flowing, sources, subscribers
 
@@ -26,12 +27,12 @@ def int32(number: int) -> bytes:
 
 
 async def test_nodes_of_ros_1_and_ros_2_exchange_messages(
-    start_hub: StartHub, endpoint: str
+    start_ros2_hub: StartRos2Hub,
 ) -> None:
     from rosbags.typesys import Stores, get_typestore
 
     type_hash = get_typestore(Stores.ROS2_JAZZY).hash_rihs01("std_msgs/msg/Int32")
-    hub = await start_hub(ros1=0, ros2=(endpoint,))
+    hub, endpoint = await start_ros2_hub(ros1=0)
     assert hub.ros1 is not None
     async with (
         Ros1Peer("/talker1", hub.ros1.uri) as talker1,
@@ -61,10 +62,10 @@ async def test_nodes_of_ros_1_and_ros_2_exchange_messages(
 
 @pytest.mark.parametrize("robot", ["", "/robot7"])
 async def test_other_hubs_exchange_messages_with_ros_2_nodes(
-    start_hub: StartHub, endpoint: str, robot: str
+    start_hub: StartHub, start_ros2_hub: StartRos2Hub, robot: str
 ) -> None:
     cloud = await start_hub(hub_name="cloud")
-    hub = await start_hub(hub_name="robot", ros2=(endpoint,), join=(cloud.url,), join_prefix=robot)
+    hub, endpoint = await start_ros2_hub(hub_name="robot", join=(cloud.url,), join_prefix=robot)
     async with Peer(endpoint) as peer, fibws.Node("viewer", hub=cloud.url) as viewer:
         # Latched, as messages may come before the link between the hubs passes any.
         talker = await peer.publisher("/talker", "/chatter", latched=True)
