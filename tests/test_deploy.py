@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+import urllib.error
 import urllib.request
 from collections.abc import Iterator, Mapping
 from contextlib import asynccontextmanager
@@ -19,7 +20,6 @@ import yaml
 from conftest import StartHub
 from patience import PATIENCE
 from prometheus_client.parser import text_string_to_metric_families
-from running_programs import free_port
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
@@ -183,19 +183,27 @@ def families(hub: Hub) -> list[list[str]]:
 @asynccontextmanager
 async def prometheus(config: Path, data: Path) -> Any:
     """Run Prometheus; yield its address."""
-    address = f"127.0.0.1:{free_port()}"
     process = await asyncio.create_subprocess_exec(
         "prometheus",
         f"--config.file={config}",
         f"--storage.tsdb.path={data}",
-        f"--web.listen-address={address}",
-        stderr=asyncio.subprocess.DEVNULL,
+        "--web.listen-address=127.0.0.1:0",
+        stderr=asyncio.subprocess.PIPE,
     )
+    assert process.stderr is not None
     try:
-        yield address
+        async with asyncio.timeout(PATIENCE):
+            async for line in process.stderr:
+                if b"Listening on" in line:
+                    break
+            found = re.search(rb"127\.0\.0\.1:\d+", line)
+        assert found is not None, line
+        reading = asyncio.create_task(process.stderr.read())  # Or its log would fill the pipe.
+        yield found[0].decode()
     finally:
         process.terminate()
         await process.wait()
+    await reading
 
 
 async def queried(address: str, query: str) -> dict[str, Any]:
@@ -207,7 +215,7 @@ async def queried(address: str, query: str) -> dict[str, Any]:
             with urllib.request.urlopen(url) as response:
                 found: list[dict[str, Any]] = json.load(response)["data"]["result"]
                 return found
-        except OSError:  # It does not listen yet.
+        except urllib.error.HTTPError:  # It is not ready yet.
             return []
 
     async with asyncio.timeout(PATIENCE):

@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner, Result
 from hub_in_thread import HubThread
 from patience import PATIENCE
-from running_programs import free_port
+from ports import port as port
 
 from fibws.cli import core as module
 from fibws.cli.commands import command
@@ -92,8 +92,7 @@ def test_options_of_roscore_are_accepted(core: Core) -> None:
     assert hub_command(core("-v", "-w", "3", "-t", "2", "-p", "0")) == "-m fibws.hub --port 0"
 
 
-def test_hub_is_the_master_of_ros_1_nodes(core: Core) -> None:
-    port = free_port()
+def test_hub_is_the_master_of_ros_1_nodes(core: Core, port: int) -> None:
     result = core("-p", "0", ros1=True, ROS_MASTER_URI=f"http://localhost:{port}")
     assert hub_command(result) == f"-m fibws.hub --port 0 --ros1 {port}"
 

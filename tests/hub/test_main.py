@@ -25,7 +25,6 @@ from certificates import Authority
 from certificates import authority as authority
 from click.testing import CliRunner
 from patience import PATIENCE
-from running_programs import free_port
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
@@ -182,9 +181,9 @@ def test_reason_for_not_starting_is_json_if_the_log_is() -> None:
     assert "192.0.2.1" in json.loads(err)["message"]
 
 
-def test_signal_right_after_the_first_line_is_not_lost() -> None:
+def test_signal_right_after_the_first_line_is_not_lost(tmp_path: Path) -> None:
     """A script that waits for the line may stop the hub at once."""
-    port = free_port()
+    file = tmp_path / "hub.url"
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     filled = 0
@@ -195,7 +194,7 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
         pass
     os.set_blocking(writing, True)
     process = fork_server.popen(
-        ["-m", "fibws.hub", "--port", str(port)],
+        ["-m", "fibws.hub", "--port", "0", "--url-file", str(file)],
         stdout=writing,
         stderr=subprocess.PIPE,
         text=True,
@@ -203,7 +202,7 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
     with process:
         os.close(writing)
         try:
-            _connect(port)
+            _read_url(file)
             process.send_signal(signal.SIGTERM)
             with open(reading, "rb") as pipe:
                 pipe.read(filled)
@@ -217,14 +216,15 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
 
 @pytest.mark.parametrize("which", [[1], [2], [1, 2]], ids=["stdout", "stderr", "both"])
 @pytest.mark.parametrize("how", ["full disk", "closed pipe", "closed"])
-def test_hub_survives_a_closed_output(how: str, which: list[int]) -> None:
-    port = free_port()
+def test_hub_survives_a_closed_output(how: str, which: list[int], tmp_path: Path) -> None:
+    file = tmp_path / "hub.url"
     reading, pipe = os.pipe()
     os.close(reading)
     output = {"full disk": os.open("/dev/full", os.O_WRONLY), "closed pipe": pipe}.get(how)
     closed = " ".join(f"{number}>&-" for number in which) if output is None else ""
+    hub = shlex.join([sys.executable, "-m", "fibws.hub", "--port", "0", "--url-file", str(file)])
     process = subprocess.Popen(
-        f"exec {shlex.quote(sys.executable)} -m fibws.hub --port {port} {closed}",
+        f"exec {hub} {closed}",
         shell=True,
         stdout=output if 1 in which else subprocess.PIPE,
         stderr=output if 2 in which else subprocess.PIPE,
@@ -232,9 +232,9 @@ def test_hub_survives_a_closed_output(how: str, which: list[int]) -> None:
     )
     with process:
         try:
-            _connect(port)
+            url = _read_url(file)
             for _ in range(2):  # The second one gets file descriptors that the first one had.
-                with connect(f"ws://127.0.0.1:{port}") as websocket:
+                with connect(url) as websocket:
                     websocket.send("{}")
                     assert json.loads(websocket.recv(PATIENCE))["op"] == "status"
             process.send_signal(signal.SIGTERM)
@@ -469,17 +469,13 @@ def test_missing_interfaces_folder_is_one_line() -> None:
     assert err == "fibws.hub: /no/such/folder: folder of definitions not found.\n"
 
 
-def _connect(port: int) -> None:
-    """Wait until something listens: a program whose output is blocked cannot say so itself."""
+def _read_url(file: Path) -> str:
+    """Wait until a hub has written its URL: one whose output is blocked cannot print it."""
     until = time.monotonic() + PATIENCE
-    while True:
-        try:
-            socket.create_connection(("127.0.0.1", port), PATIENCE).close()
-        except ConnectionRefusedError:
-            assert time.monotonic() < until
-            time.sleep(0.01)
-        else:
-            return
+    while not file.exists():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    return file.read_text().strip()
 
 
 def _connect_again(port: int) -> ClientConnection:

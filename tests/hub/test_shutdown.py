@@ -9,6 +9,7 @@ from contextlib import AsyncExitStack
 
 import pytest
 from conftest import StartHub
+from ports import port as port
 
 from fibws.hub import Hub
 from fibws.hub.server import DRAIN_INTERVAL, DRAIN_RATE
@@ -78,17 +79,19 @@ class TestEnd:
         await hub.close()
         await hub.close()
 
-    async def test_connections_are_refused_after_shutdown(self, hub: Hub) -> None:
-        port = hub.port
+    async def test_connections_are_refused_after_shutdown(
+        self, start_hub: StartHub, port: int
+    ) -> None:
+        hub = await start_hub(port=port)
         await hub.close()
         with pytest.raises(ConnectionRefusedError):
             async with dialled(port):
                 pass
 
-    async def test_port_is_free_at_once(self, hub: Hub, start_hub: StartHub) -> None:
-        async with connected(hub.port) as client:
+    async def test_port_is_free_at_once(self, start_hub: StartHub, port: int) -> None:
+        hub = await start_hub(port=port)
+        async with connected(port) as client:
             await client.is_processed()
-            port = hub.port
             end = asyncio.create_task(hub.close())
             assert (await client.is_closed())[0] == 1001
             client.leave()

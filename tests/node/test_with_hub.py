@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from patience import PATIENCE
+from ports import port as port
 from rospy.msg import AnyMsg
 
 import fibws
@@ -210,9 +212,9 @@ async def test_node_can_read_the_graph_and_the_statistics(real_hub: Hub) -> None
         assert [each.node for each in statistics.clients] == ["/node"]
 
 
-async def test_nodes_reconnect_soon_after_the_hub_returns() -> None:
-    async with Hub(Settings(port=0)) as hub:
-        port, url = hub.port, hub.url
+async def test_nodes_reconnect_soon_after_the_hub_returns(port: int) -> None:
+    async with Hub(Settings(port=port)) as hub:
+        url = hub.url
         talker, ear = fibws.Node("talker", hub=url), fibws.Node("ear", hub=url)
         lines = Lines(ear.log)
         await talker.__aenter__()
@@ -224,7 +226,7 @@ async def test_nodes_reconnect_soon_after_the_hub_returns() -> None:
     assert "Lost the hub" in await lines.next()
     await publisher.publish(1)
     async with Hub(Settings(port=port)):
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE):
             assert (await anext(ear.subscribe("latched", String))).data == "kept"
             await publisher.publish(2)
             while (await anext(numbers)).data != 2:
@@ -233,10 +235,10 @@ async def test_nodes_reconnect_soon_after_the_hub_returns() -> None:
         await ear.__aexit__()
 
 
-async def test_messages_published_without_a_hub_reach_the_subscribers() -> None:
+async def test_messages_published_without_a_hub_reach_the_subscribers(port: int) -> None:
     async with asyncio.timeout(60), contextlib.AsyncExitStack() as stack:
-        async with Hub(Settings(port=0)) as hub:
-            port, url = hub.port, hub.url
+        async with Hub(Settings(port=port)) as hub:
+            url = hub.url
             talker = await stack.enter_async_context(fibws.Node("talker", hub=url))
             ear = await stack.enter_async_context(fibws.Node("ear", hub=url))
             lines = Lines(talker.log), Lines(ear.log)
@@ -251,7 +253,7 @@ async def test_messages_published_without_a_hub_reach_the_subscribers() -> None:
             await publisher.publish(number)
         assert publisher.dropped == 3
         async with Hub(Settings(port=port)):
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(PATIENCE):
                 kept = [(await anext(numbers)).data for _ in range(5)]
             await publisher.publish(8)
             assert [*kept, (await anext(numbers)).data] == [3, 4, 5, 6, 7, 8]
@@ -456,10 +458,10 @@ async def test_call_to_a_slow_server_times_out_in_client_and_hub(real_hub: Hub) 
         assert (await node.call("slow", Trigger, timeout=60)).success
 
 
-async def test_services_and_clients_reconnect_with_the_hub() -> None:
+async def test_services_and_clients_reconnect_with_the_hub(port: int) -> None:
     async with asyncio.timeout(60), contextlib.AsyncExitStack() as stack:
-        async with Hub(Settings(port=0)) as hub:
-            port, url = hub.port, hub.url
+        async with Hub(Settings(port=port)) as hub:
+            url = hub.url
             server = await stack.enter_async_context(fibws.Node("server", hub=url))
             client = await stack.enter_async_context(fibws.Node("client", hub=url))
             await server.service("add", AddTwoInts, add)
@@ -585,9 +587,8 @@ async def test_message_for_a_new_subscriber_reaches_only_that_one(real_hub: Hub)
             assert [(await anext(late)).data for _ in range(2)] == [1, 10]
 
 
-async def test_peers_are_known_again_after_reconnection() -> None:
-    async with Hub(Settings(port=0)) as hub:
-        port = hub.port
+async def test_peers_are_known_again_after_reconnection(port: int) -> None:
+    async with Hub(Settings(port=port)) as hub:
         node = fibws.Node("talker", hub=hub.url)
         await node.__aenter__()
         try:

@@ -8,7 +8,7 @@ import signal
 from collections.abc import AsyncIterator
 
 import pytest
-from running_programs import free_port
+from ports import port as port
 
 import fibws
 from fibws.bags import open_reader, reindex
@@ -163,12 +163,11 @@ async def test_fibws_starts_installed_programs(
     await program.ended()
 
 
-async def test_launch_starts_a_master_for_installed_programs(ros: World) -> None:
+async def test_launch_starts_a_master_for_installed_programs(ros: World, port: int) -> None:
     file = ros.folder / "relay.launch"
     file.write_text(OUR_LAUNCH)
-    master, hub = f"http://127.0.0.1:{free_port()}", f"ws://127.0.0.1:{free_port()}"
-    words = ["-m", "fibws", "launch", "--hub", hub, str(file)]
-    program = await ros.our("launch", *words, ROS_MASTER_URI=master)
+    words = ["-m", "fibws", "launch", "-p", "0", str(file)]
+    program = await ros.our("launch", *words, ROS_MASTER_URI=f"http://127.0.0.1:{port}")
     page = await program.found(r"FIBWS_HUB=(ws:\S+\d)")
     async with fibws.Node("client", hub=page[1]) as node:
         publisher = await node.advertise("/chatter", std_msgs.String, latch=True)

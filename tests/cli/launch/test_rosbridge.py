@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from hub_in_thread import HubThread
-from running_programs import free_port
+from ports import port as port
 
 from fibws import hub_address
 
@@ -22,15 +22,14 @@ INCLUDE = (
 ENDING = '<node pkg="robot" type="failer" name="f" required="true"/>'
 
 
-@pytest.fixture
-def port() -> int:
-    return free_port()
+nothing = port
+"""A second reserved port."""
 
 
 @pytest.fixture(autouse=True)
-def default_url(monkeypatch: pytest.MonkeyPatch) -> None:
+def default_url(monkeypatch: pytest.MonkeyPatch, nothing: int) -> None:
     """Let no hub run at the default URL."""
-    monkeypatch.setattr(hub_address, "DEFAULT", f"ws://127.0.0.1:{free_port()}")
+    monkeypatch.setattr(hub_address, "DEFAULT", f"ws://127.0.0.1:{nothing}")
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, assert_type
 
 import pytest
+from ports import port as port
 
 import fibws
 from fibws.action import action_class
@@ -261,9 +262,9 @@ async def test_goals_over_operations_are_canceled_when_the_client_leaves(
 
 @both_kinds
 async def test_disconnect_loses_goals_and_reconnection_restores_the_action(
-    real_hub: Hub, over: Over
+    real_hub: Hub, over: Over, port: int
 ) -> None:
-    old = await Hub(Settings(port=0, close_timeout=0.1)).__aenter__()
+    old = await Hub(Settings(port=port, close_timeout=0.1)).__aenter__()
     async with (
         fibws.Node("server", hub=old.url) as server,
         fibws.Node("client", hub=old.url) as client,
@@ -272,7 +273,6 @@ async def test_disconnect_loses_goals_and_reconnection_restores_the_action(
         fibonacci = await ready(client, over)
         goal = await fibonacci.send(Fibonacci.Goal(-1))
         await anext(goal.feedback())
-        port = int(old.url.rpartition(":")[2])
         await old.__aexit__(None, None, None)
         # Over operations the hub may have disconnected the server before the client.
         assert (await error_of(goal)).text in (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import urlsplit
 
+from ports import port as port
 from running_programs import Program
 
 import fibws
@@ -97,13 +97,13 @@ async def test_clients_of_fibws_can_send_goals(hub: Hub, start_script: StartScri
         assert goal.status is fibws.GoalStatus.PREEMPTED
 
 
-async def test_goal_survives_a_restart_of_the_hub() -> None:
-    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+async def test_goal_survives_a_restart_of_the_hub(port: int) -> None:
+    async with Hub(Settings(port=port, close_timeout=0.1)) as hub:
         server = await Program.start("fibws.rospy", SERVER, **_meeting_at(hub))
         assert "ready" in await server.line()
         client = await Program.start("fibws.rospy", CLIENT, "20", "60", **_meeting_at(hub))
         assert await client.line() == "feedback: [0, 1, 1]\n"
-    async with Hub(Settings(port=urlsplit(hub.url).port or 0, close_timeout=0.1)):
+    async with Hub(Settings(port=port, close_timeout=0.1)):
         code, out, err = await client.end()
         await server.stop()
     assert code == 0, err

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import roslaunch
 import rosparam
-from running_programs import free_port
+from ports import port as port
 
 from fibws.client.hub_client import is_hub_running
 from fibws.testing import HubThread
@@ -191,8 +191,7 @@ def test_what_cannot_be_launched_is_an_error(monkeypatch: pytest.MonkeyPatch) ->
         roslaunch.ROSLaunch().start()
 
 
-def test_end_of_the_script_ends_its_nodes_and_its_hub(tmp_path: Path) -> None:
-    port = free_port()
+def test_end_of_the_script_ends_its_nodes_and_its_hub(tmp_path: Path, port: int) -> None:
     script = tmp_path / "launcher.py"
     script.write_text(
         "import roslaunch\n"

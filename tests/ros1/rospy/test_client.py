@@ -8,6 +8,7 @@ from contextlib import AsyncExitStack
 from pathlib import Path
 
 import pytest
+from ports import port as port
 from rospy.client import load_command_line_node_params, myargv
 from rospy.exceptions import ROSInitException
 
@@ -247,9 +248,9 @@ async def test_wait_for_a_hub_is_logged_and_ends_with_ctrl_c() -> None:
         assert NoHub("ws://127.0.0.1:1", "").remedy in said
 
 
-async def test_node_survives_a_restart_of_the_hub() -> None:
+async def test_node_survives_a_restart_of_the_hub(port: int) -> None:
     async with AsyncExitStack() as first, running_hub() as programs:
-        hub = await first.enter_async_context(Hub(Settings(port=0, close_timeout=0.1)))
+        hub = await first.enter_async_context(Hub(Settings(port=port, close_timeout=0.1)))
         program = await programs.start(f"""
             import os, rospy
             os.environ["FIBWS_HUB"] = {hub.url!r}
@@ -261,7 +262,7 @@ async def test_node_survives_a_restart_of_the_hub() -> None:
         """)
         assert await program.read_line() == "ready"
         await first.aclose()
-        async with Hub(Settings(port=hub.port, close_timeout=0.1)) as again:
+        async with Hub(Settings(port=port, close_timeout=0.1)) as again:
             async with fibws.Node("other", hub=again.url) as node:
                 await node.params.set("/go", True)
                 assert [line for line in await program.finish() if line == "back"] == ["back"]
