@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import re
 import sys
 from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager
+from contextlib import ExitStack, asynccontextmanager
 from pathlib import Path
 from typing import Self
 
 from patience import PATIENCE
+from ports import reserved_port
 
 from fibws import Node
 
@@ -26,15 +26,18 @@ class Hub:
 
     def __init__(self, tokens: Path | None = None) -> None:
         self.log: list[str] = []
-        self._port = "0"
+        self._reserved = ExitStack()
+        self._port = 0
         self._options = [] if tokens is None else ["--tokens", str(tokens)]
 
     async def __aenter__(self) -> Self:
+        self._port = self._reserved.enter_context(reserved_port())
         await self._start()
         return self
 
     async def __aexit__(self, *_: object) -> None:
         await self._stop()
+        self._reserved.close()
 
     @property
     def url(self) -> str:
@@ -46,15 +49,13 @@ class Hub:
 
     async def _start(self) -> None:
         self._process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "fibws.hub", "--port", self._port, *self._options),
+            *(sys.executable, "-m", "fibws.hub", "--port", str(self._port), *self._options),
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
         )
         assert self._process.stdout is not None
         greeting = (await self._process.stdout.readline()).decode()
-        found = re.search(r"ws://127\.0\.0\.1:(\d+)", greeting)
-        assert found is not None, (await self._process.communicate())[1].decode()
-        self._port = found[1]
+        assert self.url in greeting, (await self._process.communicate())[1].decode()
         self._logging = asyncio.create_task(self._process.communicate())
 
     async def _stop(self) -> None:

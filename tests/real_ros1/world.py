@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Self
 
 from patience import PATIENCE
+from ports import reserved_port
 
 NEEDED = [
     *("/usr/bin/rosbag", "/usr/bin/roslaunch", "/usr/bin/rosrun", "/usr/bin/rostopic"),
@@ -120,16 +121,16 @@ class World:
         master: ROS_MASTER_URI.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, port: int, master_port: int) -> None:
         self.folder = folder
         self.url = ""
         self.master = ""
         self.hub: Program
         self._programs: list[Program] = []
-        self._ports = ("0", "0")
+        self._ports = (str(port), str(master_port))
 
     async def start_hub(self) -> None:
-        """Start a hub, on the ports of the one before if there was one."""
+        """Start a hub, on the same ports as the one before."""
         port, master_port = self._ports
         self.hub = await self._start(
             "hub",
@@ -137,9 +138,8 @@ class World:
             *("--ros1-state", str(self.folder / "state.json")),
             **_coverage(),
         )
-        found = await self.hub.found(r"listens at (ws://[^;]+:(\d+));[^$]*=(http://[^/]+:(\d+)/?)")
-        self.url, port, self.master, master_port = found.groups()
-        self._ports = (port, master_port)
+        found = await self.hub.found(r"listens at (ws://[^;]+:\d+);[^$]*=(http://[^/]+:\d+/?)")
+        self.url, self.master = found.groups()
 
     async def saved(self, nodes: set[str]) -> None:
         """Wait until the hub has written these nodes, and no others, to its state file."""
@@ -220,12 +220,13 @@ def _coverage() -> dict[str, str]:
 @asynccontextmanager
 async def world(folder: Path) -> AsyncIterator[World]:
     """A hub to which programs can be started; they end with it."""
-    world = World(folder)
-    try:
-        await world.start_hub()
-        yield world
-    finally:
-        print(*world.hub.log, sep="\n")  # pytest shows it if the test has failed.
-        world.kill()
-        for program in world._programs:
-            await program.ended()
+    with reserved_port() as port, reserved_port() as master_port:
+        world = World(folder, port, master_port)
+        try:
+            await world.start_hub()
+            yield world
+        finally:
+            print(*world.hub.log, sep="\n")  # pytest shows it if the test has failed.
+            world.kill()
+            for program in world._programs:
+                await program.ended()
