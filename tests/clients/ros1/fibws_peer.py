@@ -25,6 +25,8 @@ SERIALIZERS = {
     kind: Serializers(default_interfaces()).of(type_._type) for kind, type_ in TYPES.items()
 }
 NAME, PEERS, PATH = sys.argv[1:4]
+FINISH = asyncio.Event()
+"""Set when a line of standard input lets the server finish its goal."""
 MESSAGES = json.loads(Path(PATH).read_text())
 
 
@@ -50,8 +52,9 @@ async def answer(request: SetBoolRequest) -> SetBoolResponse:
 
 
 async def execute(goal: Any) -> dict[str, int]:
+    FINISH.clear()
     await goal.publish_feedback({"feedback": goal.request.goal})
-    await asyncio.sleep(0.3)  # Feedback and result come on two connections, in any order.
+    await FINISH.wait()  # Feedback and result come on two connections, in any order.
     return {"result": 2 * goal.request.goal}
 
 
@@ -70,13 +73,19 @@ async def act(node: fibws.Node, peer: str) -> None:
     client = node.action_client(f"/{peer}/act", Test)
     await client.wait_for_server()
     goal = await client.send({"goal": 21})
-    feedback = [each.feedback async for each in goal.feedback()]
+    feedback = []
+    async for each in goal.feedback():
+        feedback.append(each.feedback)
+        saw("feedback", peer, each.feedback)
     saw("action", peer, [feedback, (await goal.result()).result])
 
 
-async def follow(node: fibws.Node) -> None:
-    while peer := (await asyncio.to_thread(sys.stdin.readline)).strip():
-        await act(node, peer)
+async def follow(node: fibws.Node, tasks: asyncio.TaskGroup) -> None:
+    while line := (await asyncio.to_thread(sys.stdin.readline)).strip():
+        if line == "finish":
+            FINISH.set()
+        else:
+            tasks.create_task(act(node, line))
 
 
 async def read(node: fibws.Node, peer: str) -> None:
@@ -102,7 +111,7 @@ async def main() -> None:
             tasks.create_task(read(node, peer))
         for peer in MESSAGES["serving"]:
             tasks.create_task(call(node, peer))
-        tasks.create_task(follow(node))
+        tasks.create_task(follow(node, tasks))
         async for _ in node.rate(10):
             for kind, publisher in publishers.items():
                 await publisher.publish(message(kind))

@@ -1,6 +1,7 @@
 // A peer of the matrix in roscpp: roscpp_peer NAME PEERS SERVING MESSAGES, where MESSAGES are
 // KIND=HEX for each kind.
 
+#include <condition_variable>
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -140,6 +141,31 @@ void call(ros::NodeHandle node, const std::string& peer) {
   if (!client.call(service)) saw("refusal", peer, "null");
 }
 
+// Lets the server finish its goal once a line of standard input says so.
+class Finish {
+ public:
+  void clear() {
+    std::lock_guard<std::mutex> lock(mutex_);
+    is_set_ = false;
+  }
+
+  void set() {
+    std::lock_guard<std::mutex> lock(mutex_);
+    is_set_ = true;
+    changed_.notify_all();
+  }
+
+  void wait() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return is_set_; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_set_ = false;
+} finish;
+
 // The patience with a goal, which ROS's own actionlib may lose.
 const double GOAL_SECONDS = 10;
 
@@ -151,6 +177,7 @@ void act(const std::string& peer) {
   std::ostringstream feedback;
   client.sendGoal(goal, {}, {}, [&](const actionlib::TestFeedbackConstPtr& each) {
     feedback << (feedback.tellp() > 0 ? ", " : "") << each->feedback;
+    saw("feedback", peer, std::to_string(each->feedback));
   });
   if (!client.waitForResult(ros::Duration(GOAL_SECONDS))) return;  // See LOSING.
   saw("action", peer,
@@ -188,10 +215,11 @@ int main(int argc, char** argv) {
   server.reset(new actionlib::SimpleActionServer<TestAction>(
       "/" + name + "/act",
       [&](const actionlib::TestGoalConstPtr& goal) {
+        finish.clear();
         actionlib::TestFeedback feedback;
         feedback.feedback = goal->goal;
         server->publishFeedback(feedback);
-        ros::Duration(0.3).sleep();  // Feedback and result come on two connections.
+        finish.wait();  // Feedback and result come on two connections, in any order.
         actionlib::TestResult result;
         result.result = 2 * goal->goal;
         server->setSucceeded(result);
@@ -214,7 +242,12 @@ int main(int argc, char** argv) {
   }
   for (const auto& peer : split(argv[3])) std::thread(call, node, peer).detach();
   std::thread([] {
-    for (std::string peer; std::getline(std::cin, peer);) act(peer);
+    for (std::string line; std::getline(std::cin, line);) {
+      if (line == "finish")
+        finish.set();
+      else
+        std::thread(act, line).detach();
+    }
   }).detach();
   for (ros::Rate rate(10); ros::ok(); rate.sleep())
     for (auto& publish : publish_all) publish();

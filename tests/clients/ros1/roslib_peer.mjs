@@ -60,7 +60,10 @@ function act(peer) {
   const again = setInterval(() => goal.send(), 1000);
   const feedback = [];
   goal.on("status", () => clearInterval(again));
-  goal.on("feedback", (each) => feedback.push(each.feedback));
+  goal.on("feedback", (each) => {
+    feedback.push(each.feedback);
+    saw("feedback", peer, each.feedback);
+  });
   goal.on("result", (result) => {
     clearInterval(again);
     saw("action", peer, [feedback, result.result]);
@@ -85,12 +88,18 @@ const server = new ROSLIB.SimpleActionServer({
   serverName: `/${name}/act`,
   actionName: "actionlib/TestAction",
 });
+let finish = () => {};
 server.on("goal", (goal) => {
   server.sendFeedback({ feedback: goal.goal });
-  setTimeout(() => server.setSucceeded({ result: 2 * goal.goal }), 300);
+  finish = () => server.setSucceeded({ result: 2 * goal.goal });
 });
 console.log("ready");
 createInterface({ input: process.stdin }).on("line", (line) => {
+  if (line === "finish") {
+    finish();
+    finish = () => {};
+    return;
+  }
   if (line !== "go") {
     act(line);
     return;

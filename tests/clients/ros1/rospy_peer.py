@@ -20,6 +20,8 @@ TYPES: dict[str, Any] = {
     "image": CompressedImage,
 }
 LOCK = threading.Lock()
+FINISH = threading.Event()
+"""Set when a line of standard input lets the server finish its goal."""
 GOAL_SECONDS = 10
 """The patience with a goal, which ROS's own actionlib may lose."""
 
@@ -57,8 +59,9 @@ def answer(request: Any) -> SetBoolResponse:
 
 
 def execute(goal: Any) -> None:
+    FINISH.clear()
     server.publish_feedback(TestFeedback(goal.goal))
-    rospy.sleep(0.3)  # Feedback and result come on two connections, in any order.
+    FINISH.wait()  # Feedback and result come on two connections, in any order.
     server.set_succeeded(TestResult(2 * goal.goal))
 
 
@@ -77,14 +80,22 @@ def act(peer: str) -> None:
     client = actionlib.SimpleActionClient(f"/{peer}/act", TestAction)
     client.wait_for_server()
     feedback: list[int] = []
-    client.send_goal(TestGoal(21), feedback_cb=lambda each: feedback.append(each.feedback))
+
+    def take(each: Any) -> None:
+        feedback.append(each.feedback)
+        saw("feedback", peer, each.feedback)
+
+    client.send_goal(TestGoal(21), feedback_cb=take)
     if client.wait_for_result(rospy.Duration(GOAL_SECONDS)):
         saw("action", peer, [feedback, client.get_result().result])
 
 
 def follow() -> None:
     for line in sys.stdin:
-        act(line.strip())
+        if line == "finish\n":
+            FINISH.set()
+        else:
+            start(act, line.strip())
 
 
 def start(function: Callable[..., None], *arguments: str) -> None:

@@ -217,6 +217,8 @@ class Peers:
             for peer, _, server in missing:
                 self._tell(peer, server)
             missing = await self._wait_for(missing, GOAL_PATIENCE)
+            for _, _, server in missing:
+                self._tell(server, "finish")  # Its feedback is lost.
             if not any(LOSING & {peer, server} for peer, _, server in missing):
                 return missing
         return missing
@@ -253,7 +255,10 @@ class Peers:
             except (ValueError, TypeError):
                 self.complaints.append(f"{peer}: {line.decode()}")
                 continue
-            if is_right(what, of, value):
+            if what == "feedback":
+                # Now the result cannot overtake it, which comes on another connection.
+                self._tell(of, "finish")
+            elif is_right(what, of, value):
                 self._seen.add((peer, what, of))
             elif what == "action":
                 self._failed.add((peer, what, of))
