@@ -30,6 +30,13 @@ ROOT = Path(__file__).parents[3]
 PORT = 9090
 ZENOH_PORT = 7447
 _CLONE_NEWNET = 0x40000000
+WITH_LEASE = """
+from fibws.hub import zenoh_session
+from fibws.hub.__main__ import command
+from fibws.hub.federation import link
+link.LEASE = zenoh_session.LEASE = {}
+command()
+"""
 
 StartMachine = Callable[..., Awaitable["Machine"]]
 
@@ -134,11 +141,18 @@ class Machine:
         self.url = ""
         self.log: list[str] = []
 
-    async def start(self, name: str, *flags: str, **variables: str) -> Self:
-        """Start a hub, and wait until it listens."""
+    async def start(
+        self, name: str, *flags: str, lease: float | None = None, **variables: str
+    ) -> Self:
+        """Start a hub, and wait until it listens.
+
+        Args:
+            lease: seconds of silence after which a hub counts as lost; None for the usual ones.
+        """
+        hub = ("-m", "fibws.hub") if lease is None else ("-c", WITH_LEASE.format(lease))
         environment = {key: value for key, value in os.environ.items() if "FIBWS" not in key}
         self._process = await asyncio.create_subprocess_exec(
-            *("nsenter", f"--net={self._inside.path}", sys.executable, "-m", "fibws.hub"),
+            *("nsenter", f"--net={self._inside.path}", sys.executable, *hub),
             *("--host", "0.0.0.0", "--port", str(PORT), "--hub-name", name, *flags),
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
@@ -267,7 +281,7 @@ async def start_machine(
         pytest.importorskip("zenoh")
     async with AsyncExitStack() as stack:
 
-        async def start(name: str, *others: Machine, flags: Any = (), **variables: str) -> Machine:
+        async def start(name: str, *others: Machine, flags: Any = (), **options: Any) -> Machine:
             machine = Machine(switch)
             stack.push_async_callback(machine.stop)
             join = [word for other in others for word in ("--join", other.address)]
@@ -278,6 +292,6 @@ async def start_machine(
                     for other in others
                     for word in ("--zenoh", f"tcp/{other.host}:{ZENOH_PORT}")
                 )
-            return await machine.start(name, *join, *flags, **variables)
+            return await machine.start(name, *join, *flags, **options)
 
         yield start

@@ -11,6 +11,7 @@ from patience import PATIENCE
 
 import fibws
 from fibws.hub import Hub
+from fibws.hub.federation import precedence
 from fibws.hub.federation.connections import Join as Joining
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.graph.publication import Publication
@@ -346,12 +347,14 @@ def _conflicts(hub: Hub) -> list[str]:
 
 
 @BOTH
-async def test_older_node_survives_when_hubs_meet(join: Join, start_node: StartNode) -> None:
+async def test_older_node_survives_when_hubs_meet(
+    join: Join, start_node: StartNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(precedence, "SAME_AGE", 1)  # Hubs of one machine have one clock.
     first = await join("first")
     older = await start_node("robot", first)
     await until(lambda: "/robot" in first.graph.nodes, first)
     second = await join("second")
-    await asyncio.sleep(0.3)  # More than the hubs' clocks may differ.
     younger = await start_node("robot", second)
     third = await join("third", first, second)
     with pytest.raises(fibws.NodeReplaced):

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import time
-from statistics import median
 from typing import Any
 
 import pytest
 from patience import PATIENCE
 
 import fibws
-from fibws.hub.federation.link import LEASE
 from fibws.msg.sensor_msgs import Image
-from fibws.msg.std_msgs import Float64, Int32, String
+from fibws.msg.std_msgs import Int32, String
 
 from .conftest import StartNode
 from .networks import StartMachine
@@ -28,12 +25,12 @@ BOTH = pytest.mark.parametrize("start_machine", ["websocket", "zenoh"], indirect
 """Runs a test with hubs that are joined by WebSockets, and with hubs on a zenoh network."""
 
 
-async def peers_are(end: End, expected: set[str]) -> float:
-    """Wait until a publisher or a subscription has these peers; return when that was."""
+async def peers_are(end: End, expected: set[str]) -> None:
+    """Wait until a publisher or a subscription has these peers."""
     async with asyncio.timeout(PATIENCE):
         async for names in end.peers.changes():
             if set(names) == expected:
-                return time.monotonic()
+                return
     raise AssertionError("the node has ended")
 
 
@@ -68,21 +65,20 @@ async def test_messages_of_ten_machines_in_a_star_arrive_once_and_in_order(
 
 
 @BOTH
-async def test_nodes_of_a_killed_hub_vanish_within_a_second(
+async def test_nodes_of_a_killed_hub_vanish_before_its_lease_has_ended(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
-    first = await start_machine("first")
-    second = await start_machine("second", first)
-    third = await start_machine("third", second)
+    lease = 10.0 * PATIENCE
+    first = await start_machine("first", lease=lease)
+    second = await start_machine("second", first, lease=lease)
+    third = await start_machine("third", second, lease=lease)
     talker = await start_node("talker", third)
     await talker.advertise("chatter", String)
     near = (await start_node("near", second)).subscribe("chatter", String, peers=True)
     far = (await start_node("far", first)).subscribe("chatter", String, peers=True)
     await asyncio.gather(peers_are(near, {"/talker"}), peers_are(far, {"/talker"}))
-    killed = time.monotonic()
     await third.kill()
-    for seen in await asyncio.gather(peers_are(near, set()), peers_are(far, set())):
-        assert seen - killed < 1.0
+    await asyncio.gather(peers_are(near, set()), peers_are(far, set()))
 
 
 @BOTH
@@ -96,16 +92,10 @@ async def test_nodes_vanish_when_a_cable_is_pulled_and_return_when_it_is_plugged
     publisher = await talker.advertise("numbers", Int32, peers=True)
     subscription = listener.subscribe("numbers", Int32, peers=True)
     await asyncio.gather(peers_are(publisher, {"/listener"}), peers_are(subscription, {"/talker"}))
-    pulled = time.monotonic()
-    robot.pull()
-    for lost in await asyncio.gather(peers_are(publisher, set()), peers_are(subscription, set())):
-        assert lost - pulled < LEASE + 0.5
-    plugged = time.monotonic()
+    robot.pull()  # TCP itself would try for many minutes, much longer than `PATIENCE`.
+    await asyncio.gather(peers_are(publisher, set()), peers_are(subscription, set()))
     robot.plug()
-    for found in await asyncio.gather(
-        peers_are(publisher, {"/listener"}), peers_are(subscription, {"/talker"})
-    ):
-        assert found - plugged < 5.0
+    await asyncio.gather(peers_are(publisher, {"/listener"}), peers_are(subscription, {"/talker"}))
     await publisher.publish(data=7)
     async with asyncio.timeout(PATIENCE):
         assert (await anext(aiter(subscription))).data == 7
@@ -140,41 +130,23 @@ async def test_older_node_survives_when_a_partition_heals_and_both_hubs_log_it(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("source", ["robot", "cloud"])
-async def test_images_on_a_slow_link_delay_other_topics_little(
+async def test_messages_overtake_an_image_on_a_slow_link(
     start_machine: StartMachine, start_node: StartNode, source: str
 ) -> None:
     cloud = await start_machine("cloud")
     robot = await start_machine("robot", cloud)
     near, far = (robot, cloud) if source == "robot" else (cloud, robot)
     robot.slow("10mbit")
-    camera, imu = await start_node("camera", near), await start_node("imu", near)
-    viewer = await start_node("viewer", far)
-    images = await camera.advertise("images", Image, queue_size=10, peers=True)
-    times = await imu.advertise("times", Float64, queue_size=10, peers=True)
-    seen = viewer.subscribe("images", Image, queue_size=1)
-    subscription = viewer.subscribe("times", Float64, queue_size=100)
-    await asyncio.gather(peers_are(images, {"/viewer"}), peers_are(times, {"/viewer"}))
+    camera, viewer = await start_node("camera", near), await start_node("viewer", far)
+    images = await camera.advertise("images", Image, peers=True)
+    numbers = await camera.advertise("numbers", Int32, peers=True)
+    arrived: asyncio.Queue[int | str] = asyncio.Queue()
+    viewer.subscribe("images", Image).hand_to(lambda _: arrived.put_nowait("image"))
+    viewer.subscribe("numbers", Int32).hand_to(lambda number: arrived.put_nowait(number.data))
+    await asyncio.gather(peers_are(images, {"/viewer"}), peers_are(numbers, {"/viewer"}))
     image = Image(data=bytes(640 * 480 * 3))
-
-    async def publish_images() -> None:
-        async for _ in camera.rate(30):
-            await images.publish(image)
-
-    async def publish_times() -> None:
-        async for _ in imu.rate(10):
-            await times.publish(time.monotonic())
-
-    tasks = [asyncio.create_task(each()) for each in (publish_images, publish_times)]
-    delays = []
-    try:
-        async with asyncio.timeout(PATIENCE):
-            await anext(aiter(seen))
-            async for message in subscription:
-                delays.append(time.monotonic() - message.data)
-                if len(delays) == 30:
-                    break
-    finally:
-        for task in tasks:
-            task.cancel()
-    # One image alone takes the link 0.7 s; beside them it is 0.12 s, and more on a busy machine.
-    assert median(delays) < 0.5
+    async with asyncio.timeout(PATIENCE):
+        for number in range(5):
+            await images.publish(image)  # It takes the link 0.7 s.
+            await numbers.publish(number)
+            assert [await arrived.get() for _ in range(2)] == [number, "image"]
