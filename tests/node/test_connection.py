@@ -14,9 +14,11 @@ from collections.abc import AsyncIterator
 from http import HTTPStatus
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import pytest
 from client.servers import redirecting_server
+from patience import PATIENCE
 from websockets.exceptions import InvalidMessage
 from websockets.utils import accept_key
 
@@ -26,6 +28,7 @@ from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _delays, _reason
+from fibws.node.outgoing_queue import LIMIT
 from fibws.protocol.websocket import BINARY, KILLED, REPLACED, TEXT, CloseReason, server_frame
 from fibws.srv.rospy_tutorials import AddTwoInts
 
@@ -250,7 +253,7 @@ async def test_publishing_waits_for_a_slow_hub(hub: ScriptedHub) -> None:
         peer = await hub.peer()
         texts = await node.advertise("texts", String, queue_size=1)
         # The other end does not read: the sockets' buffers fill up, then the outgoing queue.
-        published = await _publish_until_it_waits(texts)
+        published = await _publish_until_it_waits(node, peer, texts)
         waiting = asyncio.create_task(texts.publish("last"))
         await peer.expect("advertise")
         for _ in range(published):
@@ -263,15 +266,17 @@ async def test_publishing_waits_for_a_slow_hub(hub: ScriptedHub) -> None:
 async def test_hub_that_does_not_read_does_not_delay_the_end(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    loop = asyncio.get_running_loop()
-    async with fibws.Node("talker", hub=hub.url) as node:
-        peer = await hub.peer()
-        texts = await node.advertise("texts", String)
-        await _publish_until_it_waits(texts)
-        publishing = asyncio.create_task(texts.publish("last"))
-        await asyncio.sleep(0)
-        began = loop.time()
-    assert loop.time() - began < 10
+    async def publish(texts: fibws.Publisher[String]) -> None:
+        while True:
+            await texts.publish(LONG)
+
+    async with asyncio.timeout(PATIENCE):
+        async with fibws.Node("talker", hub=hub.url) as node:
+            peer = await hub.peer()
+            texts = await node.advertise("texts", String)
+            await _publish_until_it_waits(node, peer, texts)
+            publishing = asyncio.create_task(publish(texts))
+            await asyncio.sleep(0)
     assert re.search(r"Messages that were not sent: \d+\.", capsys.readouterr().err)
     with pytest.raises(fibws.NodeClosed):
         await publishing
@@ -282,7 +287,7 @@ async def test_publisher_waiting_for_room_continues_after_disconnect(hub: Script
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         texts = await node.advertise("texts", String, queue_size=1)
-        await _publish_until_it_waits(texts)
+        await _publish_until_it_waits(node, peer, texts)
         publishing = asyncio.create_task(texts.publish("last"))
         await asyncio.sleep(0)
         peer.websocket.transport.abort()
@@ -296,17 +301,33 @@ async def test_publisher_waiting_for_room_continues_after_disconnect(hub: Script
 LONG = "x" * 100_000
 
 
-async def _publish_until_it_waits(texts: fibws.Publisher[String]) -> int:
-    published = waits = 0
-    while waits < 2:  # One alone may be this machine's.
-        try:
-            async with asyncio.timeout(0.1):
-                await texts.publish(LONG)
-        except TimeoutError:
-            waits += 1
-        else:
+async def _publish_until_it_waits(
+    node: fibws.Node, peer: Peer, texts: fibws.Publisher[String]
+) -> int:
+    """Publish until the queue is full and the peer reads no more; return how many messages it took.
+
+    What the sockets may still take then is less than half of the queue.
+    """
+    writer: Any = node._session.outgoing._writer
+    for transport, option in (
+        (writer._transport, socket.SO_SNDBUF),
+        (peer.websocket.transport, socket.SO_RCVBUF),
+    ):
+        transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, option, LIMIT // 16)
+    published = 0
+
+    async def publish() -> None:
+        nonlocal published
+        while True:
+            await texts.publish(LONG)
             published += 1
-            waits = 0
+
+    task = asyncio.create_task(publish())
+    async with asyncio.timeout(PATIENCE):
+        while texts.has_room or peer.websocket.transport.is_reading():  # noqa: ASYNC110 - no event.
+            await asyncio.sleep(0)
+    task.cancel()
+    await asyncio.wait({task})
     return published
 
 
