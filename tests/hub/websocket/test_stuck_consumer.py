@@ -32,6 +32,7 @@ from ..raw_client import (
     publish,
     until,
 )
+from .virtual_time import VirtualTime
 
 pytestmark = pytest.mark.both_loops
 
@@ -128,24 +129,28 @@ class TestStuckConsumer:
 
     async def test_slow_but_steady_reader_is_not_closed(self, start_hub: StartHub) -> None:
         """A long message over a slow line may take longer than a client may stop reading."""
-        hub = await start_hub(stall_timeout=0.3)
-        size = 4 * MIB
+        hub = await start_hub(stall_timeout=10.0)
+        clock = VirtualTime(hub)
+        size, pieces = 4 * MIB, 0
         async with (
-            connected(hub.port, receive_buffer=64 * KIB) as slow,
+            connected(hub.port, "/?node=/slow", receive_buffer=64 * KIB) as slow,
             connected(hub.port) as talker,
         ):
             await slow.subscribes("/t", "std_msgs/String")
             await talker.advertises("/t", "std_msgs/String")
             await talker.send(publish("/t", "x" * size))
             await talker.is_processed()
-            got = 0
+            (connection,) = [each for each in hub._connections if each.name == "/slow"]
             loop = asyncio.get_running_loop()
-            began = loop.time()
+            got = 0
             while got < size:
-                got += len(await loop.sock_recv(slow.socket, 64 * KIB))
-                # As much as a line of 4 MB/s lets through.
-                await asyncio.sleep(max(0.0, began + got / (4 * MIB) - loop.time()))
+                unread = connection._unread()
+                while got < size and connection._unread() == unread:
+                    got += len(await loop.sock_recv(slow.socket, 64 * KIB))
+                clock.advance(9.0)
+                pieces += 1
             assert len(nodes(hub)) == 2
+        assert pieces > 5  # Together they took much longer than a client may stop reading.
 
     async def test_hub_closes_in_time_despite_a_stuck_client(self, start_hub: StartHub) -> None:
         hub = await start_hub(close_timeout=0.3)

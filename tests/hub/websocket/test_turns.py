@@ -18,6 +18,7 @@ from fibws.hub.websocket.turns import ITERATION, MOST_FRAMES, TURN, Turns
 from fibws.protocol.websocket import LARGE, SHUTDOWN, Payload
 
 from ..raw_client import CLOSE, PING, TEXT, connected, dialled, frame, handshake, until
+from .virtual_time import VirtualTime
 
 both_loops = pytest.mark.both_loops
 
@@ -319,16 +320,25 @@ async def test_hub_stops_while_clients_wait(start_hub: StartHub) -> None:
 
 @both_loops
 async def test_client_whose_pong_is_behind_its_messages_is_alive(start_hub: StartHub) -> None:
-    hub = await start_hub(ping_interval=0.02, ping_timeout=0.05)
+    hub = await start_hub(ping_interval=10.0, ping_timeout=20.0)
+    clock = VirtualTime(hub)
     endpoint = slow(hub)
     async with connected(hub.port, "/slow") as client:
-        await client.send(texts(500, 1000))
-        await until(lambda: len(endpoint.received) == 500 or endpoint.left)
-        assert (len(endpoint.received), endpoint.left) == (500, 0)
+        clock.advance(10.0)
+        assert (await client.frame())[0] == PING
+        await client.send(texts(100))
+        await until(lambda: endpoint.received)
+        swept = 0
+        while len(endpoint.received) < 100:
+            clock.advance(30.0)
+            swept += 1
+            await asyncio.sleep(0)
+        assert swept > 1
+        assert endpoint.left == 0
         # From now on its silence counts.
-        while (opcode := (await client.frame())[0]) == PING:
-            pass
-        assert opcode == CLOSE
+        clock.advance(10.0)
+        clock.advance(30.0)
+        assert (await client.frame())[0] == CLOSE
 
 
 @both_loops
