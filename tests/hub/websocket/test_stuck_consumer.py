@@ -146,7 +146,9 @@ class TestStuckConsumer:
             while got < size:
                 unread = connection._unread()
                 while got < size and connection._unread() == unread:
-                    got += len(await loop.sock_recv(slow.socket, 64 * KIB))
+                    data = await loop.sock_recv(slow.socket, 64 * KIB)
+                    assert data, "the hub has closed the connection"
+                    got += len(data)
                 clock.advance(9.0)
                 pieces += 1
             assert len(nodes(hub)) == 2
