@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import process_time
 
 import pytest
+from work import executed_lines
 
 from fibws.hub.foxglove.feeds import BATCH, MOST_PROBES, PROBE_SECONDS, Schemas
 from fibws.hub.graph.graph import ExternalNode
@@ -295,20 +295,31 @@ def test_clients_that_leave_get_nothing_more() -> None:
     assert hub.empty
 
 
-@pytest.mark.parametrize("clients", [1, 10])
-def test_3000_channels_take_little_time(clients: int) -> None:
-    hub = FoxgloveHub(max_advertisements=3000)
+def work(channels: int, clients: int) -> int:
+    """Return the work of the hub while clients connect that are told of many channels."""
+    hub = FoxgloveHub(max_advertisements=channels)
     talker = hub.client("/talker")
     types = STANDARD.messages("sensor_msgs")
-    for number in range(3000):
+    for number in range(channels):
         talker.send("advertise", f"/robot/topic{number}", type=types[number % len(types)])
-    began = process_time()
-    connected = [hub.foxglove_client(f"/foxglove{number}") for number in range(clients)]
-    for _ in range(20):
-        hub.clock.advance(0)
-        hub.clock.turn()
-    took = process_time() - began
+    connected = []
+
+    def connect() -> None:
+        for number in range(clients):
+            connected.append(hub.foxglove_client(f"/foxglove{number}"))
+        for _ in range(20):
+            hub.clock.advance(0)
+            hub.clock.turn()
+
+    lines = executed_lines(connect)
     for client in connected:
         client.receive()
-        assert len(client.channels) == 3000
-    assert took < 0.5 * clients, took  # It takes a tenth of that; CI's machines are slow.
+        assert len(client.channels) == channels
+    return lines
+
+
+def test_work_grows_as_channels_and_clients_do() -> None:
+    some = work(1000, 1)
+    assert some < 100 * 1000  # It is 70 lines for each channel.
+    assert work(3000, 1) < 3.2 * some
+    assert work(1000, 10) < 10.5 * some
