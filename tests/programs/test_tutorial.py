@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import signal
-import socket
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -17,6 +16,7 @@ from typing import NamedTuple
 import pytest
 from cli.terminal import ROOT, Terminal
 from patience import PATIENCE
+from ports import port as port
 
 TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text("utf-8")
 WITHOUT_BASH = TUTORIAL.index("## Without bash")
@@ -42,10 +42,24 @@ class Step(NamedTuple):
     where: str
     """A terminal's number, or a file's path."""
     text: str = ""
+    returns: bool = False
+    """Whether the shell is ready for another command after this one, without Ctrl-C."""
 
 
-def steps(document: str) -> Iterator[Step]:
-    """Yield the steps of a document in order."""
+def steps(document: str) -> list[Step]:
+    """Return the steps of a document in order."""
+    found: list[Step] = []
+    follower: dict[str, str] = {}
+    """The next verb at each terminal."""
+    for step in reversed(list(_steps(document))):
+        returns = step.verb == "type" and follower.get(step.where) == "type"
+        found.append(step._replace(returns=returns))
+        if step.verb in ("type", "end"):
+            follower[step.where] = step.verb
+    return found[::-1]
+
+
+def _steps(document: str) -> Iterator[Step]:
     end = 0
     for found in re.finditer(
         r"^```(?P<language>\w+)(?: (?P<terminal>\d))?\n(?P<text>.*?)^```$"
@@ -106,19 +120,24 @@ class Reader:
         self._open_terminal = open_terminal
         self._port = port
         self._terminals: dict[str, Screen] = {}
-        self._last = ""
-        """The terminal that was typed into last."""
+        self._busy = ""
+        """The terminal whose last command ends by itself, and may still run."""
 
     def follow(self, step: Step) -> None:
+        if self._busy and self._busy != step.where:
+            self.leave(self._busy)  # Other steps may need what the command does.
+            self._busy = ""
         getattr(self, step.verb)(step.where, step.text)
+        if step.verb == "type":
+            self._busy = step.where if step.returns else ""
 
     def type(self, number: str, text: str) -> None:
         for line in text.splitlines():
             self._prompted(number).type(f"{line}\n")
-        self._last = number
 
     def end(self, number: str, _: str = "") -> None:
         self._terminals[number].type(CTRL_C)
+        self.leave(number)
 
     def see(self, number: str, text: str) -> None:
         lines = [self._pattern(line) for line in text.splitlines()]
@@ -157,7 +176,6 @@ class Reader:
         return self._terminals[number]
 
     def _file(self, path: str) -> Path:
-        self.leave(self._last)  # The last command may be creating the file.
         return (self.workspace if path.startswith("src/") else self.workspace / "src") / path
 
     def _pattern(self, line: str) -> str:
@@ -177,13 +195,6 @@ def fibonacci(count: int) -> list[int]:
 
 FIBONACCI = fibonacci(94)
 """Those that fit a uint64."""
-
-
-@pytest.fixture
-def port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        number: int = server.getsockname()[1]
-    return number
 
 
 @pytest.fixture
@@ -256,6 +267,6 @@ def test_tutorial_works_without_bash(reader_with: Callable[[str], Reader]) -> No
 
 
 def test_tutorial_has_steps_of_each_kind() -> None:
-    found = list(steps(TUTORIAL))
+    found = steps(TUTORIAL)
     assert {step.verb for step in found} == {"type", "see", "write", "append", "insert", "end"}
     assert len(found) == TUTORIAL.count("\n```") / 2 + TUTORIAL.count("<!-- Ctrl-C")
