@@ -50,6 +50,7 @@ def test_plugin_gives_each_test_a_hub_and_a_node(tmp_path: Path) -> None:
     (tmp_path / "test_nodes.py").write_text(
         """
 import asyncio
+import logging
 import os
 import subprocess
 import sys
@@ -92,8 +93,15 @@ class TestSmallHub:
     @pytest.mark.asyncio
     async def test_settings_can_be_chosen(self, hub, node):
         other = fibws.Node("other", rosout=False)
-        with pytest.raises(TimeoutError):
-            await asyncio.wait_for(other.__aenter__(), 0.1)
+        refused = asyncio.Event()
+        handler = logging.Handler()
+        handler.emit = lambda record: refused.set()
+        other.log.addHandler(handler)
+        opening = asyncio.create_task(other.__aenter__())
+        await refused.wait()
+        assert not opening.done()
+        opening.cancel()
+        await asyncio.wait([opening])
 """
     )
     assert "5 passed" in run_pytest(tmp_path)

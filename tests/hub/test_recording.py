@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import time
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from fibws.bags.bag_writer import BagWriter
 from fibws.errors import ServiceError
 from fibws.hub import Hub, Settings
 from fibws.hub.recording import NODE, STATE
+from fibws.hub.server import RECORDING_TIMEOUT
 from fibws.msg.fibws_msgs import PlaybackState, RecordingState
 from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.std_msgs import Int32, String
@@ -173,19 +174,41 @@ async def test_publishers_that_have_left_take_no_memory(tmp_path: Path) -> None:
 async def test_end_of_the_hub_waits_for_a_disk_that_is_slow(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write = BagWriter.write
+    """Whenever the hub has waited for long enough, one more message is on the disk."""
+    write, wait_for, may_write = BagWriter.write, asyncio.wait_for, threading.Semaphore(0)
+    rounds = 0
 
     def write_slowly(writer: BagWriter, *arguments: Any) -> None:
-        time.sleep(0.05)
+        may_write.acquire()
         write(writer, *arguments)
 
+    def on_disk() -> int:
+        assert hub.recording is not None
+        return hub.recording.totals().messages
+
+    async def wait_for_one_message(awaitable: Any, timeout: float | None) -> Any:
+        nonlocal rounds
+        if timeout != RECORDING_TIMEOUT:
+            return await wait_for(awaitable, timeout)
+        before = on_disk()
+        complete = asyncio.ensure_future(awaitable)
+        may_write.release()
+        rounds += 1
+        while not complete.done() and on_disk() == before:  # noqa: ASYNC110 - it has no event.
+            await asyncio.sleep(0)
+        if complete.done():
+            return complete.result()
+        complete.cancel()
+        raise TimeoutError
+
     monkeypatch.setattr(BagWriter, "write", write_slowly)
-    monkeypatch.setattr("fibws.hub.server.RECORDING_TIMEOUT", 0.4)
-    async with Hub(settings(tmp_path)) as hub:
+    async with asyncio.timeout(PATIENCE), Hub(settings(tmp_path)) as hub:
         source = hub.graph.advertise(hub.graph.topic("/numbers"), "/talker", "std_msgs/Int32")
         for number in range(20):
             source.publish({"data": number})
         hub.graph.remove_source(source)
+        monkeypatch.setattr("fibws.hub.server.asyncio.wait_for", wait_for_one_message)
+    assert rounds >= 20
     [path] = files(tmp_path)
     with open_reader(path) as bag:
         assert len(list(bag.messages(["/numbers"]))) == 20

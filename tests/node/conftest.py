@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 import uvloop
+from patience import PATIENCE
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
@@ -123,6 +124,13 @@ class Peer:
                 )
             operation["compression"] = "none"
         return operation
+
+    async def has_sent_nothing(self) -> bool:
+        """Return whether the node has sent nothing that was not received, before its next pong."""
+        async with asyncio.timeout(PATIENCE):
+            await (await self.websocket.ping())
+        await asyncio.sleep(0)  # `serve` takes what has come before it.
+        return self._frames.empty()
 
     async def expect(self, op: str) -> dict[str, Any]:
         """Return the next operation, which must be ``op``; skip those of the node's log."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.msg.std_msgs import Int32
@@ -39,7 +40,10 @@ async def test_wait_for_service_polls_until_it_exists(hub: ScriptedHub) -> None:
 @pytest.mark.parametrize("over", ["service", "action"])
 async def test_name_is_resolved_once(hub: ScriptedHub, over: str) -> None:
     remapping = parse_remappings(["a:=b", "b:=a", "b/_action/cancel_goal:=a"])
-    async with fibws.Node("node", hub=hub.url, remapping=remapping) as node, asyncio.timeout(5):
+    async with (
+        fibws.Node("node", hub=hub.url, remapping=remapping) as node,
+        asyncio.timeout(PATIENCE),
+    ):
         peer = await hub.peer()
         if over == "service":
             wait, service = node.wait_for_service("a"), "/b"

@@ -171,8 +171,7 @@ async def test_ctrl_c_ends_it_without_failure(
     program = await start(BROADCASTER, "--hub", hub.url)
     await program.line()
     program.send(number)
-    async with asyncio.timeout(20):
-        assert await program.end() == (0, "", "")
+    assert await program.end() == (0, "", "")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -184,8 +183,7 @@ async def test_ctrl_c_ends_the_wait_for_a_hub(
     program = await start(BROADCASTER, "--hub", url)
     assert "Waiting for a hub" in await program.error_line()
     program.send(number)
-    async with asyncio.timeout(20):
-        assert await program.end() == (0, "", "")
+    assert await program.end() == (0, "", "")
 
 
 async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from patience import PATIENCE
 from running_programs import Start
 
 import fibws
@@ -41,7 +42,7 @@ async def test_map_is_served_changed_and_saved(hub: Hub, start: Start, tmp_path:
             math.cos(0.5),
         )
         assert await node.wait_for_message("/map_metadata", MapMetaData) == info
-        await node.wait_for_service("/change_map", timeout=30)
+        await node.wait_for_service("/change_map", timeout=PATIENCE)
         served = await node.call("/static_map", "nav_msgs/GetMap")
         assert list(served.map.data) == list(grid.data)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 import fibws
 from fibws.msg import std_msgs
@@ -80,7 +81,7 @@ async def test_nodes_notice_nothing_when_the_hub_is_killed(ros: World) -> None:
     await until(are_back)
     await arrived(counter, 2)
     async with fibws.Node("client", hub=ros.url) as node:
-        assert (await node.wait_for_message("/end", std_msgs.Int64, timeout=30)).data > 0
+        assert (await node.wait_for_message("/end", std_msgs.Int64, timeout=PATIENCE)).data > 0
 
 
 async def test_killed_nodes_leave_nothing_behind(ros: World) -> None:
@@ -88,7 +89,7 @@ async def test_killed_nodes_leave_nothing_behind(ros: World) -> None:
         await node.flush()
         before, files = await nodes_of(ros), open_files(ros)
         counter, relays = await chain(ros)
-        await node.wait_for_message("/link1", std_msgs.Int64, timeout=30)
+        await node.wait_for_message("/link1", std_msgs.Int64, timeout=PATIENCE)
         heard = node.subscribe("/end", std_msgs.Int64)
         await anext(heard)
         assert len(await call(ros, "getBusInfo")) >= 1

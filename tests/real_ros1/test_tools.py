@@ -8,6 +8,7 @@ import signal
 from collections.abc import AsyncIterator
 
 import pytest
+from patience import PATIENCE
 from ports import port as port
 
 import fibws
@@ -130,7 +131,7 @@ async def test_roslaunch(ros: World, client: fibws.Node) -> None:
     file = ros.folder / "mount.launch"
     file.write_text(LAUNCH)
     launched = await ros.program("/usr/bin/roslaunch", str(file))
-    message = await client.wait_for_message("/tf_static", "tf2_msgs/TFMessage", timeout=30)
+    message = await client.wait_for_message("/tf_static", "tf2_msgs/TFMessage", timeout=PATIENCE)
     assert message.transforms[0].child_frame_id == "odom"
     assert await client.params.get("/limit") == 3.5
     assert "/mount" in (await ros.output("rosnode", "list")).split()
@@ -142,7 +143,7 @@ async def test_roslaunch(ros: World, client: fibws.Node) -> None:
 async def test_rosrun(ros: World, client: fibws.Node) -> None:
     words = "tf2_ros static_transform_publisher 1 2 3 0 0 0 1 map odom __name:=mount".split()
     await ros.program("/usr/bin/rosrun", *words)
-    message = await client.wait_for_message("/tf_static", "tf2_msgs/TFMessage", timeout=30)
+    message = await client.wait_for_message("/tf_static", "tf2_msgs/TFMessage", timeout=PATIENCE)
     assert message.transforms[0].child_frame_id == "odom"
     assert "xmlrpc reply from" in await ros.output("rosnode", "ping", "-c", "1", "/mount")
 
@@ -172,7 +173,9 @@ async def test_launch_starts_a_master_for_installed_programs(ros: World, port: i
     async with fibws.Node("client", hub=page[1]) as node:
         publisher = await node.advertise("/chatter", std_msgs.String, latch=True)
         await publisher.publish(std_msgs.String("hello"))
-        assert (await node.wait_for_message("/again", std_msgs.String, timeout=30)).data == "hello"
+        assert (
+            await node.wait_for_message("/again", std_msgs.String, timeout=PATIENCE)
+        ).data == "hello"
     program.process.send_signal(signal.SIGINT)
     await program.ended()
 

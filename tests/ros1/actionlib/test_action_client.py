@@ -26,7 +26,7 @@ def heard(handle, feedback):
 rospy.init_node("client")
 told = rospy.Publisher("told", Int32, queue_size=10)
 client = actionlib.ActionClient("numbers", FibonacciAction)
-print(client.wait_for_action_server_to_start(rospy.Duration(20)), flush=True)
+print(client.wait_for_action_server_to_start(rospy.Duration(60)), flush=True)
 numbers = {}
 handles = [client.make_goal(FibonacciGoal(order), None, heard) for order in (1, 2)]
 numbers = {handle: number for number, handle in enumerate(handles)}

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import roslaunch
 import rosparam
+from patience import PATIENCE
 from ports import port as port
 
 from fibws.client.hub_client import is_hub_running
@@ -96,7 +97,7 @@ def test_listeners_are_told_of_ends_and_spin_returns(capfd: pytest.CaptureFixtur
     )
     parent.start()
     parent.spin()
-    assert listener.ended.get(timeout=30) == ("x-1", 3)
+    assert listener.ended.get(timeout=PATIENCE) == ("x-1", 3)
     assert "exit code 3" in capfd.readouterr().err
 
 

@@ -271,11 +271,22 @@ async def test_node_survives_a_restart_of_the_hub(port: int) -> None:
 async def test_signal_handlers_can_be_disabled() -> None:
     async with running_hub() as programs:
         program = await programs.start("""
-            import rospy, threading
+            import rospy, sys, threading, time
             rospy.init_node("careless", disable_signals=True)
             rospy.on_shutdown(lambda: print("hook"))
-            # Not before it spins: until then Ctrl-C is Python's.
-            threading.Timer(1, print, ["ready"], {"flush": True}).start()
+
+            def wait_for_spin():  # Until it spins, Ctrl-C is Python's.
+                main = threading.main_thread().ident
+                functions = []
+                while "wait_for_shutdown" not in functions:
+                    time.sleep(0.001)
+                    frame, functions = sys._current_frames()[main], []
+                    while frame is not None:
+                        functions.append(frame.f_code.co_name)
+                        frame = frame.f_back
+                print("ready", flush=True)
+
+            threading.Thread(target=wait_for_spin).start()
             rospy.spin()
             print("end", rospy.is_shutdown())
         """)

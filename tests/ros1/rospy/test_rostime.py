@@ -67,21 +67,19 @@ def test_sleep_takes_its_duration(duration: float | genpy.Duration) -> None:
 
 @pytest.mark.usefixtures("wall")
 def test_negative_sleep_returns_at_once() -> None:
-    began = time.monotonic()
-    rostime.sleep(-60)
-    rostime.sleep(Duration(-60))
+    rostime.sleep(-3600)  # More than a test may take.
+    rostime.sleep(Duration(-3600))
     rostime.sleep(0)
-    assert time.monotonic() - began < 30
 
 
 @pytest.mark.usefixtures("wall")
 def test_shutdown_interrupts_a_sleep(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(core, "_shutdown", True)
     with pytest.raises(ROSInterruptException, match="ROS shutdown request"):
-        rostime.sleep(60)
+        rostime.sleep(3600)
     rostime.set_rostime(genpy.Time(1))
     with pytest.raises(ROSInterruptException, match="ROS shutdown request"):
-        rostime.sleep(60)
+        rostime.sleep(3600)
 
 
 def test_wallsleep_needs_no_node_and_ends_with_shutdown(
@@ -92,8 +90,7 @@ def test_wallsleep_needs_no_node_and_ends_with_shutdown(
     assert 0.02 <= time.monotonic() - began
     rostime.wallsleep(-1)
     monkeypatch.setattr(core, "_shutdown", True)
-    rostime.wallsleep(60)
-    assert time.monotonic() - began < 30
+    rostime.wallsleep(3600)  # More than a test may take.
 
 
 class Sleeper(threading.Thread):

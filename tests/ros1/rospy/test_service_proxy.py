@@ -45,7 +45,7 @@ async def test_service_can_be_called_in_all_ways(beginning: str) -> None:
             + """
 from rospy_tutorials.srv import AddTwoInts, AddTwoIntsRequest
 
-rospy.wait_for_service("add", rospy.Duration(10))
+rospy.wait_for_service("add", rospy.Duration(60))
 add = rospy.ServiceProxy("add", AddTwoInts, persistent=True)
 add.wait_for_service(timeout=60)
 print(add(1, 2).sum, add(a=3).sum, add.call(AddTwoIntsRequest(4, 5)).sum, add().sum)

@@ -121,7 +121,7 @@ async def test_wait_for_message_returns_a_message_or_times_out() -> None:
             from std_msgs.msg import String
 
             rospy.init_node("node")
-            print(rospy.wait_for_message("chatter", String, timeout=rospy.Duration(10)).data)
+            print(rospy.wait_for_message("chatter", String, timeout=rospy.Duration(60)).data)
             try:
                 rospy.wait_for_message("silence", String, timeout=0.05)
             except rospy.ROSException as fault:
