@@ -340,12 +340,11 @@ class SendQueue:
         """Write a control frame at once, or behind the large frame that is half written."""
         rest = self._rest
         if rest and isinstance(rest[0], memoryview | bytearray):
-            # Those that wait are one bytearray, which may have come to the front by now.
-            at = 0 if isinstance(rest[0], bytearray) else 1
-            if at < len(rest) and isinstance(controls := rest[at], bytearray):
+            # Control frames that wait behind the first piece are one bytearray.
+            if len(rest) > 1 and isinstance(controls := rest[1], bytearray):
                 controls += data
             else:
-                rest.insert(at, bytearray(data))
+                rest.insert(1, bytearray(data))
             self._rest_bytes += len(data)
             self._make_room()
         else:
@@ -397,11 +396,9 @@ class SendQueue:
                 size += len(frame)
             frames, self.frames = self.frames, []
             self.messages_sent += len(frames)
-            self.paused = True  # What is sent meanwhile comes behind the rest.
             self.write_all(frames)
             if self._socket_full:
                 return
-            self.paused = False
         self._fresh = None
         self._kept = None
 

@@ -662,6 +662,20 @@ def test_control_frames_come_in_order_behind_a_half_written_frame() -> None:
     assert client.writes == [b"ping"]
 
 
+def test_control_frames_stay_in_order_when_the_first_ones_are_next() -> None:
+    client, frame = half_written()
+    client.queue.put(b"message", Lane(1))
+    client.queue.write_control(b"1")
+    client.room = 2 * WRITE_SIZE  # The rest of the large frame, and no more.
+    client.queue.resume()
+    assert b"".join(client.turn()) == frame[4 + WRITE_SIZE :]
+    for control in (b"2", b"3"):
+        client.queue.write_control(control)
+    client.room = math.inf
+    client.queue.resume()
+    assert b"".join(client.turn()) == b"123message"
+
+
 def test_messages_are_dropped_while_a_large_frame_is_half_written() -> None:
     client, _ = half_written(max_bytes=2 * WRITE_SIZE)
     lane = Lane(10)
