@@ -13,6 +13,7 @@ from fibws.errors import (
     AuthenticationError,
     InvalidUtf8,
     NodeClosed,
+    NodeError,
     OperationError,
     OperationRejected,
 )
@@ -283,8 +284,14 @@ class Session:
             handler.on_disconnect()
 
     def end(self, error: Exception | None = None) -> None:
-        """End the node, because of ``error`` unless that is None; later calls do nothing."""
+        """End the node, because of ``error`` unless that is None; later calls do nothing.
+
+        A later error that can only be a bug is reported to the event loop: nobody else sees it.
+        """
         if self.over:
+            if error is not None and not isinstance(error, NodeError | OSError):
+                context = {"message": "Error after the end of a node", "exception": error}
+                asyncio.get_running_loop().call_exception_handler(context)
             return
         self._error = error
         self.over = True

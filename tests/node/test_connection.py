@@ -28,7 +28,7 @@ from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _delays, _reason
-from fibws.node.outgoing_queue import LIMIT
+from fibws.node.outgoing_queue import LIMIT, TURN
 from fibws.protocol.websocket import BINARY, KILLED, REPLACED, TEXT, CloseReason, server_frame
 from fibws.srv.rospy_tutorials import AddTwoInts
 
@@ -209,6 +209,21 @@ async def test_waiting_messages_are_held_for_subscribers_unless_the_node_ends(
         await peer.expect("advertise")
         assert await peer.has_sent_nothing()
     assert await published(peer) == [99]
+
+
+@pytest.mark.parametrize("waits", [False, True])
+async def test_end_of_a_node_is_no_fault(
+    hub: ScriptedHub, caplog: pytest.LogCaptureFixture, waits: bool
+) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = await node.advertise("fibonacci", Int32)
+        if waits:
+            await numbers.publish(99)
+    if waits:
+        await peer.expect("advertise")
+        assert await published(peer) == [99]
+    assert [each for each in caplog.records if each.name == "asyncio"] == []
 
 
 async def test_unsent_messages_are_counted_at_the_end(
@@ -398,10 +413,10 @@ async def test_broken_pipe_in_the_log_is_noticed_on_connection(
         await task
 
 
-async def sends_a_burst(peer: Peer) -> None:
-    """The hub sends the numbers from 0 to 999 in one go."""
+async def sends_a_burst(peer: Peer, length: int = 1000) -> None:
+    """The hub sends the numbers from 0 on in one go."""
     await peer.expect("subscribe")
-    burst = [peer.encoded("publish", topic="/numbers", msg={"data": n}) for n in range(1000)]
+    burst = [peer.encoded("publish", topic="/numbers", msg={"data": n}) for n in range(length)]
     frames = [
         server_frame(BINARY, data) if isinstance(data, bytes) else server_frame(TEXT, data.encode())
         for data in burst
@@ -421,6 +436,33 @@ async def test_other_tasks_run_during_a_burst(hub: ScriptedHub) -> None:
                 turns += 1
                 await asyncio.sleep(0)
         assert max(received.values()) <= 100
+
+
+async def test_messages_that_were_read_before_a_loss_are_delivered(
+    hub: ScriptedHub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    transports: list[asyncio.Transport] = []
+
+    class WebSocket(connection.WebSocket):
+        def start(self, *, hold: bool) -> None:
+            transports.append(self._transport)
+            super().start(hold=hold)
+
+    monkeypatch.setattr(connection, "WebSocket", WebSocket)
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        received: list[int] = []
+
+        def take(number: Int32) -> None:
+            if not received:
+                transports[0].abort()  # As when a write fails.
+            received.append(number.data)
+
+        node.subscribe("numbers", Int32).hand_to(take)
+        lines = Lines(node.log)
+        await sends_a_burst(peer, 4 * TURN)
+        assert "Lost the hub" in await lines.next()
+        assert received == list(range(4 * TURN))
 
 
 async def test_fast_reader_gets_all_messages_of_a_burst(hub: ScriptedHub) -> None:
