@@ -35,7 +35,20 @@ def test_decoding_agrees_with_strict_binascii(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["Y", "YQ", "YQ=", "YQ==YQ==", "Y-==", "é===", "YWJj\n", '"YQ"', "\\u0059Q=="]
+    "text",
+    [
+        "Y",
+        "YQ",
+        "YQ=",
+        "YQ==YQ==",
+        "Y-==",
+        "ab-_",
+        "-_-_" * 2**15,
+        "é===",
+        "YWJj\n",
+        '"YQ"',
+        "\\u0059Q==",
+    ],
 )
 def test_other_spellings_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"\w"):

@@ -382,6 +382,13 @@ def test_number_of_defaults_is_limited_by_the_size_of_the_message() -> None:
     assert validate({"markers": [{"points": full}]})["markers"][0]["points"] == full
 
 
+def test_large_message_may_leave_out_more_values_than_a_small_one() -> None:
+    validate = VALIDATORS.of("visualization_msgs/MarkerArray").validate
+    flat = [{"x": 1.0, "y": 2.0}] * 80_000
+    points = validate({"markers": [{"points": flat}]})["markers"][0]["points"]
+    assert points[-1] == {"x": 1.0, "y": 2.0, "z": 0.0}
+
+
 def test_too_many_defaults_are_refused_before_allocation() -> None:
     validate = VALIDATORS.of("tf2_msgs/TFMessage").validate
     message: dict[str, Any] = {"transforms": [{}] * 320_000}

@@ -11,6 +11,7 @@ import pytest
 
 from fibws.errors import InvalidMessage, OperationError
 from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import LatchQuota, Source
 from fibws.interfaces import Interfaces
 
@@ -125,6 +126,29 @@ def test_message_for_one_node_is_not_latched() -> None:
     latched = talker.recall()
     assert latched is not None
     assert latched.values() == {"data": 1}
+
+
+@pytest.mark.parametrize("serialized", [False, True])
+def test_source_that_a_subscriber_removes_keeps_no_latched_message(serialized: bool) -> None:
+    """Otherwise the bytes would count for the node as long as it is connected."""
+    graph = Graph(INTERFACES, lambda: NANOSECONDS)
+    quota = LatchQuota(100)
+    talker = graph.advertise(graph.topic("/a"), "/talker", INT32, latch=True, quota=quota)
+
+    class Remover(Recorder):
+        def receive(self, publication: Publication) -> None:
+            super().receive(publication)
+            graph.remove_source(talker)
+
+    remover = Remover()
+    talker.topic.attach(remover, remover, holds_type=False)
+    if serialized:
+        talker.publish_serialized(pack("<i", 1))
+    else:
+        talker.publish({"data": 1})
+    assert remover.numbers == [1]
+    assert talker.recall() is None
+    assert quota.used == 0
 
 
 def test_only_bytes_are_kept_of_a_latched_message() -> None:

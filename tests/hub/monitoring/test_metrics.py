@@ -339,6 +339,19 @@ class TestNamesWithoutEnd:
         assert found["/c"].messages == 5
         assert everything.messages == 7
 
+    def test_topic_that_counted_as_another_gets_a_free_place_when_it_comes_back(self) -> None:
+        """The names of those that are gone would be kept without end, besides."""
+        topics = self.topics("/a", "/b")
+        totals = TopicTotals(topics, most=1)
+        assert totals.by_topic()[0].keys() == {"/a", OTHER}
+        self.leave(totals, topics, "/b")
+        totals.by_topic()
+        self.leave(totals, topics, "/a")
+        topics |= self.topics("/b", messages=5)
+        found, everything = totals.by_topic()
+        assert found["/b"].messages == 5
+        assert everything.messages == 7
+
     def test_nothing_goes_back_however_topics_come_and_go(self) -> None:
         topics: dict[str, Any] = {}
         totals = TopicTotals(topics, most=3)

@@ -233,6 +233,23 @@ def test_client_without_room_loses_what_waits() -> None:
     assert one.received() == [1]
 
 
+@pytest.mark.parametrize("paused", [False, True])
+def test_message_larger_than_the_queue_waits_for_credit_like_any_other(paused: bool) -> None:
+    """Otherwise a picture that exceeds the limit would never arrive."""
+    one = Viewer(max_queued_bytes=10)
+    one.request(credit=1)
+    assert one.received() == []
+    if paused:
+        one.client.queue.pause()
+    one.publish(1, 2)
+    one.client.queue.resume()
+    assert one.received() == [2 if paused else 1]
+    one.publish(3)
+    one.acknowledge()
+    assert one.received() == [3]
+    assert one.report.dropped == 0
+
+
 def test_new_type_is_reported_before_its_messages() -> None:
     one = viewer(credit=1)
     one.publish(1)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
+from fibws.hub.graph.service import Call
 
 from .service_clients import (
     adder_and_caller,
@@ -95,6 +98,20 @@ def test_all_calls_of_a_client_share_one_timer() -> None:
     hub.clock.advance(60)
     assert hub.clock.timers == 0
     assert caller.receive() == []
+
+
+def test_calls_that_have_ended_are_not_kept_until_their_deadlines() -> None:
+    hub, server, caller = adder_and_caller()
+    call_add(caller, id="waits")
+    received_call(server)
+    for _ in range(200):
+        call_add(caller)
+        respond(server, received_call(server))
+    assert len(received_sums(caller)) == 200
+    kept = [each for each in gc.get_objects() if type(each) is Call and each.caller == "/caller"]
+    assert len(kept) < 20
+    hub.clock.advance(60)
+    assert caller.receive_one("service_response")["id"] == "waits"
 
 
 @given(
