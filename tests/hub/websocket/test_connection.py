@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import logging
 import time
@@ -11,6 +12,7 @@ import pytest
 from conftest import StartHub
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request
 
 from fibws.hub import Hub
 from fibws.hub.settings import KIB, MIB
@@ -30,6 +32,14 @@ from ..raw_client import (
 )
 
 pytestmark = pytest.mark.both_loops
+
+
+async def test_headers_of_the_handshake_are_not_kept(hub: Hub) -> None:
+    """A thousand connections would keep a thousand tokens and cookies in memory."""
+    async with connected(hub.port, X_Secret="secret") as client:
+        await client.is_processed()
+        requests = [each for each in gc.get_objects() if type(each) is Request]
+        assert [each for each in requests if "X-Secret" in each.headers] == []
 
 
 class TestMessages:

@@ -257,6 +257,13 @@ def test_handshakes_of_one_address_are_limited() -> None:
     assert quotas.handshake_refusal("10.0.0.1", 1.0) is None
 
 
+def test_address_that_goes_on_asking_gets_its_rate() -> None:
+    """Refused requests are free: otherwise clients that retry would never come in again."""
+    quotas = Quotas(Settings(max_address_handshakes_per_second=1))
+    refusals = [quotas.handshake_refusal("10.0.0.1", number / 10) for number in range(10_000)]
+    assert LEAST_MESSAGES + 990 <= refusals.count(None) <= LEAST_MESSAGES + 1000
+
+
 def test_thousand_clients_of_one_machine_may_reconnect_at_once() -> None:
     quotas = Quotas(Settings())
     assert not any(quotas.handshake_refusal("10.0.0.1", 0.0) for _ in range(1000))
