@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import struct
 from typing import Any
@@ -179,6 +180,14 @@ class TestClosing:
             await until(lambda: not hub._connections)
 
 
+async def let_time_pass(hub: Hub, monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
+    """Advance the event loop's clock, as if the hub were busy meanwhile, and await its sweep."""
+    loop = asyncio.get_running_loop()
+    now, sweeper = loop.time, hub._sweeper
+    monkeypatch.setattr(loop, "time", lambda: now() + seconds)
+    await until(lambda: hub._sweeper is not sweeper)
+
+
 class TestPings:
     async def test_ping_is_answered_with_its_text(self, any_hub: Hub) -> None:
         async with connected(any_hub.port) as client:
@@ -206,12 +215,27 @@ class TestPings:
             assert (await client.frame())[0] == PING
             assert (await client.is_closed())[0] == 1011
 
-    async def test_no_pings_are_sent_with_ping_interval_0(self, start_hub: StartHub) -> None:
-        hub = await start_hub(ping_interval=0.0)
-        async with connected(hub.port) as client, connected(hub.port) as other:
-            for _ in range(20):
-                await other.is_processed()
+    @pytest.mark.parametrize("ping_interval", [0.0, 1e5])
+    async def test_no_pings_are_sent_with_ping_interval_0(
+        self, start_hub: StartHub, monkeypatch: pytest.MonkeyPatch, ping_interval: float
+    ) -> None:
+        hub = await start_hub(ping_interval=ping_interval)
+        async with connected(hub.port) as client:
+            await let_time_pass(hub, monkeypatch, 1e6)
+            if ping_interval:
+                assert (await client.frame())[0] == PING
             await client.is_processed()
+
+    async def test_clients_are_not_blamed_for_a_busy_hub(
+        self, start_hub: StartHub, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        hub = await start_hub(ping_interval=PATIENT, ping_timeout=PATIENT)
+        async with connected(hub.port) as client:
+            await let_time_pass(hub, monkeypatch, PATIENT)
+            assert (await client.frame())[0] == PING
+            await let_time_pass(hub, monkeypatch, 10 * PATIENT)
+            await client.is_processed()
+            assert len(nodes(hub)) == 1
 
     async def test_unsolicited_pong_is_ignored(self, any_hub: Hub) -> None:
         async with connected(any_hub.port) as client:
