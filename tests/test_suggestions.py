@@ -56,6 +56,11 @@ def test_different_names_are_not_misspellings(name: str) -> None:
     assert misspelled(name, TOPICS) is None
 
 
+@pytest.mark.parametrize(("name", "other"), [("/arm_l", "/arm_r"), ("/odom1", "/odomX")])
+def test_short_names_that_differ_in_a_letter_are_not_misspellings(name: str, other: str) -> None:
+    assert misspelled(name, [other]) is None
+
+
 def test_shortest_name_is_chosen_among_several_namespaces() -> None:
     assert misspelled("/scan", ["/robot/front/scan", "/robot/scan"]) == "/robot/scan"
 

@@ -71,6 +71,21 @@ def test_messages_received_during_a_call_are_kept(client: HubClient, publish: Pu
     assert next(client.messages("/number", 0)) == {"data": 1}
 
 
+def test_operations_received_during_a_call_stay_in_order() -> None:
+    def handle(connection: ServerConnection) -> None:
+        call = json.loads(connection.recv())
+        response = {"op": "service_response", "id": call["id"], "values": {}, "result": True}
+        for operation in ({"op": "1"}, {"op": "2"}, response, {"op": "3"}):
+            connection.send(json.dumps(operation))
+        connection.recv()
+
+    with websocket_server(handle) as url, HubClient("test", url) as client:
+        client.call("/x")
+        received = [client.receive(20) for _ in range(3)]
+        client.send({"op": "end"})
+    assert received == [{"op": "1"}, {"op": "2"}, {"op": "3"}]
+
+
 def test_waiting_ends_after_the_timeout(client: HubClient) -> None:
     assert client.receive(0) is None
     assert list(client.messages("/number", 0.01)) == []

@@ -7,9 +7,11 @@ import os
 import signal
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import repeat
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, TextIO
 
 import click
@@ -180,6 +182,34 @@ def test_messages_are_published_at_a_rate(hub: HubThread, subscriber: HubClient)
         assert time.monotonic() - began >= 0.1
         subscriber.call("/rosapi/get_time")
         assert len(list(subscriber.messages("/number", 0))) == 5
+
+
+def test_pause_between_messages_is_not_made_up_for(
+    publisher: Publisher, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A burst of all that should have been sent meanwhile would surprise a robot."""
+    now = 0.0
+    published: list[float] = []
+
+    def process(seconds: float) -> None:
+        nonlocal now
+        now += max(0.0, seconds)
+
+    def messages() -> Iterator[dict[str, Any]]:
+        nonlocal now
+        for number in range(10):
+            if number == 5:
+                now += 100  # Such as for a line of standard input.
+            yield {"data": number}
+
+    monkeypatch.setattr(pub, "time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr(publisher.client, "send", lambda _: published.append(now))
+    monkeypatch.setattr(publisher.client, "process", process)
+    monkeypatch.setattr(publisher.client, "call", lambda _: None)
+    publisher.publish_all(messages(), 10)
+    assert published[:6] == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 100.5])
+    assert max(Counter(published).values()) <= 2
+    assert published[-1] == pytest.approx(100.8)
 
 
 def test_refused_operations_are_errors(hub: HubThread) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import count
 from typing import Any
 
 import pytest
@@ -246,6 +247,20 @@ def test_included_file_may_change_a_value_passed_by_pass_all_args(
     )
     text = '<arg name="a" value="7"/><include file="one.launch" pass_all_args="true"/>'
     assert read(text).parameters == {"/p": 1}
+
+
+@pytest.mark.parametrize("attributes", ["", 'pass_all_args="true"', 'ns="a"'])
+def test_included_file_has_anonymous_names_of_its_own(
+    environment: FakeEnvironment, read: Read, monkeypatch: pytest.MonkeyPatch, attributes: str
+) -> None:
+    numbers = count(1)
+    monkeypatch.setattr(environment, "anonymous", lambda name: f"{name}_{next(numbers)}")
+    environment.files["one.launch"] = b'<launch><param name="included" value="$(anon n)"/></launch>'
+    launch = read(
+        f'<param name="before" value="$(anon n)"/><include file="one.launch" {attributes}/>'
+        '<param name="after" value="$(anon n)"/>'
+    )
+    assert list(launch.parameters.values()) == ["n_1", "n_2", "n_1"]
 
 
 def test_include_has_a_namespace_and_variables(environment: FakeEnvironment, read: Read) -> None:
