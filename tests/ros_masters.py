@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from patience import PATIENCE
+
 PYTHON = "/usr/bin/python3"
 """Debian's, which its ROS packages are installed for."""
-PATIENCE = 60
 MASTER = """
 import sys, rosgraph, rosmaster.master
 master = rosmaster.master.Master(0)

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import os
-import random
 import signal
-import socket
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Self, TypeAlias
 
@@ -19,17 +16,6 @@ from patience import PATIENCE
 from fibws.hub import Hub, Settings
 
 ROOT = Path(__file__).parents[1]
-
-
-def free_port() -> int:
-    """Return a port of 127.0.0.1 for a program that cannot choose one itself.
-
-    It lies below those that systems give to outgoing connections, so that none takes it meanwhile.
-    """
-    while True:
-        port = random.randrange(10_000, 30_000)
-        with suppress(OSError), socket.create_server(("127.0.0.1", port)):
-            return port
 
 
 class Program:
