@@ -94,7 +94,8 @@ class _Compiler:
         self._names = names
         self._variable = variable
 
-    def compile(self, part: ast.expr) -> Value:
+    # One case for each kind of expression.
+    def compile(self, part: ast.expr) -> Value:  # noqa: C901
         match part:
             case ast.Constant(value=bool() | int() | float() | str() | None as constant):
                 return self._apply(lambda: constant)
