@@ -164,8 +164,7 @@ class Hub:
         """Set while no client is connected."""
         self._vacant.set()
 
-    # The parts start in this order; each needs those before it.
-    async def __aenter__(self) -> Self:  # noqa: PLR0915
+    async def __aenter__(self) -> Self:
         loop = asyncio.get_running_loop()
         host, port = self.settings.host, self.settings.port
         self._tls = _tls(self.settings)

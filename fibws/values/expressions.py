@@ -94,8 +94,7 @@ class _Compiler:
         self._names = names
         self._variable = variable
 
-    # One case for each kind of expression.
-    def compile(self, part: ast.expr) -> Value:  # noqa: C901
+    def compile(self, part: ast.expr) -> Value:
         match part:
             case ast.Constant(value=bool() | int() | float() | str() | None as constant):
                 return self._apply(lambda: constant)

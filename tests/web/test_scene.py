@@ -355,8 +355,7 @@ async def test_layers_say_what_is_wrong(hub: Hub, robot: fibws.Node, open_page: 
     await expect(row).to_have_attribute("data-level", "off")
 
 
-# The tools share one scene, which takes longest to open.
-async def test_tools_publish_where_they_are_used(  # noqa: PLR0915
+async def test_tools_publish_where_they_are_used(
     hub: Hub, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))

@@ -454,8 +454,7 @@ class Link(Backplane):
             self._receive_record(kind, view[at : at + size - 1])
             at += size - 1
 
-    # One case for each kind of record.
-    def _receive_record(self, kind: int, body: memoryview) -> None:  # noqa: C901, PLR0912
+    def _receive_record(self, kind: int, body: memoryview) -> None:
         if self.peer is None:
             if kind != HELLO:
                 raise FederationError(f"expected hello (0) as the first record, got {kind}")

@@ -496,8 +496,7 @@ class Session:
             case "action_result":
                 self.actions.fail_malformed_result(id_, text, code)
 
-    # One case for each operation.
-    def _handle(self, request: Request) -> None:  # noqa: C901, PLR0912
+    def _handle(self, request: Request) -> None:
         match request:
             case Publish():
                 self.topics.publish(request)
