@@ -89,7 +89,7 @@ def lock(session: nox.Session) -> None:
     nothing but what pyproject.toml demands.
     """
     BUILD_REQUIREMENTS.parent.mkdir(exist_ok=True)
-    BUILD_REQUIREMENTS.write_text("".join(f"{line}\n" for line in build_requirements()))
+    BUILD_REQUIREMENTS.write_text("\n".join([*build_requirements(), ""]), "utf-8")
     # No hashes: pip refuses editable installs, such as this project's, when it checks hashes.
     command = ["uv", "pip", "compile", "--quiet", "--all-extras", "--universal"]
     command += ["--python-version", "3.11", "--custom-compile-command", "nox -s lock"]

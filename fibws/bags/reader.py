@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import pairwise
 from types import TracebackType
-from typing import BinaryIO, NamedTuple, Self, TypeAlias
+from typing import IO, NamedTuple, Self, TypeAlias
 
 from fibws.bags.compression import MAX_RATIO
 from fibws.bags.connection import ChunkInfo, Connection
@@ -231,7 +231,7 @@ class _Cursor:
         _, times, self._ids, self._places, self._begins, self._ends = messages
         self.data: bytes | None = messages.data
         self.size = len(messages.data)
-        self.file: BinaryIO | None = None
+        self.file: IO[bytes] | None = None
         self.offset = 0
         self._times = times
         order: Sequence[int] = range(len(times))
@@ -275,7 +275,7 @@ class _Memory:
         self._path = path
         self._limit = limit
         self._cursors: list[_Cursor] = []
-        self._file: BinaryIO | None = None
+        self._file: IO[bytes] | None = None
         self._moved = 0
         """The bytes in the file of chunks that have messages to come."""
 

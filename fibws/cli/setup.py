@@ -96,7 +96,7 @@ def _shell() -> str:
     if os.name == "nt" and "MSYSTEM" not in os.environ:
         return "cmd or PowerShell"
     try:
-        name = Path(f"/proc/{os.getppid()}/comm").read_text().strip()
+        name = Path(f"/proc/{os.getppid()}/comm").read_text("utf-8").strip()
     except OSError:
         name = Path(os.environ.get("SHELL", "")).name
     # Any other parent, such as make, an editor or uv run, passes the script on to some shell.

@@ -26,9 +26,6 @@ from fibws.hub.monitoring.service_manager import ServiceManager
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings, flag_of
 
-if sys.platform != "win32":
-    import resource
-
 logger = logging.getLogger("fibws.hub")
 
 OWN_FILES = 256
@@ -49,7 +46,7 @@ def _read_config(context: click.Context, _: click.Parameter, path: Path | None) 
     if path is None:
         return
     try:
-        values = tomllib.loads(path.read_text())
+        values = tomllib.loads(path.read_text("utf-8"))
     except (OSError, ValueError) as error:
         raise click.BadParameter(f"{path}: {error}") from error
     known = {flag_of(field).replace("-", "_"): field for field in dataclasses.fields(Settings)}
@@ -186,6 +183,8 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
 
 def _reload_on_hangup(hub: Hub, manager: ServiceManager, stop: Callable[[int], None]) -> None:
     """Reload the hub's files on SIGHUP; stop it if that came because its terminal was closed."""
+    if sys.platform == "win32":
+        return  # It has neither the signal nor /dev/tty.
     has_terminal = _has_terminal()
 
     def on_hangup() -> None:
@@ -194,8 +193,7 @@ def _reload_on_hangup(hub: Hub, manager: ServiceManager, stop: Callable[[int], N
         else:
             _reload(hub, manager)
 
-    if hasattr(signal, "SIGHUP"):  # Windows lacks it.
-        asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, on_hangup)
+    asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, on_hangup)
 
 
 async def _drain(hub: Hub, signals: asyncio.Queue[int]) -> None:
@@ -224,6 +222,8 @@ def _reload(hub: Hub, manager: ServiceManager) -> None:
 
 def _has_terminal() -> bool:
     """Return whether the process has a terminal that can end it by closing."""
+    if sys.platform == "win32":
+        return False
     try:
         os.close(os.open("/dev/tty", os.O_RDONLY | os.O_NOCTTY))
     except OSError:
@@ -307,6 +307,8 @@ def _raise_file_limit(count: int) -> None:
     """Allow the process that many open files, or as many as the system lets it have."""
     if sys.platform == "win32":
         return  # It has no such limit.
+    import resource
+
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft == resource.RLIM_INFINITY or soft >= count:
         return

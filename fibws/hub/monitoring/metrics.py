@@ -31,9 +31,6 @@ from fibws.hub.websocket.connection import Connection
 from fibws.hub.websocket.http import Get, accepts_gzip, response
 from fibws.hub.websocket.shared_limits import SharedLimits
 
-if sys.platform != "win32":
-    import resource
-
 _PROC = Path("/proc/self")
 _STARTED = time.time()
 BY_TOPIC = (
@@ -302,8 +299,12 @@ def add_process(metrics: Exposition) -> None:
     seconds = times.user + times.system
     metrics.counter("process_cpu_seconds", "CPU time in user and kernel mode.", seconds)
     metrics.gauge("process_start_time_seconds", "Start, in seconds since 1970.", _STARTED)
+    if sys.platform == "win32":
+        return
+    import resource
+
     try:
-        pages = (_PROC / "statm").read_text().split()
+        pages = (_PROC / "statm").read_text("ascii").split()
         files = len(os.listdir(_PROC / "fd"))
     except OSError:  # Only Linux has them.
         return

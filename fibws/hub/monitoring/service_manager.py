@@ -52,7 +52,7 @@ class ServiceManager:
 
     def reloading(self) -> None:
         """Report that files are read again; `ready` ends that."""
-        microseconds = time.clock_gettime_ns(time.CLOCK_MONOTONIC) // 1000
+        microseconds = time.monotonic_ns() // 1000  # systemd's clock, CLOCK_MONOTONIC
         self._send(RELOADING="1", MONOTONIC_USEC=str(microseconds))
 
     def stopping(self) -> None:

@@ -10,6 +10,7 @@ import asyncio
 import errno
 import logging
 import os
+import sys
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from contextlib import suppress
 from socket import gethostname
@@ -509,6 +510,8 @@ def _has_ended(node: Ros1Node) -> bool:
     host = urlsplit(node.api).hostname
     if node.pid is None or host not in (node.hub_host, "localhost", "127.0.0.1", gethostname()):
         return False
+    if sys.platform == "win32":
+        return False  # There, this signal is Ctrl-C, and ends the process.
     try:
         os.kill(node.pid, 0)
     except ProcessLookupError:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import logging
+import sys
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable
 from typing import Protocol
@@ -17,13 +18,6 @@ from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.quotas import Quotas
 from fibws.protocol.websocket import CloseReason
-
-try:
-    import resource
-except ImportError:  # Windows, where sockets have no small numbers.
-    OPEN_FILES = None
-else:
-    OPEN_FILES = resource.RLIMIT_NOFILE
 
 logger = logging.getLogger("fibws.hub")
 
@@ -254,7 +248,9 @@ def _files_reason(files: int) -> str:
 
 def _most_files() -> int | None:
     """Return how many files the process may have open; None if unlimited or unknown."""
-    if OPEN_FILES is None:
+    if sys.platform == "win32":  # Its sockets have no small numbers.
         return None
-    soft, _ = resource.getrlimit(OPEN_FILES)
+    import resource
+
+    soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     return None if soft == resource.RLIM_INFINITY else soft

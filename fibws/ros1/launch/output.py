@@ -72,6 +72,8 @@ class Terminal:
 
     def restore(self) -> None:
         """Restore the settings, such as the echo of keys, that a node may have changed."""
+        if sys.platform == "win32":
+            return
         if self._settings is None or not self._is_in_foreground():
             return
         import termios
@@ -82,6 +84,8 @@ class Terminal:
 
     def _is_in_foreground(self) -> bool:
         """Return whether it may be changed; a shell's background job would be stopped by that."""
+        if sys.platform == "win32":
+            return True
         try:
             return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
         except OSError:
@@ -89,10 +93,10 @@ class Terminal:
 
     def _read(self) -> list[Any] | None:
         """Return the settings; None on Windows, and if the terminal was closed."""
-        try:
-            import termios
-        except ImportError:
+        if sys.platform == "win32":
             return None
+        import termios
+
         try:
             return termios.tcgetattr(sys.stdin)
         except termios.error:

@@ -368,7 +368,7 @@ async def _read_url(file: Path) -> str:
 
 def _url_in(file: Path) -> str:
     try:
-        return file.read_text().strip()
+        return file.read_text("utf-8").strip()
     except FileNotFoundError:
         return ""
 
