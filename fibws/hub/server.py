@@ -166,19 +166,9 @@ class Hub:
 
     async def __aenter__(self) -> Self:
         loop = asyncio.get_running_loop()
-        host, port = self.settings.host, self.settings.port
+        host = self.settings.host
         self._tls = _tls(self.settings)
-        try:
-            self._server = await loop.create_server(
-                lambda: Connection(self._shared),
-                host,
-                port,
-                backlog=ACCEPTED_AT_ONCE,
-                start_serving=False,
-                **self._tls_arguments(),
-            )
-        except OSError as error:
-            raise HubError(_why_not(host, port, error)) from error
+        self._server = await self._bind(loop)
         address, self.port = self._server.sockets[0].getsockname()[:2]
         self.audit = Audit(loop.time, self._identify)
         self.graph.on_refused = self._refused
@@ -581,6 +571,21 @@ class Hub:
             if topic is not None
         }
         return {name: number for name, number in counts.items() if number}
+
+    async def _bind(self, loop: asyncio.AbstractEventLoop) -> asyncio.Server:
+        """Take the port; connections wait until the hub is complete."""
+        host, port = self.settings.host, self.settings.port
+        try:
+            return await loop.create_server(
+                lambda: Connection(self._shared),
+                host,
+                port,
+                backlog=ACCEPTED_AT_ONCE,
+                start_serving=False,
+                **self._tls_arguments(),
+            )
+        except OSError as error:
+            raise HubError(_why_not(host, port, error)) from error
 
     def _tls_arguments(self) -> dict[str, Any]:
         """Return the arguments of the event loop's create_server."""

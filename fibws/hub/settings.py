@@ -296,18 +296,24 @@ class Settings:
         return any((self.tokens, self.jwt_key, self.client_ca))
 
     def __post_init__(self) -> None:
+        self._check_numbers()
+        if self.log_format not in LOG_FORMATS:
+            raise HubError(f"--log-format must be text or json, got {self.log_format}")
+        self._check_tls()
+        self._check_record()
+        self._check_join()
+        self._check_addresses()
+
+    def _check_numbers(self) -> None:
         for setting in fields(self):
             value = getattr(self, setting.name)
             if isinstance(value, int | float) and not 0 <= value < math.inf:
                 raise HubError(f"--{flag_of(setting)} must be >= 0 and finite, got {value}")
-        if self.log_format not in LOG_FORMATS:
-            raise HubError(f"--log-format must be text or json, got {self.log_format}")
         for flag, port in (("port", self.port), ("ros1", self.ros1 or 0)):
             if port > 65535:
                 raise HubError(f"--{flag} must be between 0 and 65535, got {port}")
-        self._check_tls()
-        self._check_record()
-        self._check_join()
+
+    def _check_addresses(self) -> None:
         if not re.fullmatch(URL_PATH, self.url_path):
             raise HubError(f"--url-path must be a path such as /robot, got {self.url_path}")
         for network in self.trusted_proxy:

@@ -120,9 +120,7 @@ class OutgoingQueue:
         """
         writer, queue = self._writer, self._queue
         if writer is None:
-            queue.put(frame, lane)
-            if lane is not None:
-                queue.trim(lane, lane.limit)
+            self._put_without_hub(frame, lane)
             return
         if not self._gathering:
             in_loop = get_ident() == self._thread
@@ -147,6 +145,11 @@ class OutgoingQueue:
             self._room.clear()
         elif self._left <= 0:
             self.ready = False
+
+    def _put_without_hub(self, frame: bytes, lane: PublisherLane | None) -> None:
+        self._queue.put(frame, lane)
+        if lane is not None:
+            self._queue.trim(lane, lane.limit)
 
     async def room(self) -> None:
         """Wait while the socket is slower than the program, and give other tasks their turns."""

@@ -277,29 +277,30 @@ class FrameParser:
         passed, left = self._turn, self._turn
         while start < end:
             if not left or self.paused:
-                if not self.paused:
-                    left = self._go_on(passed)
-                    passed += left
+                left = 0 if self.paused else self._go_on(passed)
+                passed += left
                 if not left or self.paused:
                     self.paused = True
                     self._tail += memoryview(data)[start:]
                     return
             left -= 1
-            if self._given_up:
-                stop = min(end, start + PIECE)
-                self._on_other(data[start:stop])
-                start = stop
-                continue
-            if self._through:
-                stop = min(end, start + self._through)
-                self._through -= stop - start
-                self._on_other(data[start:stop])
-                start = stop
+            if self._given_up or self._through:
+                start = self._pass_on(data, start, end)
                 continue
             start = self._frame(data, start, end)
             if self.missing:
                 self._tail += memoryview(data)[start:]
                 return
+
+    def _pass_on(self, data: bytes, start: int, end: int) -> int:
+        """Pass on what is not ours to read; return where to continue."""
+        if self._given_up:
+            stop = min(end, start + PIECE)
+        else:
+            stop = min(end, start + self._through)
+            self._through -= stop - start
+        self._on_other(data[start:stop])
+        return stop
 
     def end(self) -> None:
         """Pass on the rest of a frame: the peer sends no more."""
@@ -313,7 +314,8 @@ class FrameParser:
         self._given_up = True
         self._drop_large()
 
-    def _frame(self, data: bytes, start: int, end: int) -> int:
+    # Every frame takes this way: a call of a part of it would take longer than the part.
+    def _frame(self, data: bytes, start: int, end: int) -> int:  # noqa: C901, PLR0912
         """Read the frame at ``start`` if it is complete and ours to read.
 
         Returns:
@@ -357,13 +359,7 @@ class FrameParser:
                 self.missing = (whole if length < LARGE else payload) - size
                 return start
             self._key = data[body - 4 : body] if self._key_size else ZERO_KEY
-            self._large = take
-            self.in_large = True
-            self._length = length
-            self._filled = size - payload
-            self._message = bytearray(min(length, max(AHEAD, 4 * self._filled)))
-            self._view = memoryview(self._message)
-            self._view[: self._filled] = data[body:end]
+            self._begin_large(take, length, memoryview(data)[body:end])
             return end
         stop = start + whole
         message = data[body:stop]
@@ -372,6 +368,16 @@ class FrameParser:
         self.messages += 1
         take(message)
         return stop
+
+    def _begin_large(self, take: Callable[[Payload], None], length: int, first: memoryview) -> None:
+        """Begin a message that is read into a buffer of its own; its first bytes are there."""
+        self._large = take
+        self.in_large = True
+        self._length = length
+        self._filled = len(first)
+        self._message = bytearray(min(length, max(AHEAD, 4 * self._filled)))
+        self._view = memoryview(self._message)
+        self._view[: self._filled] = first
 
     def _fill(self, data: bytes) -> bytes:
         """Take the next bytes of a large message; return those behind it."""

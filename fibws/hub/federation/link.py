@@ -472,36 +472,8 @@ class Link(Backplane):
                 self.peer.traffic.messages_received += 1
                 message = Message(number, sequence, stamp, bytearray(body[_MESSAGE.size :]))
                 self._network.received(self.peer, message)
-            elif kind == PART:
-                self._receive_part(body)
-            elif kind == ANNOUNCE:
-                if len(body) > MOST_ANNOUNCED:
-                    raise FederationError(
-                        f"an announcement of {len(body)} bytes (limit is {MOST_ANNOUNCED})"
-                    )
-                self._network.announced(self.peer, decode_announcement(body))
-            elif kind == INTEREST:
-                number, wanted = _INTEREST.unpack(body)
-                self._network.interested(self, number, wanted=bool(wanted))
-            elif kind == FLOWING:
-                (number,) = _NUMBER.unpack(body)
-                self._network.is_flowing(self.peer, number)
-            elif kind == REQUEST:
-                self._receive_request(self.peer, body)
-            elif kind == REPLY:
-                self._receive_reply(body)
-            elif kind == CANCEL:
-                (id_,) = _NUMBER.unpack(body)
-                cancel = self._handled.pop(id_, None)
-                if cancel is not None:
-                    cancel()
-            elif kind == PING:
-                _PING.unpack(body)
-                self._pong = _SIZE.pack(_PONG.size + 1, PONG) + bytes(body)
-                self._pong += _PING.pack(self._now())
-                self._wire.wake()
-            elif kind == PONG:
-                self._receive_pong(self.peer, body)
+            elif (receive := _RECEIVERS.get(kind)) is not None:
+                receive(self, self.peer, body)
             # Other kinds are for later versions.
         except struct.error as error:
             raise FederationError(f"invalid record of kind {kind}: {error}") from None
@@ -531,7 +503,34 @@ class Link(Backplane):
         self.peer = peer
         self._ping()
 
-    def _receive_part(self, body: memoryview) -> None:
+    def _receive_announcement(self, peer: Peer, body: memoryview) -> None:
+        if len(body) > MOST_ANNOUNCED:
+            raise FederationError(
+                f"an announcement of {len(body)} bytes (limit is {MOST_ANNOUNCED})"
+            )
+        self._network.announced(peer, decode_announcement(body))
+
+    def _receive_interest(self, peer: Peer, body: memoryview) -> None:
+        number, wanted = _INTEREST.unpack(body)
+        self._network.interested(self, number, wanted=bool(wanted))
+
+    def _receive_flowing(self, peer: Peer, body: memoryview) -> None:
+        (number,) = _NUMBER.unpack(body)
+        self._network.is_flowing(peer, number)
+
+    def _receive_cancel(self, peer: Peer, body: memoryview) -> None:
+        (id_,) = _NUMBER.unpack(body)
+        cancel = self._handled.pop(id_, None)
+        if cancel is not None:
+            cancel()
+
+    def _receive_ping(self, peer: Peer, body: memoryview) -> None:
+        _PING.unpack(body)
+        self._pong = _SIZE.pack(_PONG.size + 1, PONG) + bytes(body)
+        self._pong += _PING.pack(self._now())
+        self._wire.wake()
+
+    def _receive_part(self, peer: Peer, body: memoryview) -> None:
         key, is_last = _PART.unpack_from(body)
         piece = body[_PART.size :]
         if not piece:
@@ -573,7 +572,7 @@ class Link(Backplane):
         if id_ in self._handled:
             self._handled[id_] = cancel
 
-    def _receive_reply(self, body: memoryview) -> None:
+    def _receive_reply(self, peer: Peer, body: memoryview) -> None:
         id_, is_final, size = _REPLY.unpack_from(body)
         end = _REPLY.size + size
         on_reply = self._requests.get(id_)
@@ -681,3 +680,17 @@ def _halves(announcement: Announcement) -> tuple[Announcement, Announcement] | N
             kinds.setdefault(kind, {})[name] = record
         made.append(Announcement.model_construct(None, **kinds))
     return made[0], made[1]
+
+
+_RECEIVERS: dict[int, Callable[[Link, Peer, memoryview], None]] = {
+    PART: Link._receive_part,
+    ANNOUNCE: Link._receive_announcement,
+    INTEREST: Link._receive_interest,
+    FLOWING: Link._receive_flowing,
+    REQUEST: Link._receive_request,
+    REPLY: Link._receive_reply,
+    CANCEL: Link._receive_cancel,
+    PING: Link._receive_ping,
+    PONG: Link._receive_pong,
+}
+"""What takes the records of each kind, except messages, which are the most."""

@@ -373,18 +373,17 @@ class Session:
 
     # Operations.
 
-    def _perform(self, operation: Operation) -> None:
+    # One case for each operation, all of which mypy demands.
+    def _perform(self, operation: Operation) -> None:  # noqa: C901
         match operation:
             case Subscribe():
                 self._subscribe(operation)
             case Unsubscribe():
-                for id_ in operation.subscriptions:
-                    self._subscriptions.remove(id_)
+                self._unsubscribe(operation)
             case Advertise():
                 self._advertise(operation)
             case Unadvertise():
-                for id_ in operation.channels:
-                    self._publications.remove(id_)
+                self._unadvertise(operation)
             case GetParameters():
                 self.parameters.get(operation)
             case SetParameters():
@@ -396,9 +395,7 @@ class Session:
             case SubscribeConnectionGraph():
                 self._follow_graph()
             case UnsubscribeConnectionGraph():
-                if self._graph_feed is not None:
-                    self._graph_feed.close()
-                    self._graph_feed = None
+                self._unfollow_graph()
             case FetchAsset():
                 self._assets.fetch(operation)
             case _:
@@ -415,6 +412,10 @@ class Session:
             except FibwsError as error:
                 self._client.statuses.error(f"subscribe: {error}", code=error.code)
 
+    def _unsubscribe(self, request: Unsubscribe) -> None:
+        for id_ in request.subscriptions:
+            self._subscriptions.remove(id_)
+
     def _advertise(self, request: Advertise) -> None:
         """Publish some topics; one that fails does not affect the others."""
         for channel in request.channels:
@@ -424,10 +425,19 @@ class Session:
                 text = f"advertise: {channel.topic}: {error}"
                 self._client.statuses.error(text, code=error.code)
 
+    def _unadvertise(self, request: Unadvertise) -> None:
+        for id_ in request.channels:
+            self._publications.remove(id_)
+
     def _follow_graph(self) -> None:
         if self._graph_feed is None:
             self._graph_feed = GraphFeed(self._client)
             self._graph_feed.open(_graph_keys(self._client.graph))
+
+    def _unfollow_graph(self) -> None:
+        if self._graph_feed is not None:
+            self._graph_feed.close()
+            self._graph_feed = None
 
 
 def _graph_keys(graph: Graph) -> list[GraphKey]:

@@ -220,24 +220,12 @@ def write_value(value: object) -> str:
 
 
 def _write(value: object) -> Iterator[str]:
-    """Yield the parts of a value's element.
-
-    XML-RPC has integers of 32 bits: others become doubles, or strings where a double is not exact.
-    """
+    """Yield the parts of a value's element."""
+    scalar = _scalar(value)
+    if scalar:
+        yield scalar
+        return
     match value:
-        case str():
-            yield f"<value><string>{escaped(value)}</string></value>"
-        case bool():
-            yield f"<value><boolean>{value:d}</boolean></value>"
-        case int():
-            if _LEAST <= value <= _MOST:
-                yield f"<value><int>{value}</int></value>"
-            elif abs(value) <= _EXACT:
-                yield f"<value><double>{value}.0</double></value>"
-            else:
-                yield f"<value><string>{value}</string></value>"
-        case float():
-            yield f"<value><double>{value!r}</double></value>"
         case list() | tuple():
             yield "<value><array><data>"
             for each in value:
@@ -252,13 +240,39 @@ def _write(value: object) -> Iterator[str]:
             yield "</struct></value>"
         case Written():
             yield value.xml
-        case bytes():
-            yield f"<value><base64>{base64.b64encode(value).decode()}</base64></value>"
-        case datetime():
-            text = f"{value.year:04}{value:%m%dT%H:%M:%S}"
-            yield f"<value><dateTime.iso8601>{text}</dateTime.iso8601></value>"
         case _:
             raise TypeError(f"XML-RPC has no {type(value).__name__}")
+
+
+def _scalar(value: object) -> str:
+    """Return the element of a value that holds no others; an empty text for other values."""
+    match value:
+        case str():
+            return f"<value><string>{escaped(value)}</string></value>"
+        case bool():
+            return f"<value><boolean>{value:d}</boolean></value>"
+        case int():
+            return _integer(value)
+        case float():
+            return f"<value><double>{value!r}</double></value>"
+        case bytes():
+            return f"<value><base64>{base64.b64encode(value).decode()}</base64></value>"
+        case datetime():
+            text = f"{value.year:04}{value:%m%dT%H:%M:%S}"
+            return f"<value><dateTime.iso8601>{text}</dateTime.iso8601></value>"
+    return ""
+
+
+def _integer(value: int) -> str:
+    """Return an integer's element.
+
+    XML-RPC has integers of 32 bits: others become doubles, or strings where a double is not exact.
+    """
+    if _LEAST <= value <= _MOST:
+        return f"<value><int>{value}</int></value>"
+    if abs(value) <= _EXACT:
+        return f"<value><double>{value}.0</double></value>"
+    return f"<value><string>{value}</string></value>"
 
 
 def escaped(text: str) -> str:
