@@ -369,25 +369,11 @@ class Recorder:
                 break
             size = len(data)
             self._taken += size + MESSAGE_COST
-            if received > self._file_ends:
-                late = received - self._file_ends
-                if not self._continue():
-                    return
-                self._file_ends = received + -late % duration
-            elif duration and 0 < received < self._file_ends - duration:
-                self._file_ends = received + duration  # The clock was set back.
-            try:
-                if stream.file != self._number:
-                    self._join(stream)
-                self._writer.write(stream.connection, received, data)
-            except BagError as error:  # A message that bags cannot hold, such as one of 2 GiB.
-                self._discarded += 1
-                text = f"A message of {stream.origin.topic} is not recorded: {error}."
-                self._warn("message", text)
+            late = received - self._file_ends
+            if (late > 0 or late < -duration < 0) and not self._enter_span(received):
+                return
+            if not self._write(stream, received, data):
                 continue
-            self._written += 1
-            if stream.is_repeated:
-                self._keep_latched(stream, data)
             left -= size + TURN_COST
             if left < 0:
                 left = TURN
@@ -396,6 +382,34 @@ class Recorder:
                 time.sleep(PAUSE)
         if self._is_large:
             self._continue()
+
+    def _enter_span(self, received: int) -> bool:
+        """Go on to the time of a message that is outside the file's; return False at the end."""
+        late, duration = received - self._file_ends, self.options.max_duration
+        if late > 0:
+            if not self._continue():
+                return False
+            self._file_ends = received + -late % duration
+        elif received > 0:
+            self._file_ends = received + duration  # The clock was set back.
+        return True
+
+    def _write(self, stream: Stream, received: int, data: Buffer) -> bool:
+        """Write a message; return False if bags cannot hold it, such as one of 2 GiB."""
+        assert self._writer is not None
+        try:
+            if stream.file != self._number:
+                self._join(stream)
+            self._writer.write(stream.connection, received, data)
+        except BagError as error:
+            self._discarded += 1
+            text = f"A message of {stream.origin.topic} is not recorded: {error}."
+            self._warn("message", text)
+            return False
+        self._written += 1
+        if stream.is_repeated:
+            self._keep_latched(stream, data)
+        return True
 
     def _keep_latched(self, stream: Stream, data: Buffer) -> None:
         """Keep a message for the next files; drop the oldest ones if there is no room."""

@@ -220,37 +220,42 @@ def _unpack_records(
 ) -> _Records:
     """Find the messages in the data of a chunk, as `bag_format.unpack_chunk` does."""
     found = _Records(data)
-    add_time, add_id, add_place = found.times.append, found.ids.append, found.places.append
-    add_begin, add_end = found.begins.append, found.ends.append
-    position, size = 0, len(data)
-    unpack = _MESSAGE_RECORD.unpack_from
     try:
-        while position < size:
-            if size - position < _RECORD.size:
-                raise BagFormatError(f"{place}: incomplete record at byte {position} of its data")
-            kind, length = _RECORD.unpack_from(data, position)
-            end = position + _RECORD.size + length
-            if end > size:
-                raise BagFormatError(f"{place}: record beyond the end of the chunk")
-            if kind == _MESSAGE:
-                if length < _MESSAGE_FIELDS:
-                    raise BagFormatError(f"{place}: message of {length} bytes")
-                _, _, id_, _, time, _ = unpack(data, position)
-                if wanted is None or id_ in wanted:
-                    add_time(time)
-                    add_id(id_)
-                    add_place(position)
-                    add_begin(position + _MESSAGE_RECORD.size)
-                    add_end(end)
-            elif kind == _SCHEMA:
-                found.schemas.append(_parse("Schema", data[end - length : end], place))
-            elif kind == _CHANNEL:
-                found.channels.append(_parse("Channel", data[end - length : end], place))
-            position = end
+        _find_records(found, place, wanted)
     except BagFormatError:
         if not partial:
             raise
     return found
+
+
+def _find_records(found: _Records, place: str, wanted: Collection[int] | None) -> None:
+    data = found.data
+    add_time, add_id, add_place = found.times.append, found.ids.append, found.places.append
+    add_begin, add_end = found.begins.append, found.ends.append
+    position, size = 0, len(data)
+    unpack = _MESSAGE_RECORD.unpack_from
+    while position < size:
+        if size - position < _RECORD.size:
+            raise BagFormatError(f"{place}: incomplete record at byte {position} of its data")
+        kind, length = _RECORD.unpack_from(data, position)
+        end = position + _RECORD.size + length
+        if end > size:
+            raise BagFormatError(f"{place}: record beyond the end of the chunk")
+        if kind == _MESSAGE:
+            if length < _MESSAGE_FIELDS:
+                raise BagFormatError(f"{place}: message of {length} bytes")
+            _, _, id_, _, time, _ = unpack(data, position)
+            if wanted is None or id_ in wanted:
+                add_time(time)
+                add_id(id_)
+                add_place(position)
+                add_begin(position + _MESSAGE_RECORD.size)
+                add_end(end)
+        elif kind == _SCHEMA:
+            found.schemas.append(_parse("Schema", data[end - length : end], place))
+        elif kind == _CHANNEL:
+            found.channels.append(_parse("Channel", data[end - length : end], place))
+        position = end
 
 
 def _parse(name: str, content: bytes, place: str) -> Any:

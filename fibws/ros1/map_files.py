@@ -107,6 +107,20 @@ def read_metadata(file: Path) -> Metadata:
     fault = partial(_metadata_fault, file)
     if not isinstance(values, dict):
         raise fault(f"expected names with values, got {str(values)[:40]!r}")
+    _check_metadata(values, fault)
+    x, y, yaw = map(float, values["origin"])
+    return Metadata(
+        file.parent / values["image"],
+        float(values["resolution"]),
+        (x, y, yaw),
+        bool(values["negate"]),
+        float(values["occupied_thresh"]),
+        float(values["free_thresh"]),
+        values.get("mode", MODES[0]),
+    )
+
+
+def _check_metadata(values: dict[Any, Any], fault: Callable[[str], MapError]) -> None:
     missing = {"image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh"} - {
         *values
     }
@@ -127,16 +141,6 @@ def read_metadata(file: Path) -> Metadata:
         raise fault(f"negate must be 0 or 1, got {values['negate']!r}")
     if not (isinstance(values["image"], str) and values["image"]):
         raise fault("image must be the name of a file")
-    x, y, yaw = map(float, origin)
-    return Metadata(
-        file.parent / values["image"],
-        float(values["resolution"]),
-        (x, y, yaw),
-        bool(values["negate"]),
-        float(values["occupied_thresh"]),
-        float(values["free_thresh"]),
-        mode,
-    )
 
 
 def read_image(file: Path) -> Image:

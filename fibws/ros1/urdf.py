@@ -144,6 +144,18 @@ def read_urdf(text: str, file: str = "robot_description") -> RobotModel:
     if root.name != "robot":
         raise root.fault(f"expected <robot>, got <{root.name}>")
     links = _links(root)
+    joints, parents = _joints(root, links)
+    roots = [link for link in links if link not in parents]
+    if len(roots) != 1:
+        found = ", ".join(roots[:5]) or "none, since the joints are a loop"
+        raise root.fault(f"expected one link without a parent, got {found}")
+    if len(_reached(roots[0], parents)) < len(links):
+        raise root.fault("some joints are a loop, which is not joined to the root")
+    return RobotModel(root.attributes.get("name", ""), roots[0], tuple(links), joints)
+
+
+def _joints(root: _Element, links: dict[str, None]) -> tuple[dict[str, Joint], dict[str, str]]:
+    """Return the joints by their names, and the parent of each link that has one."""
     joints: dict[str, Joint] = {}
     parents: dict[str, str] = {}
     for element in root.all("joint"):
@@ -161,13 +173,7 @@ def read_urdf(text: str, file: str = "robot_description") -> RobotModel:
     for joint in joints.values():
         if joint.mimic is not None and joint.mimic.joint not in joints:
             raise root.fault(f"joint {joint.name} mimics the unknown joint {joint.mimic.joint}")
-    roots = [link for link in links if link not in parents]
-    if len(roots) != 1:
-        found = ", ".join(roots[:5]) or "none, since the joints are a loop"
-        raise root.fault(f"expected one link without a parent, got {found}")
-    if len(_reached(roots[0], parents)) < len(links):
-        raise root.fault("some joints are a loop, which is not joined to the root")
-    return RobotModel(root.attributes.get("name", ""), roots[0], tuple(links), joints)
+    return joints, parents
 
 
 def _links(root: _Element) -> dict[str, None]:

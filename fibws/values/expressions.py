@@ -104,6 +104,19 @@ class _Compiler:
                 return found
             case ast.Name(name):
                 raise InvalidValue(f"unknown name {name}")
+            case ast.List(items) | ast.Tuple(items):
+                return self._apply(lambda *values: list(values), *items)
+            case ast.Dict(keys, values) if None not in keys:
+                return self._apply(_dict, *filter(None, keys), *values)
+            case ast.Subscript(value, ast.Slice(lower, upper, step)):
+                bounds = [bound or ast.Constant(None) for bound in (lower, upper, step)]
+                return self._apply(_slice, value, *bounds)
+            case ast.Subscript(value, index):
+                return self._apply(_item, value, index)
+        return self._operation(part)
+
+    def _operation(self, part: ast.expr) -> Value:
+        match part:
             case ast.UnaryOp(op, operand):
                 return self._apply(_OPERATORS[type(op)], operand)
             case ast.BinOp(left, op, right) if type(op) in _OPERATORS:
@@ -114,15 +127,6 @@ class _Compiler:
                 return self._comparison(part)
             case ast.IfExp():
                 return self._conditional(part)
-            case ast.List(items) | ast.Tuple(items):
-                return self._apply(lambda *values: list(values), *items)
-            case ast.Dict(keys, values) if None not in keys:
-                return self._apply(_dict, *filter(None, keys), *values)
-            case ast.Subscript(value, ast.Slice(lower, upper, step)):
-                bounds = [bound or ast.Constant(None) for bound in (lower, upper, step)]
-                return self._apply(_slice, value, *bounds)
-            case ast.Subscript(value, index):
-                return self._apply(_item, value, index)
             case ast.Call(ast.Name() as function, arguments, []):
                 return self._apply(_call, function, *arguments)
             case ast.Call(ast.Attribute(value, name), arguments, []) if name in _METHOD_NAMES:

@@ -120,17 +120,8 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
         return _print([_node(launch, options["find_node"]).file])
     if options["args_of"]:
         return _print([_command_line(_node(launch, options["args_of"]), sources.packages, url)])
-    match listing:
-        case "nodes":
-            return _print(launch.nodes)
-        case "files":
-            return _print(os.path.abspath(file) for file in dict.fromkeys(launch.files))
-        case "parameters":
-            from fibws.values.parameter_files import dumped
-
-            return _print([dumped(launch.parameters)])
-        case "check":
-            return _check(launch, sources.packages, url)
+    if listing is not None:
+        return _list(listing, launch, sources.packages, url)
     launch.parameters = {**CORE_PARAMETERS, **launch.parameters}
     if options["required"]:
         for name, node in launch.nodes.items():
@@ -141,6 +132,22 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
     if not options["no_summary"]:
         _print(summary(launch))
     return _run(launch, sources.packages, url, options)
+
+
+def _list(listing: str, launch: Launch, packages: Packages, url: str) -> int:
+    """Print what there is of a kind, in place of starting it."""
+    match listing:
+        case "nodes":
+            return _print(launch.nodes)
+        case "files":
+            return _print(os.path.abspath(file) for file in dict.fromkeys(launch.files))
+        case "parameters":
+            from fibws.values.parameter_files import dumped
+
+            return _print([dumped(launch.parameters)])
+        case "check":
+            return _check(launch, packages, url)
+    raise AssertionError(listing)
 
 
 def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) -> int:

@@ -100,21 +100,8 @@ def convert(image: Any, source: str, target: str) -> Any:
         new = encoding_of(target)
     except EncodingError:
         raise EncodingError(f"Unknown encoding {target}") from None
-    if not old.color:
-        if new.color:
-            raise EncodingError(
-                f"[{source}] is not a color format. but [{target}] is. "
-                "The conversion does not make sense"
-            )
-        if old.channels != new.channels:
-            raise EncodingError(f"[{source}] and [{target}] do not have the same number of channel")
-        return _with_depth(image, old, new)
-    if not new.color:
-        if old.channels != new.channels:
-            raise EncodingError(
-                f"[{source}] is a color format but [{target}] "
-                "is not so they must have the same OpenCV type, CV_8UC3, CV16UC1 ...."
-            )
+    if not (old.color and new.color):
+        _check_numbers(old, new)
         return _with_depth(image, old, new)
     if old.color == new.color and old.color not in ("bayer", "yuv"):
         return _with_depth(image, old, new)
@@ -126,6 +113,23 @@ def convert(image: Any, source: str, target: str) -> Any:
     if old.color in ("bayer", "yuv"):
         return _by_opencv(image, old, new)
     return _with_depth(_with_color(image, old.color, new.color), old, new)
+
+
+def _check_numbers(old: Encoding, new: Encoding) -> None:
+    """Raise `EncodingError` if images cannot be converted that have no color in one encoding."""
+    if new.color:
+        raise EncodingError(
+            f"[{old.name}] is not a color format. but [{new.name}] is. "
+            "The conversion does not make sense"
+        )
+    if old.channels == new.channels:
+        return
+    if old.color:
+        raise EncodingError(
+            f"[{old.name}] is a color format but [{new.name}] "
+            "is not so they must have the same OpenCV type, CV_8UC3, CV16UC1 ...."
+        )
+    raise EncodingError(f"[{old.name}] and [{new.name}] do not have the same number of channel")
 
 
 def _with_color(image: Any, old: str, new: str) -> Any:

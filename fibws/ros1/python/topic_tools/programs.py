@@ -320,13 +320,7 @@ def _run(program: str, arguments: list[str]) -> None:
         _command(program, arguments)
         return
     if program in _SWITCHES:
-        if len(arguments) < 2:
-            first, others = _SWITCHES[program]
-            _fail(program, f"expected an {first} and at least one {others}")
-        rospy.init_node(program)
-        switch = Mux if program == "mux" else Demux
-        switch(arguments[0], arguments[1:])
-        rospy.spin()
+        _run_switch(program, arguments)
         return
     kind = arguments.pop(0) if program == "throttle" and arguments else ""
     if program == "throttle" and kind not in ("messages", "bytes"):
@@ -345,16 +339,7 @@ def _run(program: str, arguments: list[str]) -> None:
         rospy.Subscriber(name, rospy.AnyMsg, delay.put)
         delay.run()
         return
-    if program == "throttle":
-        limit = ByteThrottle(*numbers) if kind == "bytes" else Throttle(*numbers)
-        passes: Callable[[Any], bool] = limit.passes
-    elif program == "drop":
-        dropped, total = map(int, numbers)
-        if not total or dropped > total:
-            _fail(program, f"expected X from 0 to Y, and Y from 1 on, got {dropped} and {total}")
-        passes = Drop(dropped, total).passes
-    else:
-        passes = _always
+    passes = _filter(program, kind, numbers)
 
     def forward(message: Any) -> None:
         if passes(message):
@@ -362,6 +347,29 @@ def _run(program: str, arguments: list[str]) -> None:
 
     rospy.Subscriber(name, rospy.AnyMsg, forward)
     rospy.spin()
+
+
+def _run_switch(program: str, arguments: list[str]) -> None:
+    if len(arguments) < 2:
+        first, others = _SWITCHES[program]
+        _fail(program, f"expected an {first} and at least one {others}")
+    rospy.init_node(program)
+    switch = Mux if program == "mux" else Demux
+    switch(arguments[0], arguments[1:])
+    rospy.spin()
+
+
+def _filter(program: str, kind: str, numbers: list[float]) -> Callable[[Any], bool]:
+    """Return what says whether a message passes."""
+    if program == "throttle":
+        limit = ByteThrottle(*numbers) if kind == "bytes" else Throttle(*numbers)
+        return limit.passes
+    if program == "drop":
+        dropped, total = map(int, numbers)
+        if not total or dropped > total:
+            _fail(program, f"expected X from 0 to Y, and Y from 1 on, got {dropped} and {total}")
+        return Drop(dropped, total).passes
+    return _always
 
 
 def _always(message: Any) -> bool:
