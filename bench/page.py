@@ -176,15 +176,20 @@ def _publish(pairs: Sequence[Pair], seconds: float, report: Report) -> list[floa
                 pair.receive(client, client.read())
     for pair in pairs:
         pair.settle()
-        if pair.received != sent:
-            report.fault(pair.server.name, "page", f"{pair.received} of {sent} messages arrived")
-        if pair.page is not None and pair.page.responses < 2:
-            report.fault(pair.server.name, "page", "the page received no response")
+        _check(pair, sent, report)
     taken = time.perf_counter() - start
     return [
         (pair.server.cpu_seconds - before) / taken * 1000
         for pair, before in zip(pairs, cpu, strict=True)
     ]
+
+
+def _check(pair: Pair, sent: int, report: Report) -> None:
+    """Report messages and responses that did not arrive."""
+    if pair.received != sent:
+        report.fault(pair.server.name, "page", f"{pair.received} of {sent} messages arrived")
+    if pair.page is not None and pair.page.responses < 2:
+        report.fault(pair.server.name, "page", "the page received no response")
 
 
 # In a large graph.

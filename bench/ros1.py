@@ -122,6 +122,10 @@ def _master(plan: Plan, report: Report) -> None:
         ("server", "call", "µs", "times rosmaster's", "limit"),
         rows,
     )
+    _report_load(plan, report)
+
+
+def _report_load(plan: Plan, report: Report) -> None:
     under_load = []
     for name in plan.hubs:
         most = max(_pauses(name, plan))

@@ -134,6 +134,10 @@ def ros1_links(plan: Plan, report: Report) -> None:
                         costs.setdefault((name, "out", str(links)), []).append(cost)
     for key, values in costs.items():
         report.record("ros1-links", case=key, cpu_us=values)
+    _report_costs(costs, plan, report)
+
+
+def _report_costs(costs: dict[tuple[str, ...], list[float]], plan: Plan, report: Report) -> None:
     rows = []
     for name in plan.hubs:
         for mode in CLIENTS:
