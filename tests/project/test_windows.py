@@ -24,6 +24,9 @@ from fibws.hub.ros1 import nodes
 from .on_windows import MODULES
 from .requirements import ROOT
 
+if sys.platform == "win32":
+    pytest.skip("Windows need not be simulated here", allow_module_level=True)
+
 PROGRAM = Path(__file__).with_name("on_windows.py")
 PATIENCE = 60
 
