@@ -190,7 +190,7 @@ class CallTotals:
         Args:
             started: when the call did.
         """
-        self.seconds.add(max(0, self.now() - started) / 1e9)
+        self.seconds.add((self.now() - started) / 1e9)
         self.responses[self._name(service)] += 1
 
     def failed(self, service: str, code: str) -> None:

@@ -396,6 +396,16 @@ def test_many_unwritten_bytes_are_written_before_the_turn_ends() -> None:
     assert client.turn() == [b"z"]
 
 
+def test_many_unwritten_bytes_for_all_clients_are_written_before_the_turn_ends() -> None:
+    some = clients(4)
+    targets = {client.queue: Lane(9) for client in some}
+    flusher = some[0].queue.flusher
+    flusher.broadcast(b"x" * (MOST_UNWRITTEN // 4), targets)
+    assert not any(client.writes for client in some)
+    flusher.broadcast(b"y", targets)
+    assert all(b"".join(client.writes)[-1:] == b"y" for client in some)
+
+
 def test_client_that_cannot_be_written_to_is_cut_off_alone(
     caplog: pytest.LogCaptureFixture,
 ) -> None:

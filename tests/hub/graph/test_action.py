@@ -227,6 +227,16 @@ def test_cancel_service_comes_and_goes_with_its_action() -> None:
     assert hub.graph.services == {}
 
 
+def test_action_that_was_taken_over_is_not_removed_by_its_former_server() -> None:
+    hub, _, client = server_and_client()
+    older = hub.graph.actions["/fib"]
+    client.send("advertise_action", action="/fib", type=FIBONACCI)
+    newer = hub.graph.actions["/fib"]
+    hub.graph.remove_action(older)
+    assert hub.graph.actions == {"/fib": newer}
+    assert cancel_all(client) == {"return_code": 0, "goals_canceling": []}
+
+
 def test_action_takes_over_its_cancel_service_from_another_server() -> None:
     hub = FakeHub()
     older, client = hub.client("/older"), hub.client("/server")

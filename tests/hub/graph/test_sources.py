@@ -151,6 +151,17 @@ def test_source_that_a_subscriber_removes_keeps_no_latched_message(serialized: b
     assert quota.used == 0
 
 
+def test_source_that_is_removed_again_does_not_remove_its_successor() -> None:
+    graph = Graph(INTERFACES, lambda: NANOSECONDS)
+    older = graph.advertise(graph.topic("/a"), "/talker", INT32)
+    graph.remove_source(older)
+    newer = graph.advertise(graph.topic("/a"), "/talker", INT32)
+    newer.publish({"data": 1})
+    graph.remove_source(older)
+    assert graph.topics["/a"].sources == {"/talker": newer}
+    assert graph.messages.by_topic()[0]["/a"].messages == 1
+
+
 def test_only_bytes_are_kept_of_a_latched_message() -> None:
     quota = LatchQuota(100)
     talker = source(latch=True, quota=quota)

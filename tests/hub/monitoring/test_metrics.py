@@ -22,7 +22,7 @@ from websockets.http11 import Request, Response
 
 from fibws.access.token_file import digest_of
 from fibws.hub import Hub
-from fibws.hub.graph.totals import OTHER, TopicTotals
+from fibws.hub.graph.totals import OTHER, CallTotals, TopicTotals
 
 from ..raw_client import Client, connected, dialled, handshake, publish, until
 
@@ -351,6 +351,15 @@ class TestNamesWithoutEnd:
         found, everything = totals.by_topic()
         assert found["/b"].messages == 5
         assert everything.messages == 7
+
+    def test_services_beyond_the_limit_count_as_others(self) -> None:
+        totals = CallTotals(lambda: 0, most=2)
+        for name in ("/a", "/b", "/c", "/a", "/d"):
+            totals.responded(name, 0)
+            totals.failed(name, "timeout")
+            totals.refused(name, "unknown_service")
+        assert totals.responses == {"/a": 2, "/b": 1, OTHER: 2}
+        assert {name for name, _ in totals.failures} == {"/a", "/b", OTHER}
 
     def test_nothing_goes_back_however_topics_come_and_go(self) -> None:
         topics: dict[str, Any] = {}

@@ -175,8 +175,8 @@ def test_unsubscribing_ends_what_waits_for_its_time() -> None:
     one = viewer(throttle_rate=300)
     one.publish(1, 2)
     one.client.send("unsubscribe", "/fib")
-    assert one.received(after=1) == [1]
     assert (one.hub.clock.timers, one.client.queue.kept_bytes) == (0, 0)
+    assert one.received(after=1) == [1]
 
 
 def test_latched_messages_wait_for_credit_and_are_not_replaced() -> None:

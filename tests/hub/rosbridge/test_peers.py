@@ -73,6 +73,17 @@ def test_each_change_of_the_peers_is_sent(op: str, other: str) -> None:
     assert received_peers(client) == [[]]
 
 
+def test_subscriber_knows_a_publisher_before_its_first_message() -> None:
+    hub = FakeHub()
+    client = connect_watcher(hub, "subscribe")
+    connect_node(hub, "advertise", "/b").send("publish", "/a", msg=number(1))
+    client.receive()
+    connect_node(hub, "advertise", "/c").send("publish", "/a", msg=number(2))
+    peers, message = client.receive()
+    assert (peers["op"], peers["nodes"]) == ("peers", ["/b", "/c"])
+    assert message["msg"] == number(2)
+
+
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_client_that_supports_changes_receives_them(op: str, other: str) -> None:
     hub = FakeHub()

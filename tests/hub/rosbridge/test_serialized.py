@@ -575,6 +575,20 @@ def test_latched_message_reaches_late_serialized_and_json_subscribers(binary: bo
     assert plain.receive_numbers("/n") == [5]
 
 
+def test_number_of_a_topic_stands_for_one_type() -> None:
+    """Messages of both types may be on their way to a client."""
+    hub = FakeHub()
+    client, first = listener(hub, type_=INT32)
+    client.send("unsubscribe", "/n")
+    again = subscribe(client, type_=INT32)
+    client.send("unsubscribe", "/n")
+    waiting = hub.client("/waiting")
+    waiting.send("subscribe", "/n")
+    subscribe(client, type_=INT32, id="a")
+    client.send("unsubscribe", "/n", id="a")
+    assert subscribe(client, type_=STRING) not in (first, again)
+
+
 def test_latched_message_is_not_changed_by_the_bytes_of_a_later_one() -> None:
     hub = FakeHub()
     publisher = talker(hub, type_=IMAGE, latch=True)

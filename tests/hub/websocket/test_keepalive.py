@@ -114,6 +114,29 @@ def test_busy_hub_extends_the_deadlines() -> None:
     assert keepalive.verdict(7.5, 0) is SILENT
 
 
+def test_busy_hub_extends_the_deadline_of_the_handshake() -> None:
+    keepalive = Keepalive(Settings(open_timeout=5), now=10)
+    keepalive.excuse(60)
+    assert keepalive.verdict(75, unsent=0) is None
+    assert keepalive.verdict(75.1, unsent=0) == "abort"
+
+
+def test_busy_hub_extends_the_deadline_of_a_client_that_does_not_read() -> None:
+    keepalive = opened()
+    keepalive.paused(1, unsent=100)
+    keepalive.excuse(60)
+    assert keepalive.verdict(66, unsent=100) is None
+    assert keepalive.verdict(66.1, unsent=100) is STALLED
+
+
+def test_busy_hub_extends_the_deadline_of_the_close_handshake() -> None:
+    keepalive = opened()
+    keepalive.closing(2)
+    keepalive.excuse(60)
+    assert keepalive.verdict(67, unsent=0) is None
+    assert keepalive.verdict(67.1, unsent=0) == "abort"
+
+
 def test_client_of_which_not_all_is_read_is_alive() -> None:
     keepalive = opened()
     assert keepalive.verdict(20, unsent=0) == "ping"
