@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
-import subprocess
-import sys
+from typing import Any, cast
 
 import pytest
+from nox import registry
+
+import noxfile
 
 from .requirements import ROOT
 
@@ -15,35 +16,21 @@ CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
 QUIET = {"--silent", "--quiet"}
 
 
-COMMANDS = """
-import json, sys, noxfile
-from nox import registry
-
 class FakeSession:
-    def __init__(self):
-        self.posargs, self.commands = [], []
+    """Remembers the commands of a session in place of running them."""
 
-    def run(self, *command, **options):
-        self.commands.append(command)
+    def __init__(self) -> None:
+        self.posargs: list[str] = []
+        self.commands: list[list[str]] = []
 
-found = {}
-for session in sys.argv[1:]:
+    def run(self, *command: str, **options: Any) -> None:
+        self.commands.append([word for word in command if word not in QUIET])
+
+
+def commands_of(session: str) -> list[list[str]]:
     fake = FakeSession()
-    getattr(noxfile, session)(fake)
-    found[session] = fake.commands
-print(json.dumps([found, list(registry.get())]))
-"""
-"""Run in a process of its own: nox gives logging's level 25 a name."""
-SAME = ("lint", "types", "page")
-
-
-@pytest.fixture(scope="module")
-def found() -> tuple[dict[str, list[list[str]]], set[str]]:
-    """The commands of some sessions, and the names of all."""
-    words = [sys.executable, "-c", COMMANDS, *SAME]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
-    commands, sessions = json.loads(done.stdout)
-    return commands, set(sessions)
+    getattr(noxfile, session)(cast(Any, fake))
+    return fake.commands
 
 
 def commands_of_ci() -> list[list[str]]:
@@ -53,18 +40,14 @@ def commands_of_ci() -> list[list[str]]:
     return [[word for word in text.split() if word not in QUIET] for text in texts]
 
 
-@pytest.mark.parametrize("session", SAME)
-def test_sessions_run_what_ci_runs(
-    session: str, found: tuple[dict[str, list[list[str]]], set[str]]
-) -> None:
-    commands = [[word for word in each if word not in QUIET] for each in found[0][session]]
-    missing = [command for command in commands if command not in commands_of_ci()]
+@pytest.mark.parametrize("session", ["lint", "types", "page"])
+def test_sessions_run_what_ci_runs(session: str) -> None:
+    missing = [command for command in commands_of(session) if command not in commands_of_ci()]
     assert not missing, f"nox -s {session} runs these, .ci/run and .ci/all do not"
 
 
-def test_sessions_in_contributing_are_those_of_the_noxfile(
-    found: tuple[dict[str, list[list[str]]], set[str]],
-) -> None:
+def test_sessions_in_contributing_are_those_of_the_noxfile() -> None:
+    sessions = registry.get().keys()
     documented = set(re.findall(r"^nox -s (\w+)", CONTRIBUTING, re.MULTILINE))
-    assert documented <= found[1]
-    assert found[1] - documented == {"lock", "newest", "project"}
+    assert documented <= sessions
+    assert sessions - documented == {"lock", "newest", "project"}

@@ -17,6 +17,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 from fibws.hub import Hub, Settings
 from fibws.hub.ros1 import nodes
@@ -28,7 +29,6 @@ if sys.platform == "win32":
     pytest.skip("Windows need not be simulated here", allow_module_level=True)
 
 PROGRAM = Path(__file__).with_name("on_windows.py")
-PATIENCE = 60
 
 
 async def start(*arguments: str, **environment: str) -> Process:

@@ -68,7 +68,7 @@ def test_line_has_the_simulated_time() -> None:
 
 @pytest.mark.parametrize(
     ("level", "severity"),
-    [(10, "DEBUG"), (20, "INFO"), (30, "WARN"), (40, "ERROR"), (50, "FATAL"), (25, "Level 25")],
+    [(10, "DEBUG"), (20, "INFO"), (30, "WARN"), (40, "ERROR"), (50, "FATAL"), (33, "Level 33")],
 )
 def test_level_has_the_name_of_ros(level: int, severity: str) -> None:
     assert console.line_of(record(level), "${severity}") == severity
