@@ -34,7 +34,7 @@ temporary=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$temporary"' EXIT
 # Without bytecode, each of the many programs that the tests start would compile fibws again.
 unset PYTHONDONTWRITEBYTECODE
-export CI=true PIP_CONSTRAINT=$PWD/constraints.txt
+export CI=true PIP_CONSTRAINT=$PWD/constraints.txt PIP_BUILD_CONSTRAINT=$PWD/constraints.txt
 
 install() {
     command -v npm >/dev/null || debian nodejs npm
