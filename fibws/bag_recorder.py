@@ -485,6 +485,7 @@ class Recorder:
             active, compression=options.compression, chunk_size=options.chunk_size
         )
         self._number += 1
+        self._bytes = self._past_bytes + writer.position  # Before a message of the file counts.
         now = self._now()
         if options.max_duration and self._file_ends == NEVER and now:
             self._file_ends = now + options.max_duration
