@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import re
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AsyncExitStack
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -71,6 +73,14 @@ def pytest_asyncio_loop_factories(
     if item.get_closest_marker("both_loops") and UVLOOP is not None:
         factories["uvloop"] = UVLOOP
     return factories
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """Leave out modules whose imports are of POSIX alone, such as ``import pty``, on Windows."""
+    if os.name != "nt" or collection_path.suffix != ".py":
+        return None
+    imports = r"^(?:import|from) (?:fcntl|pty|pwd|resource|termios|tty)(?:$| import )"
+    return bool(re.search(imports, collection_path.read_text("utf-8"), re.MULTILINE)) or None
 
 
 @pytest.hookimpl(tryfirst=True)
