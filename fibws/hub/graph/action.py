@@ -185,10 +185,13 @@ def cancel_goals(
 
 
 def _chosen(action: Action, uuid: bytes, stamp: int) -> Iterator[Goal]:
-    """Return the goal of the UUID and those accepted up to the stamp; all if neither is given."""
+    """Return the goal of the UUID and those accepted up to the stamp; all if neither is given.
+
+    A stamp of 0 is none, at simulated time 0, too, as in ``rcl_action_process_cancel_request``.
+    """
     everything = not any(uuid) and not stamp
     for goal in action.goals.values():
-        if everything or goal.uuid == uuid or goal.accepted <= stamp:
+        if everything or goal.uuid == uuid or (stamp and goal.accepted <= stamp):
             yield goal
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import count
 from typing import Any, Literal, Protocol, TypeAlias
+from uuid import uuid4
 from weakref import WeakValueDictionary
 
 from fibws import names
@@ -200,7 +201,6 @@ class Graph:
         self._clients = 0
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
-        self._goal_numbers = count(1)
         self._topic_numbers = count(1)
 
     # What nodes may do and see.
@@ -775,7 +775,7 @@ class Graph:
         if wanted != action.type.name and not self._is_same_action(action, wanted):
             text = f"Action {name} is of type {action.type.name}, not {wanted}"
             raise CallFailed(text, "type_conflict")
-        uuid = next(self._goal_numbers).to_bytes(16, "big")
+        uuid = uuid4().bytes  # A client may still mean a goal of a hub that was restarted.
         return Goal(action, args, client, caller, uuid, self.clock.now())
 
     def _may_end(self, caller: str, goal: Goal) -> bool:
@@ -795,7 +795,7 @@ class Graph:
         if self.actions.get(action.name) is action:
             del self.actions[action.name]
             self._types.release(action.type, action)
-            self.services.pop(cancel_service(action.name), None)
+            self.remove_service(self.services[cancel_service(action.name)])
             self._report("action", action.name)
 
     # Parameters.

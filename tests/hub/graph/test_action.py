@@ -133,6 +133,17 @@ def request(uuid: bytes = bytes(16), stamp: int = 0) -> dict[str, Any]:
 NO_GOALS: set[int] = set()
 
 
+@pytest.mark.parametrize("accepted", [0, NANOSECONDS])
+def test_uuid_without_a_stamp_cancels_one_goal_at_any_time(accepted: int) -> None:
+    """Simulated time is 0 until a simulator goes on."""
+    execution = Execution()
+    goals = [execution.goal(accepted) for _ in range(3)]
+    execution.calls.clear()
+    response = cancel_goals(execution.action, request(uuid=goals[1].uuid), lambda goal: True)
+    assert execution.calls == [("cancel", goals[1])]
+    assert len(response["goals_canceling"]) == 1
+
+
 @pytest.mark.parametrize(
     ("asked", "code", "cancelled"),
     [
@@ -223,8 +234,20 @@ def test_cancel_service_comes_and_goes_with_its_action() -> None:
     assert (service.type.name, service.node) == ("action_msgs/CancelGoal", "/server")
     client.send("advertise_service", service=service.name, type="std_srvs/Empty")
     assert "is the hub's own (/server)" in client.receive_statuses()[0]
+    known: list[bool] = []
+    hub.graph.watch("service", lambda name: known.append(name in hub.graph.services))
     server.send("unadvertise_action", action="/fib")
     assert hub.graph.services == {}
+    assert known == [False]
+
+
+def test_hub_does_not_use_a_uuid_again_after_it_was_restarted() -> None:
+    uuids = set()
+    for _ in range(2):
+        hub, _, client = server_and_client()
+        send_goal(client)
+        uuids.update(hub.graph.actions["/fib"].goals)
+    assert len(uuids) == 2
 
 
 def test_action_that_was_taken_over_is_not_removed_by_its_former_server() -> None:
