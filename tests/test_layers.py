@@ -227,6 +227,18 @@ def test_layers_of_the_hub_do_not_look_up(layer: str) -> None:
             assert allowed, f"{name_of(path)} imports fibws.{name}"
 
 
+def test_hub_reads_serialized_values_by_types_alone() -> None:
+    """There alone is the guard against values that keep the hub busy."""
+    readers = {
+        name_of(path)
+        for path in modules("hub/**/*.py")
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Attribute) and node.attr == "deserialize"
+    }
+    of_topics = {"hub/graph/publication.py", "hub/graph/topic.py"}  # CheckedType.deserialize
+    assert readers == {"hub/graph/types.py", *of_topics}
+
+
 @pytest.mark.parametrize("part", ONLY)
 def test_tools_use_only_the_quick_modules_of_other_parts(part: str) -> None:
     for path in modules(f"{part}/**/*.py"):

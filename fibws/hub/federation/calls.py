@@ -15,6 +15,7 @@ from fibws.hub.federation.records import ActionRecord, Kind, Reply, Request, Ser
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import ANY_MD5SUM, Call, Service
+from fibws.hub.graph.types import read_values
 from fibws.interfaces import full_text
 from fibws.interfaces.folders import Kind as TypeKind
 from fibws.interfaces.serialization import Serializer
@@ -57,7 +58,7 @@ class RemoteServer:
                 call.fail(*_error(found))
                 return
             try:
-                call.respond(_read(response, found.body))
+                call.respond(read_values(response, found.body))
             except FibwsError as error:
                 call.fail(f"Service {self._name} returned an invalid response: {error}")
 
@@ -109,9 +110,9 @@ class RemoteActionServer:
                     goal.fail(*_error(found))
                 elif found.is_final:
                     status = Ros2GoalStatus(found.fields["status"])
-                    goal.finish(status, _read(result, found.body))
+                    goal.finish(status, read_values(result, found.body))
                 else:
-                    goal.feedback(_read(feedback, found.body))
+                    goal.feedback(read_values(feedback, found.body))
             except (FibwsError, KeyError, ValueError) as error:
                 goal.fail(f"Action {self._name} returned an invalid reply: {error}")
 
@@ -234,7 +235,7 @@ class Calls:
         def failed(call: Call, text: str, code: str) -> None:
             open_.reply(failure(text, code))
 
-        call = graph.call(name, _read(into, request.body), caller, succeeded, failed, headers)
+        call = graph.call(name, read_values(into, request.body), caller, succeeded, failed, headers)
         call.start()
         return self._until_done(open_, call)
 
@@ -257,7 +258,7 @@ class Calls:
         into, feedback, result = type_.codecs.action_serializers(type_.name)
         client = _GoalClient(open_, feedback, result)
         wanted = str(request.fields.get("type", type_.name))
-        goal = graph.send_goal(name, wanted, _read(into, request.body), client, caller)
+        goal = graph.send_goal(name, wanted, read_values(into, request.body), client, caller)
         key = peer, str(request.fields.get("goal"))
         self._goals[key] = goal
         open_.on_done = lambda: self._goals.pop(key, None)
@@ -351,13 +352,6 @@ class _GoalClient:
             return
         body = bytes(self._result.serialize(from_json(values)))
         self._open.reply(Reply({"status": int(status)}, body))
-
-
-def _read(serializer: Serializer, data: bytes) -> dict[str, Any]:
-    """Return the values of serialized bytes; raise `InvalidMessage` or `OperationError`."""
-    serializer.check(data)
-    values: dict[str, Any] = serializer.deserialize(data, "replace")
-    return values
 
 
 def _error(reply: Reply) -> tuple[str, str]:

@@ -18,8 +18,9 @@ from fibws.hub.foxglove.messages import (
     text_frame,
 )
 from fibws.hub.graph.service import Call
+from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import INTERNAL_ERROR, shortened
-from fibws.interfaces.serialization import FEWEST_BYTES, Serializer
+from fibws.interfaces.serialization import Serializer
 from fibws.protocol.value_limits import check_json
 
 
@@ -142,8 +143,4 @@ def _read(request: ClientRequest, serializer: Serializer) -> object:
             return from_json(text) if text.strip() else {}
         except ValueError as error:
             raise OperationError(f"invalid JSON: {error}") from None
-    serializer.check(request.data)
-    size = len(request.data)
-    if size > FEWEST_BYTES and serializer.is_heavy(request.data, numbers=True):
-        raise OperationError(f"a request of {size} bytes of {serializer.type} has too many values")
-    return serializer.deserialize(request.data, "replace")
+    return read_values(serializer, request.data)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NoReturn, Protocol, TypeAlias
+from typing import Any, Literal, NoReturn, Protocol, TypeAlias
 
 import cbor2
 
@@ -37,6 +37,29 @@ Buffer: TypeAlias = bytes | bytearray | memoryview
 """Serialized bytes; they must not be changed."""
 Validate: TypeAlias = Callable[[object], dict[str, Any]]
 """Returns a message with every field filled; raises `InvalidMessage`."""
+
+
+def read_values(
+    serializer: Serializer, data: Buffer, errors: Literal["replace", "strict"] = "replace"
+) -> dict[str, Any]:
+    """Return the values of a request, a response or a goal that came from outside.
+
+    Args:
+        errors: what becomes of strings that are not UTF-8, as for ``bytes.decode``; with
+            ``"strict"`` they are invalid.
+
+    Raises:
+        InvalidMessage: the bytes are no message of the type.
+        OperationError: their values would keep the hub busy for too long.
+    """
+    serializer.check(data)
+    if len(data) > FEWEST_BYTES and serializer.is_heavy(data, numbers=True):
+        text = f"a message of {len(data)} bytes of type {serializer.type} has too many values"
+        raise OperationError(f"{text} for JSON")
+    try:
+        return serializer.deserialize(data, errors)
+    except UnicodeDecodeError:
+        raise InvalidMessage(f"a string of {serializer.type} is not UTF-8") from None
 
 
 class MessageType(Protocol):

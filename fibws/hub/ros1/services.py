@@ -22,6 +22,7 @@ from fibws.errors import (
 )
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.service import Call, Service
+from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import printable
 from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
@@ -31,7 +32,7 @@ from fibws.hub.ros1.rosrpc import INSTANT, Address, IdleConnections, ServiceConn
 from fibws.hub.ros1.tcpros import ANY, LENGTH, require
 from fibws.hub.settings import Settings
 from fibws.interfaces.json_text import json_of
-from fibws.interfaces.serialization import FEWEST_BYTES, Serializer
+from fibws.interfaces.serialization import Serializer
 
 T = TypeVar("T")
 
@@ -359,7 +360,7 @@ class ServedClient:
             raise OperationError(f"{self._service} has become a {type_.name}")
         into, out = type_.codecs.service_serializers(type_.name)
         try:
-            values = await _converted(len(request), _read, into, request)
+            values = await _converted(len(request), read_values, into, request)
             call, text = await self._call(values)
             size = len(text)
             body = await _converted(size, _serialized_response, out, call.response, text)
@@ -492,20 +493,8 @@ class ServiceLinks:
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-def _read(serializer: Serializer, data: bytes) -> dict[str, Any]:
-    """Return the values of a message; raise `InvalidMessage` or `OperationError`."""
-    serializer.check(data)
-    if len(data) > FEWEST_BYTES and serializer.is_heavy(data, numbers=True):
-        text = f"a message of {len(data)} bytes of type {serializer.type} has too many values"
-        raise OperationError(f"{text} for JSON")
-    try:
-        return serializer.deserialize(data)
-    except UnicodeDecodeError:
-        return serializer.deserialize(data, "replace")
-
-
 def _to_json(serializer: Serializer, data: bytes) -> bytes:
-    return json_of(_read(serializer, data))
+    return json_of(read_values(serializer, data))
 
 
 def _serialized_response(

@@ -13,20 +13,18 @@ from pydantic_core import from_json
 from fibws.errors import (
     FibwsError,
     InterfaceError,
-    InvalidMessage,
-    OperationError,
     UnknownDefinition,
 )
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
+from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import printable
 from fibws.hub.ros2.key_layout import GID_SIZE, NO_HASH, Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
 from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
 from fibws.hub.ros2.types import Ros2Service, Ros2Types, check_hash
-from fibws.interfaces.serialization import FEWEST_BYTES, Serializer
 
 logger = logging.getLogger("fibws.hub")
 
@@ -88,7 +86,7 @@ class Ros2Server:
                 call.fail(f"Service {self.name} of ROS 2 node {self.node} failed: {error}")
                 return
             try:
-                call.respond(_read(back, data))
+                call.respond(read_values(back, data, "strict"))
             except FibwsError as found:
                 call.fail(f"Service {self.name} returned an invalid response: {found}")
 
@@ -384,22 +382,10 @@ class Ros2Services:
             end()
             respond(None, text)
 
-        values = _read(into, data)
+        values = read_values(into, data, "strict")
         call = self._graph.call(name, values, caller, succeeded, failed)
         self._requests += 1
         if self._timeout:
             timer = self._clock.call_later(self._timeout, lambda: call.time_out(self._timeout))
             ended.append(timer.cancel)
         call.start()
-
-
-def _read(serializer: Serializer, data: bytearray) -> dict[str, object]:
-    """Return the values of a message; raise `InvalidMessage` or `OperationError`."""
-    serializer.check(data)
-    if len(data) > FEWEST_BYTES and serializer.is_heavy(data, numbers=True):
-        text = f"a message of {len(data)} bytes of type {serializer.type} has too many values"
-        raise OperationError(text)
-    try:
-        return serializer.deserialize(data)
-    except UnicodeDecodeError:
-        raise InvalidMessage(f"a string of {serializer.type} is not UTF-8") from None

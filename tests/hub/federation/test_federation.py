@@ -18,6 +18,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.example_interfaces import AddTwoInts
+from fibws.srv.sensor_msgs import SetCameraInfo
 
 from ..graph.recorder import Recorder
 from .conftest import Join, Reachable, StartNode, until
@@ -224,6 +225,22 @@ async def test_service_of_another_hub_is_called(join: Join, start_node: StartNod
     await client.wait_for_service("/robot7/add", timeout=PATIENCE)
     response = await client.call("/robot7/add", AddTwoInts, {"a": 2, "b": 3})
     assert response.sum == 5
+
+
+async def test_request_of_another_hub_with_too_many_values_is_refused(
+    join: Join, start_node: StartNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cloud = await join("cloud")
+    robot = await join("robot", cloud)
+    server, client = await start_node("server", robot), await start_node("client", cloud)
+    await server.service("set", SetCameraInfo, lambda request: {"success": True})
+    await client.wait_for_service("set", timeout=PATIENCE)
+    monkeypatch.setattr("fibws.hub.graph.types.FEWEST_BYTES", 0)
+    monkeypatch.setattr("fibws.interfaces.serialization.MOST_WEIGHT", 0)
+    with pytest.raises(fibws.ServiceError, match="too many values"):
+        await client.call("set", SetCameraInfo, {"camera_info": {"D": [0.5] * 5}})
+    monkeypatch.undo()
+    assert (await client.call("set", SetCameraInfo)).success
 
 
 @BOTH

@@ -242,7 +242,7 @@ def test_cancel_service_comes_and_goes_with_its_action() -> None:
 
 
 def test_hub_does_not_use_a_uuid_again_after_it_was_restarted() -> None:
-    uuids = set()
+    uuids: set[bytes] = set()
     for _ in range(2):
         hub, _, client = server_and_client()
         send_goal(client)
