@@ -54,7 +54,7 @@ OF_TIME = ["CLOCK_MONOTONIC", "CLOCK_REALTIME", "clock_gettime", "clock_gettime_
 IMPORTED_BEFORE = ["click", "concurrent.futures", "importlib.metadata", "rich.live", "tempfile"]
 IMPORTED_BEFORE += ["rich.table", "rich.traceback", "ssl", "unittest", "uuid", "webbrowser"]
 IMPORTED_BEFORE += ["fibws.client.hub_client", "fibws.msg.std_msgs", "fibws.node", "zoneinfo"]
-"""What imports the other packages that are needed; fibws itself is imported again."""
+"""Imports the other packages that are needed; fibws itself is imported again."""
 
 
 class WindowsLoop(asyncio.SelectorEventLoop):

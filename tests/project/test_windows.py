@@ -1,4 +1,4 @@
-"""What can be known about Windows without one."""
+"""Tests about Windows that run on other systems."""
 
 from __future__ import annotations
 

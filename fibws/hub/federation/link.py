@@ -693,4 +693,4 @@ _RECEIVERS: dict[int, Callable[[Link, Peer, memoryview], None]] = {
     PING: Link._receive_ping,
     PONG: Link._receive_pong,
 }
-"""What takes the records of each kind, except messages, which are the most."""
+"""The handlers of records by kind, except messages, which are the most frequent."""

@@ -187,7 +187,8 @@ def cancel_goals(
 def _chosen(action: Action, uuid: bytes, stamp: int) -> Iterator[Goal]:
     """Return the goal of the UUID and those accepted up to the stamp; all if neither is given.
 
-    A stamp of 0 is none, at simulated time 0, too, as in ``rcl_action_process_cancel_request``.
+    A stamp of 0 means that none is given, even at simulated time 0, as in rcl's
+    ``rcl_action_process_cancel_request``.
     """
     everything = not any(uuid) and not stamp
     for goal in action.goals.values():

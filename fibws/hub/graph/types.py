@@ -49,7 +49,7 @@ def read_values(
             ``"strict"`` they are invalid.
 
     Raises:
-        InvalidMessage: the bytes are no message of the type.
+        InvalidMessage: the bytes do not fit the type.
         OperationError: their values would keep the hub busy for too long.
     """
     serializer.check(data)
