@@ -95,6 +95,8 @@ def become_windows() -> None:
     sys.modules["msvcrt"] = _msvcrt()
     sys.platform = "win32"
     asyncio.set_event_loop_policy(WindowsPolicy())
+    # The background jobs of a shell, and all that they start, ignore Ctrl-C.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _remove(module: types.ModuleType, names: list[str]) -> None:
