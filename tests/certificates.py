@@ -41,7 +41,11 @@ class Authority:
         return certificate, key
 
     def client(self, certificate: tuple[Path, Path] | None = None) -> ssl.SSLContext:
-        """Return the context of a client that trusts the authority, and may have a certificate."""
+        """Return the context of a client that trusts the authority, and may have a certificate.
+
+        It is not for `websockets.sync`: that reads and writes at once, in two threads, which
+        OpenSSL does not allow: now and then a handshake gets no response.
+        """
         context = ssl.create_default_context(cafile=self.file)
         if certificate is not None:
             context.load_cert_chain(*certificate)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import shutil
 import socket
 import ssl
-import subprocess
 import threading
-from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import pytest
+from certificates import Authority
+from certificates import authority as authority
 from hub_in_thread import HubThread, Publish
 from websockets.sync.server import ServerConnection
 
@@ -23,6 +21,7 @@ from fibws.errors import (
     HubUnreachable,
     NoHub,
 )
+from fibws.hub import Settings
 
 
 def test_hub_selects_fibws_v1(hub: HubThread) -> None:
@@ -109,39 +108,15 @@ def test_redirect_to_another_protocol_is_refused() -> None:
             HubClient("test", url)
 
 
-@pytest.mark.skipif(not shutil.which("openssl"), reason="a certificate is made by openssl")
-def test_tls(hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
-    make = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=hub")
-    where = ("-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate)
-    subprocess.run([*make, *where], check=True, capture_output=True, timeout=60)
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.load_cert_chain(certificate, key)
-    with socket.create_server(("127.0.0.1", 0)) as server:
-
-        def relay() -> None:
-            for _ in range(2):
-                connection, _ = server.accept()
-                with (
-                    suppress(ssl.SSLError),
-                    context.wrap_socket(connection, server_side=True) as tls,
-                ):
-                    with socket.create_connection(("127.0.0.1", hub.port)) as plain:
-                        back = threading.Thread(target=pump, args=(plain, tls))
-                        back.start()
-                        pump(tls, plain)
-                        back.join(60)
-
-        relaying = threading.Thread(target=relay)
-        relaying.start()
-        url = f"wss://127.0.0.1:{server.getsockname()[1]}"
+def test_tls(authority: Authority, monkeypatch: pytest.MonkeyPatch) -> None:
+    certificate, key = authority.issue()
+    with HubThread(Settings(port=0, cert=certificate, key=key)) as hub:
         with pytest.raises(HubUnreachable, match=r"certificate.* FIBWS_CA"):
-            HubClient("test", url)
-        monkeypatch.setenv("SSL_CERT_FILE", certificate)
-        with HubClient("test", url) as client:
+            HubClient("test", hub.url)
+        monkeypatch.setenv("SSL_CERT_FILE", str(authority.file))
+        with HubClient("test", hub.url) as client:
             assert client.receive(0) is None
             assert "time" in client.call("/rosapi/get_time")
-        relaying.join(60)
 
 
 def test_error_of_tls_to_a_hub_without_it_says_what_to_do(hub: HubThread) -> None:
@@ -165,14 +140,6 @@ def test_failed_tls_closes_the_socket(monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server, pytest.raises(HubUnreachable):
         HubClient("test", f"wss://127.0.0.1:{server.getsockname()[1]}")
     assert [each.fileno() for each in opened] == [-1]
-
-
-def pump(source: socket.socket, target: socket.socket) -> None:
-    """Forward data until the end of the stream."""
-    with suppress(OSError):
-        while data := source.recv(2**16):
-            target.sendall(data)
-        target.shutdown(socket.SHUT_WR)
 
 
 def test_lost_hub_is_an_error(hub: HubThread) -> None:

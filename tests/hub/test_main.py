@@ -11,7 +11,6 @@ import select
 import shlex
 import signal
 import socket
-import ssl
 import subprocess
 import sys
 import time
@@ -89,9 +88,12 @@ def test_hangup_reads_the_certificate_again(authority: Authority) -> None:
         assert hub.process.stderr is not None
         line = hub.process.stderr.readline()
         assert "Reloaded" in line
-        with connect(url, ssl=authority.client()) as websocket:
-            assert isinstance(websocket.socket, ssl.SSLSocket)
-            assert "'new'" in str(websocket.socket.getpeercert())
+        port = int(url.rpartition(":")[2])
+        with (
+            socket.create_connection(("127.0.0.1", port)) as plain,
+            authority.client().wrap_socket(plain, server_hostname="127.0.0.1") as tls,
+        ):
+            assert "'new'" in str(tls.getpeercert())
         hub.process.terminate()
         assert hub.end()[0] == 0
 
