@@ -26,10 +26,10 @@ from fibws.interfaces.serialization import Serializers
 from fibws.msg import default_interfaces
 
 HERE = Path(__file__).parent
-GOAL_PATIENCE, TRIES = 15, 3
+GOAL_PATIENCE, TRIES = 15, 10
 LOSING = {"real_rospy", "roscpp"}
-"""ROS's own actionlib loses feedback and results at random, even within one process: such a goal is
-sent again."""
+"""ROS's own actionlib loses feedback and results at random, even within one process, and more under
+load: such a goal is sent again."""
 
 REAL_PYTHON = "/usr/bin/python3"
 ROSPY = Path(fibws.ros1.__file__).parent / "python"
