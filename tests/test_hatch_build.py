@@ -71,6 +71,7 @@ match sys.argv[1:]:
 """
 """A stand-in for Node.js and npm."""
 
+
 MODULE = re.compile("fibws/(msg|srv|action)/[^_/][^/]*[.]py")
 """The path of a generated module."""
 
@@ -135,6 +136,15 @@ def definitions(project: Path) -> Path:
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(path, copy)
     return package / "interfaces" / "definitions"
+
+
+def unpack(path: Path, folder: Path) -> None:
+    """Unpack a tar file."""
+    with tarfile.open(path) as archive:
+        # Python has no filters before 3.11.4, and asks for one from 3.12 to 3.13.
+        if hasattr(tarfile, "data_filter"):
+            archive.extraction_filter = tarfile.data_filter
+        archive.extractall(folder)
 
 
 def built(project: Path, kind: type[WheelBuilder | SdistBuilder]) -> Path:
@@ -301,8 +311,7 @@ class TestPacking:
     def test_wheel_is_built_from_an_sdist_without_node(
         self, project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        with tarfile.open(built(project, SdistBuilder)) as sdist:
-            sdist.extractall(tmp_path / "unpacked", filter="data")
+        unpack(built(project, SdistBuilder), tmp_path / "unpacked")
         [unpacked] = (tmp_path / "unpacked").iterdir()
         assert (unpacked / "web/src/main.ts").exists()
         monkeypatch.setenv("PATH", "")
@@ -424,8 +433,7 @@ class TestModules:
         assert "LIMIT: ClassVar[int] = 5" in modules["fibws/msg/std_msgs.py"]
 
     def test_wheel_of_an_sdist_has_the_same_modules(self, project: Path, tmp_path: Path) -> None:
-        with tarfile.open(built(project, SdistBuilder)) as sdist:
-            sdist.extractall(tmp_path / "unpacked", filter="data")
+        unpack(built(project, SdistBuilder), tmp_path / "unpacked")
         [unpacked] = (tmp_path / "unpacked").iterdir()
         assert self.in_checkout(unpacked) == self.modules(project).keys()
         assert self.modules(unpacked) == self.modules(project)
@@ -508,14 +516,12 @@ class TestVersion:
         self.commit(repository)
         self.git(repository, "tag", "v1.2.0")
         self.git(repository, "archive", f"--output={tmp_path}/archive.tar", "HEAD")
-        with tarfile.open(tmp_path / "archive.tar") as archive:
-            archive.extractall(tmp_path / "unpacked", filter="data")
+        unpack(tmp_path / "archive.tar", tmp_path / "unpacked")
         assert self.version(tmp_path / "unpacked") == "1.2.0"
 
     def test_sdist_keeps_the_version(self, repository: Path, tmp_path: Path) -> None:
         self.git(repository, "tag", "v1.2.0")
-        with tarfile.open(built(repository, SdistBuilder)) as sdist:
-            sdist.extractall(tmp_path / "unpacked", filter="data")
+        unpack(built(repository, SdistBuilder), tmp_path / "unpacked")
         [unpacked] = (tmp_path / "unpacked").iterdir()
         assert self.version(unpacked) == "1.2.0"
 
