@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -72,16 +73,21 @@ class Repeated:
         Value and reference of one repetition are measured one after the other, so they share most
         of the machine's noise.
         """
-        ratios = [value / other for value, other in zip(values, references, strict=True)]
-        return cls(min(values) / min(references), statistics.median(ratios))
+        ratios = [_quotient(*each) for each in zip(values, references, strict=True)]
+        return cls(_quotient(min(values), min(references)), statistics.median(ratios))
 
     def __truediv__(self, other: Repeated) -> Repeated:
         """Return the ratio of the minima and the ratio of the medians."""
-        return Repeated(self.least / other.least, self.median / other.median)
+        return Repeated(_quotient(self.least, other.least), _quotient(self.median, other.median))
 
     def __str__(self) -> str:
         """Return the text of a table's cell."""
         return f"{self.least:.2f} ({self.median:.2f})"
+
+
+def _quotient(value: float, reference: float) -> float:
+    """Return the ratio of two values; infinity if the reference took too little to be measured."""
+    return value / reference if reference else math.inf
 
 
 def minimum_and_median(values: Sequence[float]) -> str:
