@@ -12,6 +12,7 @@ from .errors import (
     InvalidAddress as InvalidAddress,
     InvalidMessage as InvalidMessage,
     InvalidName as InvalidName,
+    MessageTooLarge as MessageTooLarge,
     MissingRight as MissingRight,
     NodeClosed as NodeClosed,
     NodeError as NodeError,

@@ -181,6 +181,29 @@ class InvalidMessage(FibwsError, ValueError):
     code = "invalid_message"
 
 
+class MessageTooLarge(InvalidMessage):
+    """A message, or an operation such as a call, is larger than the hub takes.
+
+    It is not sent, and the connection goes on. The hub tells its limit when it accepts a client.
+
+    Attributes:
+        what: the topic, service or action.
+        size: bytes of the message, as it would be sent.
+        limit: bytes that the hub takes.
+    """
+
+    code = "message_too_large"
+
+    def __init__(self, what: str, size: int, limit: int) -> None:
+        self.what = what
+        self.size = size
+        self.limit = limit
+        super().__init__(
+            f"{what}: a message of {size} bytes is larger than the hub takes "
+            f"(limit {limit}, --max-message-size of the hub)"
+        )
+
+
 class InvalidUtf8(FibwsError, ValueError):
     """A text message that is not UTF-8, which closes a WebSocket (RFC 6455, section 8.1)."""
 
@@ -511,7 +534,7 @@ class NoHub(HubUnreachable):
 
 
 class AccessDenied(HubUnreachable):
-    """The hub has closed the connection for good: the token or its rights must change first."""
+    """The hub refuses a client: the token, its rights or the hub's limits must change first."""
 
     remedy = ""
     """What to do about it."""
@@ -539,9 +562,11 @@ class MissingRight(AccessDenied):
 
 
 class HubLimitReached(AccessDenied):
-    """The hub has closed the connection because of a limit, which ``cause`` names."""
+    """The hub has no room for a tool, because of a limit that ``cause`` names. Nodes try again."""
 
     remedy = "Try again later, or ask whoever runs the hub to raise its limits"
+    exit_code = 75
+    """EX_TEMPFAIL of sysexits.h."""
 
 
 class HubLost(NodeError):

@@ -115,7 +115,7 @@ BELOW_IN_HUB = {
 operations, delivery knows bytes, websocket knows endpoints but no operations."""
 
 ONLY = {
-    "client": {"protocol": {"serialized", "goals"}},
+    "client": {"protocol": {"serialized", "goals", "websocket"}},
     "cli": {"protocol": {"levels", "goals"}, "node": {"program"}},
     "ros1/launch": {"node": set[str]()},
     "ros1/workspace": {"node": set[str]()},

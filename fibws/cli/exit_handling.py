@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import click
 
 from fibws.cli.output import visible
-from fibws.errors import AccessDenied, FibwsError, InvalidValue
+from fibws.errors import AccessDenied, FibwsError, HubLimitReached, InvalidValue
 
 INTERRUPTED = 130
 """The exit code after Ctrl-C, as in shells: 128 + SIGINT."""
@@ -18,6 +18,10 @@ INTERRUPTED = 130
 
 class _AccessDenied(click.ClickException):
     exit_code = AccessDenied.exit_code
+
+
+class _HubLimitReached(click.ClickException):
+    exit_code = HubLimitReached.exit_code
 
 
 @contextmanager
@@ -29,7 +33,8 @@ def clean_exit(*, endless: bool = False) -> Iterator[None]:
 
     Raises:
         ClickException: the command failed; click prints the text in one line and exits with 1, with
-            2 for an invalid value, or with 77 if the hub refuses the client.
+            2 for an invalid value, with 77 if the hub refuses the client, or with 75 if it has no
+            room for it.
     """
     try:
         yield
@@ -40,6 +45,8 @@ def clean_exit(*, endless: bool = False) -> Iterator[None]:
         _discard_output()
     except InvalidValue as error:
         raise click.UsageError(visible(str(error))) from None
+    except HubLimitReached as error:
+        raise _HubLimitReached(visible(str(error))) from None
     except AccessDenied as error:
         raise _AccessDenied(visible(str(error))) from None
     except FibwsError as error:

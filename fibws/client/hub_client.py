@@ -20,6 +20,7 @@ from fibws.credentials import Credentials
 from fibws.errors import (
     AccessDenied,
     AuthenticationError,
+    MessageTooLarge,
     NoHub,
     OperationError,
     OperationRejected,
@@ -134,9 +135,14 @@ class HubClient:
         """Send an operation; if the hub refuses it, `receive` returns a status.
 
         Raises:
+            MessageTooLarge: the hub does not take it.
             HubLost: the connection is lost.
         """
-        self._socket.send(_json(operation))
+        text = _json(operation)
+        if len(text) > self._socket.largest:
+            names = (operation.get(field) for field in ("topic", "service", "action", "op"))
+            raise MessageTooLarge(str(next(filter(None, names))), len(text), self._socket.largest)
+        self._socket.send(text)
 
     def receive(self, timeout: float | None = None) -> Operation | None:
         """Return the hub's next operation, or None after ``timeout`` seconds.

@@ -24,6 +24,7 @@ from fibws import credentials, hub_address, tls
 from fibws.credentials import Credentials
 from fibws.errors import AccessDenied, HubLost, HubUnreachable, InvalidAddress, NoHub
 from fibws.protocol.serialized import SUBPROTOCOL
+from fibws.protocol.websocket import SIZE_HEADER, UNLIMITED, largest_message
 
 PATIENCE = 5.0
 """Seconds in which a hub must accept a connection, and close it."""
@@ -80,6 +81,8 @@ class WebSocket:
         self._first_url = url
         self._credentials = token or Credentials()
         self._headers = credentials.headers(self._credentials.read())
+        self.largest = UNLIMITED
+        """Bytes that the hub takes in one message."""
         self._has_denied = False
         """Whether `AccessDenied` has been raised."""
         self.messages: deque[Message] = deque()
@@ -152,8 +155,8 @@ class WebSocket:
         for event in self._protocol.events_received():
             if isinstance(event, Frame):
                 self._take(event)
-            elif isinstance(event, Response) and self._protocol.handshake_exc is not None:
-                raise self._refusal(self._protocol.handshake_exc)
+            elif isinstance(event, Response):
+                self._answered(event)
         if self._protocol.parser_exc is not None and self._protocol.handshake_exc is None:
             raise self.not_a_hub(str(self._protocol.parser_exc))
         self._flush()
@@ -165,6 +168,12 @@ class WebSocket:
             cause = "connection lost" if close is None else close.reason or f"code {close.code}"
             raise HubLost(self.url, cause)
         return True
+
+    def _answered(self, response: Response) -> None:
+        """Handle the response to the handshake."""
+        if self._protocol.handshake_exc is not None:
+            raise self._refusal(self._protocol.handshake_exc)
+        self.largest = largest_message(response.headers.get(SIZE_HEADER))
 
     def close(self) -> None:
         """Close the connection after the hub has read everything that was sent.

@@ -29,7 +29,7 @@ from websockets.exceptions import (
     InvalidURI,
     SecurityError,
 )
-from websockets.frames import Frame, Opcode
+from websockets.frames import CloseCode, Frame, Opcode
 from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
@@ -48,27 +48,32 @@ from fibws.errors import (
 from fibws.hub_address import node_url, redirected
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
-from fibws.node.session import MAX_SIZE, Session
+from fibws.node.session import Session
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import (
     KILLED,
+    LIMITED,
     REPLACED,
     SIMULATED,
+    SIZE_HEADER,
     TEXT,
     TIME_HEADER,
     UNAUTHENTICATED,
     FrameParser,
     client_frame,
     client_payload,
+    largest_message,
 )
 from fibws.tls import TlsFiles, fault
 
 FIRST_RETRY = 0.1
 LONGEST_RETRY = 0.5
+LONGEST_WAIT = 10.0
 OPEN_TIMEOUT = 5.0
 FLUSH_TIMEOUT = 0.6
 CLOSE_TIMEOUT = 0.3
-"""Seconds, all five; the last two together bound how long a node's end takes."""
+"""Seconds, all six: before the first retry, most before others, most while the hub has no room for
+the node; and timeouts, of which the last two together bound how long a node's end takes."""
 
 BUFFER_SIZE = 64 * 1024
 """Bytes to read at once; a larger message is read into a buffer of its own."""
@@ -81,6 +86,8 @@ SHORTEST_CHECK = 0.05
 """Least seconds between two reads of the file."""
 
 _TRY_LATER = (408, 425, 429)
+_NO_ROOM = (429, 503)
+"""The statuses of a hub that has reached a limit, or is about to end."""
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
 _DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
@@ -173,9 +180,10 @@ class WebSocket(asyncio.BufferedProtocol):
             session.receive_text,
             session.receive_binary,
             self._feed,
-            max_size=MAX_SIZE,
+            max_size=session.max_message_size,
             masked=False,
             turn=TURN,
+            on_skipped=session.skipped,
         )
         self._buffer = memoryview(bytearray(BUFFER_SIZE))
         self._turn_is_due = False
@@ -196,7 +204,11 @@ class WebSocket(asyncio.BufferedProtocol):
         self._handshake.websocket = self
         self._transport.set_protocol(self)
         self._session.connect(
-            self, serialized=self.serialized, end_turn=self._parser.pause, hold=hold
+            self,
+            serialized=self.serialized,
+            largest=largest_message(response.headers.get(SIZE_HEADER)),
+            end_turn=self._parser.pause,
+            hold=hold,
         )
         self._receive(self._handshake.rest)
         self._schedule_turn()
@@ -436,13 +448,19 @@ class Connection:
 
     async def _run(self) -> None:
         """Connect again and again, until the node ends."""
-        delays = _delays()
+        retries, waits = _retries(), _waits()
+        loop = asyncio.get_running_loop()
         try:
             while not self._session.over:
-                if await self._connect_once():
-                    delays = _delays()
+                began = loop.time()
+                must_wait = await self._connect_once()
+                lasted = loop.time() - began
+                if lasted > OPEN_TIMEOUT:
+                    retries = _retries()
+                if lasted > 2 * LONGEST_WAIT:
+                    waits = _waits()
                 if not self._session.over:
-                    await asyncio.sleep(next(delays))
+                    await asyncio.sleep(next(waits if must_wait else retries))
         except Exception as error:
             # The hub's final refusal; or a bug, because of which the program must not hang.
             self._session.end(error)
@@ -450,20 +468,28 @@ class Connection:
             self._found.set()
 
     async def _connect_once(self) -> bool:
-        """Connect, and wait until the connection is lost; return whether it lasted for a while."""
+        """Connect, and wait until the connection is lost; return whether the hub has no room."""
         try:
             self._token = self._credentials.read()
             websocket = WebSocket(await self._shake_hands(self._hub), self._session)
+        except InvalidStatus as error:
+            if error.response.status_code in _NO_ROOM:
+                self._on_no_room(_status(error))
+                return True
+            self._on_missing(_status(error))  # Such as 502 of a proxy.
+            return False
         except (OSError, InvalidHandshake, AccessError) as error:
             self._on_missing(_reason(error))
             return False
-        loop = asyncio.get_running_loop()
-        began = loop.time()
         closed = await self._converse(websocket)
-        if closed is not None and not self._session.over:
-            reason = closed.rcvd.reason if closed.rcvd is not None else ""
-            self._on_missing(reason or str(closed))
-        return loop.time() - began > LONGEST_RETRY
+        if closed is None or self._session.over:
+            return False
+        reason = (closed.rcvd.reason if closed.rcvd is not None else "") or str(closed)
+        if closed.rcvd is not None and closed.rcvd.code in (LIMITED, CloseCode.TRY_AGAIN_LATER):
+            self._on_no_room(reason)
+            return True
+        self._on_missing(reason)
+        return False
 
     async def _shake_hands(self, hub: str) -> _Handshake:
         try:
@@ -476,7 +502,7 @@ class Connection:
                 logger=credentials.handshake_log(),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
                 compression=None,
-                max_size=MAX_SIZE,
+                max_size=self._session.max_message_size,
                 open_timeout=OPEN_TIMEOUT,
                 close_timeout=CLOSE_TIMEOUT,
                 # What the socket does not take at once waits in our own queue, where it is bounded.
@@ -492,8 +518,7 @@ class Connection:
             status = error.response.status_code
             if status >= 500 or status in _TRY_LATER:
                 raise
-            text = error.response.body.decode("utf-8", "replace").strip()
-            raise HubUnreachable(self._hub, f"HTTP {status}: {text[:500]}") from None
+            raise HubUnreachable(self._hub, _status(error)) from None
         except (InvalidURI, InvalidProxy, SecurityError, InvalidAddress, ValueError) as error:
             # ValueError is for odd host names and certificates, SecurityError for redirects.
             raise HubUnreachable(self._hub, _reason(error)) from None
@@ -577,7 +602,7 @@ class Connection:
             return NodeReplaced(f"another node took the name {self._node}")
         if code == KILLED.code:
             return NodeKilled(f"{self._node} was killed: another program asked the hub to end it")
-        return self._denied(code, reason)
+        return None if code == LIMITED else self._denied(code, reason)
 
     def _denied(self, code: int | None, reason: str) -> AccessDenied | None:
         sent = self._session.has_token
@@ -609,6 +634,12 @@ class Connection:
                 NoHub(self._hub, reason).remedy,
             )
 
+    def _on_no_room(self, reason: str) -> None:
+        """Log that the hub does not take the node now, once each time."""
+        if not self._is_missing:
+            self._is_missing = True
+            self._log.warning("The hub at %s has no room (%s); trying again.", self._hub, reason)
+
     def _on_found(self) -> None:
         if self._is_missing:
             word = "back" if self._found.is_set() else "there"
@@ -623,15 +654,34 @@ def _rosbridge_frame(frame: bytes, lane: PublisherLane | None) -> bytes:
     return client_frame(TEXT, text, os.urandom(4)) if text else b""
 
 
-def _delays() -> Iterator[float]:
-    """Yield the seconds to wait before each retry, with jitter so that nodes spread out.
+def _retries() -> Iterator[float]:
+    """Yield the seconds to wait before each retry after the hub was lost.
 
     All are shorter than `LONGEST_RETRY`, after which a reconnected node expects the others.
     """
-    delay = FIRST_RETRY
+    return _delays(FIRST_RETRY, LONGEST_RETRY)
+
+
+def _waits() -> Iterator[float]:
+    """Yield the seconds to wait before each retry while the hub has no room for the node."""
+    return _delays(LONGEST_RETRY, LONGEST_WAIT)
+
+
+def _delays(first: float, longest: float) -> Iterator[float]:
+    """Yield growing delays, with jitter so that nodes spread out."""
+    delay = first
     while True:
         yield delay * random.uniform(0.7, 0.9)
-        delay = min(2 * delay, LONGEST_RETRY)
+        delay = min(2 * delay, longest)
+
+
+def _status(error: InvalidStatus) -> str:
+    """Return the HTTP status with which a server refuses a handshake, and its text."""
+    response = error.response
+    text = ""
+    if response.headers.get("Content-Type", "").startswith("text/plain"):
+        text = response.body.decode("utf-8", "replace").strip()[:500]
+    return f"HTTP {response.status_code}: {text or response.reason_phrase}"
 
 
 def _reason(error: Exception) -> str:

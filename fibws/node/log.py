@@ -12,7 +12,7 @@ from contextlib import suppress
 from string import Template
 from typing import ClassVar, TextIO
 
-from fibws.errors import CallRefused
+from fibws.errors import CallRefused, MessageTooLarge
 from fibws.interfaces import Time
 from fibws.msg.roscpp import Logger
 from fibws.msg.rosgraph_msgs import Log
@@ -185,7 +185,8 @@ class Rosout(logging.Handler):
     def _publish(self, message: Log) -> None:
         if not self._topics.over:
             message.topics = self._topics.names()  # In the loop's thread, which changes them.
-            self._publisher.send_while_open(self._publisher.encode(message))
+            with suppress(MessageTooLarge):  # The console has shown it.
+                self._publisher.send_while_open(self._publisher.encode(message))
 
 
 class Loggers:

@@ -25,7 +25,7 @@ from fibws.node.connection import Connection
 from fibws.node.log import Console, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
 from fibws.node.services import Handler, HeaderHandler, Services, ServiceServer
-from fibws.node.session import Registration, Session, throw
+from fibws.node.session import Registration, Session, choose_message_size, throw
 from fibws.node.subscription import Subscription, TakeSerialized, next_message
 from fibws.node.topics import Topics
 from fibws.node.types import ANY_TYPE, Types
@@ -112,12 +112,16 @@ class Node:
         use_sim_time: whether the time is that of the topic /clock, 0 before its first message, for
             `now`, `rate`, the log, and messages that ask for the time; default whether the hub's
             parameter /use_sim_time was true when the node was entered.
+        max_message_size: bytes that one message for this node may have; a larger one is dropped,
+            logged, and counted by `Subscription.dropped`. Default $FIBWS_MAX_MESSAGE_SIZE, else 64
+            MiB. What the node may send is set at the hub.
 
     Raises:
         InvalidName: a name is not legal.
         InvalidAddress: the hub's address is invalid.
         AccessError: the token is invalid, or its file cannot be read.
-        ValueError: both ``token`` and ``token_file`` are given.
+        ValueError: both ``token`` and ``token_file`` are given, or ``max_message_size`` is not a
+            positive number.
     """
 
     def __init__(
@@ -137,6 +141,7 @@ class Node:
         client_cert: File | None = None,
         client_key: File | None = None,
         use_sim_time: bool | None = None,
+        max_message_size: int | None = None,
     ) -> None:
         self._identity = Identity.choose(
             name, anonymous=anonymous, namespace=namespace, remapping=remapping
@@ -149,7 +154,7 @@ class Node:
         )
         """The node's logger: its records go to the console and, once the node is entered, to
         /rosout."""
-        self._session = Session(self.log)
+        self._session = Session(self.log, choose_message_size(max_message_size))
         self._clock = Clock(self._session)
         self._use_sim_time = use_sim_time
         self._types = Types(self._clock.now)

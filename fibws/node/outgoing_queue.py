@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterable
 from threading import get_ident
 from typing import Protocol
 
+from fibws.errors import MessageTooLarge
 from fibws.protocol.frame_queue import FrameQueue, Lane
+from fibws.protocol.websocket import UNLIMITED, header_size
 
 LIMIT = 1 << 20
 """Bytes in the queue from which on publishers wait for the socket."""
@@ -76,6 +78,8 @@ class OutgoingQueue:
         """Whether `_end_turn` is about to be called."""
         self._left = TURN
         self._closed = False
+        self.largest = UNLIMITED
+        """Bytes that the hub takes in one message; without a hub, those that the last one took."""
         self.ready = False
         """Whether a publisher may send without waiting for `room`, as seen in the loop."""
         self._hub = asyncio.Event()
@@ -108,6 +112,17 @@ class OutgoingQueue:
     def waiting(self) -> set[int]:
         """Return the identities (`id`) of the frames that wait."""
         return {id(frame) for frame, _ in self._queue}
+
+    def check_size(self, frame: bytes, what: str) -> None:
+        """Raise `MessageTooLarge` if the hub does not take a frame.
+
+        Args:
+            what: the topic, service or action that it is for.
+        """
+        if len(frame) > self.largest:
+            size = len(frame) - header_size(frame)
+            if size > self.largest:
+                raise MessageTooLarge(what, size, self.largest)
 
     def put(self, frame: bytes, lane: PublisherLane | None = None) -> None:
         """Write or queue a frame.
@@ -174,8 +189,8 @@ class OutgoingQueue:
         first: Iterable[tuple[bytes, PublisherLane | None]] = (),
         *,
         hold: bool = False,
-    ) -> None:
-        """Begin to write to a hub.
+    ) -> list[MessageTooLarge]:
+        """Begin to write to a hub; return why messages that have waited are dropped.
 
         Args:
             first: frames to write before those in the queue: registrations.
@@ -187,11 +202,13 @@ class OutgoingQueue:
         self._held = hold
         self._paused = False
         self._left = TURN
+        faults = self._drop_too_large()
         for batch in _batches(first):
             writer.write_joined(batch)
         if not hold:
             self._flush()
         self._changed()
+        return faults
 
     def release(self) -> None:
         """Write what was held since `connect`."""
@@ -206,15 +223,36 @@ class OutgoingQueue:
             return
         self._writer = None
         self._held = self._paused = False
-        kept = list(self._queue)
-        self._queue.clear()
-        for frame, lane in kept:
-            if lane is not None:
-                self._queue.put(frame, lane)
+        kept = self._messages()
+        self._keep(kept)
         for _, lane in kept:
-            if lane is not None:
-                self._queue.trim(lane, lane.limit)
+            self._queue.trim(lane, lane.limit)
         self._changed()
+
+    def _drop_too_large(self) -> list[MessageTooLarge]:
+        """Drop the messages in the queue that this hub does not take; return why."""
+        fitting = []
+        faults = []
+        for frame, lane in self._messages():
+            try:
+                self.check_size(frame, lane.topic)
+                fitting.append((frame, lane))
+            except MessageTooLarge as fault:
+                lane.dropped += 1
+                faults.append(fault)
+        if faults:
+            self._keep(fitting)
+        return faults
+
+    def _messages(self) -> list[tuple[bytes, PublisherLane]]:
+        """Return the messages that wait; operations are void without their connection."""
+        return [(frame, lane) for frame, lane in self._queue if lane is not None]
+
+    def _keep(self, messages: list[tuple[bytes, PublisherLane]]) -> None:
+        """Replace all that waits by these messages."""
+        self._queue.clear()
+        for frame, lane in messages:
+            self._queue.put(frame, lane)
 
     def pause(self) -> None:
         """Queue frames: the socket is behind."""

@@ -31,9 +31,9 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
     Raises:
         SystemExit: with one line on stderr and exit code 1, if a node ended because another node
             took its name (`NodeReplaced`), because it was killed (`NodeKilled`), or because the hub
-            refuses it (`HubUnreachable`); with exit code 77 if that is because of its token, its
-            rights or a limit (`AccessDenied`); with exit code 0, if stdout has no reader any more,
-            as behind ``| head``.
+            refuses it (`HubUnreachable`); with exit code 77 if that is because of its token or its
+            rights (`AccessDenied`); with exit code 0, if stdout has no reader any more, as behind
+            ``| head``.
         Exception: any other error that ``main`` raises.
     """
     try:

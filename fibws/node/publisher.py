@@ -72,7 +72,8 @@ class Publisher(Registration, Generic[M, P]):
         """The bytes before a message of a size, and this size: that of the last message."""
         self._lane = PublisherLane(operation.queue_size, operation.topic, self._to_json)
         self._peers = Peers()
-        self._latched: bytes | None = None
+        self.latched: bytes | None = None
+        """The frame of the message to send again on each new connection."""
         self._will: SetWill | None = None
         self._closed = False
         self._fault: NodeError | None = None
@@ -120,6 +121,7 @@ class Publisher(Registration, Generic[M, P]):
 
         Raises:
             InvalidMessage: a field does not fit the type.
+            MessageTooLarge: the hub does not take messages of this size.
             TypeError: fields both in order and by name, or a message of another class.
             OperationRejected: the hub refused the topic.
             NodeClosed: the publisher or its node was closed.
@@ -147,6 +149,7 @@ class Publisher(Registration, Generic[M, P]):
 
         Raises:
             InvalidMessage: a field does not fit the type.
+            MessageTooLarge: the hub does not take messages of this size.
             TypeError: fields both in order and by name, or a message of another class.
         """
         return self._encode(fields, named)
@@ -169,13 +172,16 @@ class Publisher(Registration, Generic[M, P]):
         return self._encode(fields, named, node)
 
     def encode_serialized(self, message: bytes, node: str | None = None) -> bytes:
-        """Return the frame of a serialized message, without checking it.
+        """Return the frame of a serialized message, of which only the size is checked.
 
         Args:
             message: ROS 1's serialization.
             node: the only subscriber to send it to; None for all.
+
+        Raises:
+            MessageTooLarge: the hub does not take messages of this size.
         """
-        return self._prefix_to(node)(len(message)) + message
+        return self._checked(self._prefix_to(node)(len(message)) + message)
 
     @property
     def has_room(self) -> bool:
@@ -236,6 +242,7 @@ class Publisher(Registration, Generic[M, P]):
 
         Raises:
             InvalidMessage: a field does not fit the type.
+            MessageTooLarge: the hub does not take messages of this size.
             TypeError: a message of another class, or not exactly one.
             ValueError: the timeout is out of range.
             OperationRejected: the hub refused the topic.
@@ -298,11 +305,6 @@ class Publisher(Registration, Generic[M, P]):
         return str(self._operation.id)
 
     @property
-    def latched(self) -> bytes | None:
-        """The frame of the message to send again on each new connection."""
-        return self._latched
-
-    @property
     def lane(self) -> PublisherLane:
         """Its share of the queue of outgoing frames."""
         return self._lane
@@ -350,7 +352,14 @@ class Publisher(Registration, Generic[M, P]):
             raise TypeError("publish() can be called with arguments or keywords, but not both.")
         else:
             message = message_class(*fields, **named)
-        return self._serialize_after(self._prefix_to(node), message)
+        return self._checked(self._serialize_after(self._prefix_to(node), message))
+
+    def _checked(self, frame: bytes) -> bytes:
+        """Return a frame; raise `MessageTooLarge` if the hub does not take it."""
+        # A server without `fibws.v1` gets other frames.
+        if len(frame) > self._outgoing.largest:
+            self._outgoing.check_size(frame, self.topic)
+        return frame
 
     def _prefix_to(self, node: str | None) -> Callable[[int], bytes]:
         """Return the function that returns the bytes before a message of a size."""
@@ -368,7 +377,7 @@ class Publisher(Registration, Generic[M, P]):
 
     def _retain(self, frame: bytes) -> None:
         if read_publish(client_payload(memoryview(frame))).node is None:
-            self._latched = frame
+            self.latched = frame
 
     def _to_json(self, frame: bytes) -> bytes:
         """Return a frame's message as rosbridge's operation; nothing if its bytes are invalid."""

@@ -8,7 +8,13 @@ from collections.abc import Awaitable, Callable, Iterator, Mapping
 from inspect import isawaitable
 from typing import Any, Generic, Self, TypeAlias
 
-from fibws.errors import AlreadyOffered, CallRefused, InvalidMessage, OperationRejected
+from fibws.errors import (
+    AlreadyOffered,
+    CallRefused,
+    InvalidMessage,
+    MessageTooLarge,
+    OperationRejected,
+)
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
 from fibws.node.checks import without_surrogates
@@ -192,9 +198,12 @@ class ServiceServer(Registration, Generic[Req, Res]):
             return without_surrogates(f"service cannot process request: {error}"), False
 
     def _respond(self, call: CallService, values: Any, *, result: bool) -> None:
-        self._session.send(
-            ServiceResponse(id=call.id, service=call.service, values=values, result=result)
-        )
+        response = ServiceResponse(id=call.id, service=call.service, values=values, result=result)
+        try:
+            self._session.send(response)
+        except MessageTooLarge as error:
+            self._session.log.error("Service %s failed: %s", self.name, error)
+            self._session.send(response.model_copy(update={"values": str(error), "result": False}))
 
 
 class Services(OperationHandler):

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
+import re
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Iterable
 from typing import Any, NoReturn, TypeAlias, assert_never
 
+from pydantic_core import from_json
+
 from fibws.errors import (
     AuthenticationError,
     InvalidUtf8,
+    MessageTooLarge,
     NodeClosed,
     NodeError,
     OperationError,
@@ -38,17 +43,40 @@ from fibws.protocol.operations import (
     Subscribed,
     encode,
 )
-from fibws.protocol.websocket import TEXT, Payload, client_frame
+from fibws.protocol.websocket import TEXT, UNLIMITED, Payload, client_frame
 
 MAX_SIZE = 64 << 20
-"""Most bytes of a message: images and point clouds pass."""
+"""Default of the bytes that one message of the hub may have: images and point clouds pass."""
+SIZE_VARIABLE = "FIBWS_MAX_MESSAGE_SIZE"
+"""The environment variable for another limit."""
 UNKNOWN_PUBLISHER = "unknown_publisher"
 """The code of a status about a message whose advertisement the hub has refused."""
 AUTHENTICATION = "auth:"
 """How the ids of operations begin that give the hub a token."""
 
 _OnMessage: TypeAlias = Callable[[str, Any, dict[str, str] | None], bool]
+_ID = re.compile(rb'"id":("(?:[^"\\]|\\.)*")')
 _LEVELS = {"error": logging.ERROR, "warning": logging.WARNING, "info": logging.INFO}
+
+
+def choose_message_size(size: int | None) -> int:
+    """Return how many bytes a message for the node may have.
+
+    Args:
+        size: as given to `fibws.Node`; None for that of the environment, or the default.
+
+    Raises:
+        ValueError: it is not a positive number.
+    """
+    given: object = os.environ.get(SIZE_VARIABLE) or MAX_SIZE if size is None else size
+    try:
+        found = int(str(given))
+    except ValueError:
+        found = 0
+    if found < 1:
+        source = "max_message_size" if size is not None else SIZE_VARIABLE
+        raise ValueError(f"{source} must be a positive number of bytes, got {given!r}")
+    return found
 
 
 def throw(error: Exception) -> NoReturn:
@@ -134,6 +162,16 @@ class OperationHandler:
         """Handle the hub's refusal of the operation ``id_``; return whether it was this one's."""
         return False
 
+    def skip(self, beginning: bytes, size: int, fault: str) -> bool:
+        """Handle a binary frame that was too long to be read; return whether it was this one's.
+
+        Args:
+            beginning: the first bytes of its payload.
+            size: bytes of the payload.
+            fault: what is wrong, for the log.
+        """
+        return False
+
     def on_disconnect(self) -> None:
         """Handle the loss of the connection, and with it of all pending responses."""
 
@@ -142,11 +180,18 @@ class OperationHandler:
 
 
 class Session:
-    """The state that a node's handlers share. It outlives connections and registers with each."""
+    """The state that a node's handlers share. It outlives connections and registers with each.
 
-    def __init__(self, log: logging.Logger) -> None:
+    Args:
+        log: the node's logger.
+        max_message_size: bytes that one message of the hub may have.
+    """
+
+    def __init__(self, log: logging.Logger, max_message_size: int = MAX_SIZE) -> None:
         self.outgoing = OutgoingQueue()
         self.log = log
+        self.max_message_size = max_message_size
+        """Bytes that one message of the hub may have; larger ones are dropped."""
         self.tasks = Tasks()
         """The handlers' tasks; the node's end cancels them."""
         self.serialized = False
@@ -166,7 +211,7 @@ class Session:
         self._receive_message: _OnMessage = lambda topic, message, header: False
         self._handlers: dict[OperationHandler, None] = {}
         self._end_turn: Callable[[], None] = _do_nothing
-        self._fragments = Reassembly(max_size=MAX_SIZE)
+        self._fragments = Reassembly(max_size=self.max_message_size)
         self._operations = 0
         self._waiters: set[asyncio.Future[None]] = set()
         self._error: Exception | None = None
@@ -207,9 +252,15 @@ class Session:
         return f"{verb}:{name}:{self._operations}"
 
     def send(self, operation: Operation) -> None:
-        """Send an operation if there is a hub; registrations are sent again on reconnection."""
+        """Send an operation if there is a hub; registrations are sent again on reconnection.
+
+        Raises:
+            MessageTooLarge: the hub does not take it.
+        """
+        frame = text_frame(operation)
+        self.outgoing.check_size(frame, subject(operation))
         if self.outgoing.connected:
-            self.outgoing.put(text_frame(operation))
+            self.outgoing.put(frame)
 
     def authenticate(self, token: str) -> None:
         """Give the hub another token for this connection, before the current one expires."""
@@ -245,6 +296,7 @@ class Session:
         writer: Writer,
         *,
         serialized: bool,
+        largest: int = UNLIMITED,
         end_turn: Callable[[], None] = lambda: None,
         hold: bool = False,
     ) -> None:
@@ -252,19 +304,28 @@ class Session:
 
         Args:
             serialized: whether messages go as bytes, as on a connection of `fibws.v1`.
+            largest: bytes that the hub takes in one message; what is larger is dropped.
             end_turn: stops reading until the loop's next turn.
             hold: keep messages until `OutgoingQueue.release`; registrations are sent at once.
         """
         self.serialized = serialized
         self._end_turn = end_turn
-        first: list[tuple[bytes, PublisherLane | None]] = [
-            (text_frame(operation), None)
-            for handler in self._handlers
-            for operation in handler.registrations()
-        ]
+        self.outgoing.largest = largest
+        faults = []
+        first: list[tuple[bytes, PublisherLane | None]] = []
+        for handler in self._handlers:
+            for operation in handler.registrations():
+                frame = text_frame(operation)
+                try:
+                    self.outgoing.check_size(frame, subject(operation))
+                    first.append((frame, None))
+                except MessageTooLarge as error:
+                    faults.append(error)
         for handler in self._handlers:
             first += handler.retained()
-        self.outgoing.connect(writer, first, hold=hold)
+        faults += self.outgoing.connect(writer, first, hold=hold)
+        for fault in faults:
+            self.log.error("Dropped: %s", fault)
 
     def receive_text(self, text: Payload) -> None:
         """Handle a text frame of the hub: one or several operations."""
@@ -275,11 +336,32 @@ class Session:
         except (OperationError, InvalidUtf8) as error:
             self.log.warning("The hub sent an invalid operation: %s", error)
 
+    def skipped(self, size: int, beginning: bytes, is_text: bool) -> None:
+        """Handle a message of the hub that was too long to be read (`max_message_size`).
+
+        Args:
+            size: its bytes.
+            beginning: the first of them.
+            is_text: whether it was a text frame: a response, or a message as JSON.
+        """
+        fault = f"a message of {size} bytes is larger than this node takes " + (
+            f"(limit {self.max_message_size}, Node(max_message_size=...))"
+        )
+        if is_text:
+            id_ = _ID.search(beginning)
+            error = OperationRejected(fault)
+            error.code = MessageTooLarge.code
+            if id_ and any(each.refuse(str(from_json(id_[1])), error) for each in self.handlers()):
+                return
+        elif any(each.skip(beginning, size, fault) for each in self.handlers()):
+            return
+        self.log.error("Dropped: %s", fault)
+
     def on_disconnect(self) -> None:
         """Handle the loss of the connection."""
         self.outgoing.disconnect()
         self._end_turn = _do_nothing
-        self._fragments = Reassembly(max_size=MAX_SIZE)
+        self._fragments = Reassembly(max_size=self.max_message_size)
         for handler in self.handlers():
             handler.on_disconnect()
 
@@ -406,6 +488,12 @@ class Session:
 def text_frame(operation: Operation) -> bytes:
     """Return an operation as a WebSocket frame with the zero key."""
     return client_frame(TEXT, encode(operation))
+
+
+def subject(operation: Operation) -> str:
+    """Return what an operation is about, for errors: its topic, service or action, or its kind."""
+    names = (getattr(operation, field, "") for field in ("topic", "service", "action", "op"))
+    return next(filter(None, names), "operation")
 
 
 def _do_nothing() -> None:

@@ -81,6 +81,8 @@ class Subscription(Generic[M]):
         self._ended = False
         self._fault: Exception | None = None
         self._dropped = 0
+        self.skipped = 0
+        """Messages that were too large to be read."""
         self._header: dict[str, str] = {}
         self._headers: dict[bytes, dict[str, str]] = {}
         self._md5sum = codec.md5sum
@@ -114,7 +116,8 @@ class Subscription(Generic[M]):
 
     @property
     def dropped(self) -> int:
-        """How many messages were dropped because newer ones arrived before they were read."""
+        """How many messages were dropped: newer ones arrived before they were read, or they were
+        larger than the node takes."""
         return self._dropped
 
     @property
@@ -253,6 +256,11 @@ class Subscription(Generic[M]):
             waiting -= 1
         messages.append((message, header))
         return waiting + 1 == self._queue_size
+
+    def skip(self) -> None:
+        """Count a message that was too large to be read."""
+        self._dropped += 1
+        self.skipped += 1
 
     def refuse(self, fault: OperationRejected) -> None:
         """Handle the hub's refusal of the subscription."""

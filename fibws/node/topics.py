@@ -7,7 +7,7 @@ from functools import partial
 from itertools import count
 from typing import Any, TypeVar
 
-from fibws.errors import NodeError, OperationError, OperationRejected
+from fibws.errors import MessageTooLarge, NodeError, OperationError, OperationRejected
 from fibws.interfaces import Message
 from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.publisher import Publisher
@@ -25,7 +25,7 @@ from fibws.protocol.operations import (
     Unadvertise,
     Unsubscribe,
 )
-from fibws.protocol.serialized import read_delivery
+from fibws.protocol.serialized import read_delivery, read_topic
 from fibws.protocol.websocket import Payload
 
 M = TypeVar("M", bound=Message)
@@ -166,11 +166,20 @@ class Topics(OperationHandler):
             yield subscription.registration(serialized=self._session.serialized)
 
     def retained(self) -> Iterator[tuple[bytes, PublisherLane]]:
-        """Yield the latched messages, except those that wait to be sent anyway."""
+        """Yield the latched messages, except those that wait to be sent anyway.
+
+        One that the hub does not take is forgotten.
+        """
         waiting: set[int] | None = None
         for publisher in self._publishers.values():
             latched = publisher.latched
             if latched is not None:
+                try:
+                    self._session.outgoing.check_size(latched, publisher.topic)
+                except MessageTooLarge as fault:
+                    self._session.log.error("Dropped: %s", fault)
+                    publisher.latched = None
+                    continue
                 waiting = self._session.outgoing.waiting() if waiting is None else waiting
                 if id(latched) not in waiting:
                     yield latched, publisher.lane
@@ -207,6 +216,17 @@ class Topics(OperationHandler):
             subscription.refuse(error)
             return True
         return False
+
+    def skip(self, beginning: bytes, size: int, fault: str) -> bool:
+        """Count a message that was too long to be read as dropped by its readers."""
+        topic = self._topics.get(read_topic(beginning), "")
+        readers = self._readers.get(topic, ())
+        for subscription in readers:
+            subscription.skip()
+        if readers and (count := readers[0].skipped) == 10 ** (len(str(count)) - 1):
+            text = "Dropped a message on %s: %s; %d so far"
+            self._session.log.error(text, topic, fault, count)
+        return bool(readers)
 
     def on_disconnect(self) -> None:
         """Forget what the lost hub reported: the topics' numbers, and peers."""

@@ -116,6 +116,14 @@ def read_delivery(data: bytes | bytearray) -> FromHub:
     raise _invalid(data)
 
 
+def read_topic(beginning: bytes) -> int:
+    """Return the topic's number in the first bytes of a hub's frame; -1 if there is none."""
+    if len(beginning) < _FROM_HUB.size or beginning[0] not in (_PLAIN, _NAMED):
+        return -1
+    number: int = _FROM_HUB.unpack_from(beginning)[1]
+    return number
+
+
 def _invalid(data: bytes | bytearray | memoryview) -> OperationError:
     kind = data[0] if data else None
     if kind in (_PLAIN, _NAMED):

@@ -8,6 +8,7 @@ of all other frames on as they come.
 
 from __future__ import annotations
 
+import re
 import struct
 import sys
 from collections.abc import Callable
@@ -28,12 +29,18 @@ ZERO_KEY: Final = bytes(4)
 LARGE: Final = 256 * 1024
 """Bytes of a payload from which on it is read into a buffer of its own."""
 
+UNLIMITED: Final = sys.maxsize
+"""Stands for the size of messages of a server that tells no limit."""
+
 AHEAD: Final = 1024 * 1024
 """Bytes allocated for a large message at first; more follow as it arrives, up to four times what
 has arrived. A peer that announces 60 MB and sends nothing must not make the hub allocate them."""
 
 PIECE: Final = 1024
 """Most bytes that are passed on at once when the library reads everything."""
+
+BEGINNING: Final = 1024
+"""Bytes that are kept of a message that is skipped, so that its reader can be told."""
 
 B = TypeVar("B", bytes, memoryview)
 
@@ -44,6 +51,7 @@ _SHORT_HEADERS = {first: [bytes((first, size)) for size in range(126)] for first
 _NO_MESSAGE = bytearray()
 _NO_VIEW = memoryview(_NO_MESSAGE)
 _OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
+_NUMBER = re.compile(r"[0-9]{1,18}")
 _LENGTH_16 = struct.Struct("!H")
 _LENGTH_64 = struct.Struct("!Q")
 
@@ -52,7 +60,8 @@ _LENGTH_64 = struct.Struct("!Q")
 class CloseReason:
     """A close code (RFC 6455, section 7.4.1) and a reason, which the peer's close event shows.
 
-    Codes from 4000 on are defined by fibws; a client that gets one should not reconnect by itself.
+    Codes from 4000 on are defined by fibws; a client that gets one should not reconnect by itself,
+    except with `LIMITED`.
     """
 
     code: int
@@ -74,13 +83,17 @@ UNAUTHENTICATED = 4401
 FORBIDDEN = 4403
 """The close code for a missing right."""
 LIMITED = 4429
-"""The close code for a client that has gone beyond a limit, or tried too many tokens."""
+"""The close code for a client that has gone beyond a limit, or tried too many tokens: it may try
+again later."""
 TOKEN_SUBPROTOCOL = "fibws.token."
 """The beginning of a subprotocol that is a token: scripts of web pages cannot set headers."""
 TIME_HEADER = "Fibws-Time"
 """The header of the handshake's response that says how the time goes, if it is not the system's."""
 SIMULATED = "simulated"
 """Its value while the parameter /use_sim_time is true."""
+SIZE_HEADER = "Fibws-Max-Message-Size"
+"""The header of the handshake's response that says how many bytes one message may have: a larger
+one closes the connection (code 1009)."""
 LONGEST_TOKEN = 8192
 """Most characters of a token."""
 MISSING_TOKEN = CloseReason(UNAUTHENTICATED, "missing token")
@@ -135,8 +148,24 @@ def client_frame(first: int, payload: bytes, key: bytes = ZERO_KEY) -> bytes:
 
 def client_payload(frame: B) -> B:
     """Return the payload of a frame that `client_frame` made with the zero key."""
+    return frame[header_size(frame) :]
+
+
+def header_size(frame: bytes | memoryview) -> int:
+    """Return the bytes before the payload of a frame that `client_frame` made."""
     size = frame[1] & 127
-    return frame[6 if size < 126 else 8 if size == 126 else 14 :]
+    return 6 if size < 126 else 8 if size == 126 else 14
+
+
+def largest_message(header: str | None) -> int:
+    """Return how many bytes a server takes in one message, by its header `SIZE_HEADER`.
+
+    Args:
+        header: its value; None, as of servers other than fibws, for no limit that is known.
+    """
+    if header is None or not _NUMBER.fullmatch(header):
+        return UNLIMITED
+    return int(header)
 
 
 class FrameParser:
@@ -149,14 +178,18 @@ class FrameParser:
         on_text: takes the payload of a whole text message.
         on_binary: takes the payload of a whole binary message, and owns it.
         on_other: takes the bytes of all other frames, in order; after an error all that follow.
-        max_size: most bytes of a message; a longer one is left to the library.
+        max_size: most bytes of a message; a longer one is skipped, or left to the library.
         masked: whether frames must be masked, as those of clients are.
         turn: frames that one call of `receive` or `resume` passes on; then it asks ``go_on``.
         go_on: takes how many frames the call has passed on so far, and returns how many more it
             may; 0 pauses.
+        on_skipped: takes the bytes of a message that was too long, its first bytes (`BEGINNING` at
+            most), and whether it was a text. Without it the library gets such messages, and closes
+            the connection.
     """
 
     __slots__ = (
+        "_beginning",
         "_filled",
         "_given_up",
         "_go_on",
@@ -168,6 +201,9 @@ class FrameParser:
         "_max_size",
         "_message",
         "_on_other",
+        "_on_skipped",
+        "_skipping",
+        "_skips_text",
         "_tail",
         "_through",
         "_turn",
@@ -191,6 +227,7 @@ class FrameParser:
         masked: bool,
         turn: int = sys.maxsize,
         go_on: Callable[[int], int] = lambda passed: 0,
+        on_skipped: Callable[[int, bytes, bool], None] | None = None,
     ) -> None:
         self.on_text = on_text
         """Takes text messages that begin from now on; may be changed at any time."""
@@ -200,6 +237,11 @@ class FrameParser:
         """Whole messages passed on so far."""
         self._on_other = on_other
         self._max_size = max_size
+        self._on_skipped = on_skipped
+        self._skipping = 0
+        """Bytes of a message that is skipped which are still to come."""
+        self._beginning = b""
+        """The first bytes of that message."""
         self._mask_bit = 128 if masked else 0
         self._key_size = 4 if masked else 0
         self._tail = bytearray()
@@ -212,7 +254,9 @@ class FrameParser:
         """Takes the large message that is being read."""
         self._key = ZERO_KEY
         self._length = 0
-        """Bytes of the large message."""
+        """Bytes of the large message, or of the one that is skipped."""
+        self._skips_text = False
+        """Whether the message that is skipped is a text."""
         self._message = _NO_MESSAGE
         self._view = _NO_VIEW
         self._filled = 0
@@ -284,7 +328,7 @@ class FrameParser:
                     self._tail += memoryview(data)[start:]
                     return
             left -= 1
-            if self._given_up or self._through:
+            if self._given_up or self._through or self._skipping:
                 start = self._pass_on(data, start, end)
                 continue
             start = self._frame(data, start, end)
@@ -293,13 +337,29 @@ class FrameParser:
                 return
 
     def _pass_on(self, data: bytes, start: int, end: int) -> int:
-        """Pass on what is not ours to read; return where to continue."""
+        """Pass on what is not ours to read, or leave it out; return where to continue."""
+        if self._skipping:
+            return self._skip(data, start, end)
         if self._given_up:
             stop = min(end, start + PIECE)
         else:
             stop = min(end, start + self._through)
             self._through -= stop - start
         self._on_other(data[start:stop])
+        return stop
+
+    def _skip(self, data: bytes, start: int, end: int) -> int:
+        """Leave out bytes of a message that is too long; return where to continue."""
+        stop = min(end, start + self._skipping)
+        if (missing := BEGINNING - len(self._beginning)) > 0:
+            self._beginning += data[start : min(stop, start + missing)]
+        self._skipping -= stop - start
+        if not self._skipping:
+            beginning, self._beginning = self._beginning, b""
+            assert self._on_skipped is not None
+            if self._key != ZERO_KEY:
+                beginning = apply_mask(beginning, self._key)
+            self._on_skipped(self._length, beginning, self._skips_text)
         return stop
 
     def end(self) -> None:
@@ -350,10 +410,19 @@ class FrameParser:
         else:
             self._through = whole
             return start
-        if self.fragmented or length > self._max_size:
-            self._through = whole
-            return start
         body = start + payload
+        if self.fragmented or length > self._max_size:
+            # The library reports a length that is itself an error (RFC 6455, section 5.2).
+            if self.fragmented or self._on_skipped is None or length >> 63:
+                self._through = whole
+                return start
+            if size < payload:
+                self.missing = payload - size
+                return start
+            self._key = data[body - 4 : body] if self._key_size else ZERO_KEY
+            self._length = self._skipping = length
+            self._skips_text = first == TEXT
+            return body
         if size < whole:
             if length < LARGE or size < payload:
                 self.missing = (whole if length < LARGE else payload) - size

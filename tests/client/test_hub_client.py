@@ -21,12 +21,29 @@ from fibws.client.hub_client import HubClient, Operation, RawMessage, check, is_
 from fibws.errors import (
     HubUnreachable,
     InvalidAddress,
+    MessageTooLarge,
     OperationRejected,
     ServiceError,
     ServiceTimeout,
     UnknownService,
 )
+from fibws.hub import Settings
 from fibws.protocol.serialized import SUBPROTOCOL, deliver_head
+
+
+@pytest.mark.parametrize(
+    "operation",
+    [
+        {"op": "publish", "topic": "/large", "msg": {"data": "x" * 20_000}},
+        {"op": "call_service", "service": "/large", "args": {"data": "x" * 20_000}},
+    ],
+)
+def test_what_the_hub_does_not_take_is_an_error(operation: dict[str, Any]) -> None:
+    with HubThread(Settings(port=0, max_message_size=20_000)) as hub:
+        with HubClient("tool", hub.url) as client:
+            with pytest.raises(MessageTooLarge, match=r"/large: .* \(limit 20000, "):
+                client.send(operation)
+            assert "time" in client.call("/rosapi/get_time")
 
 
 def test_client_is_a_node_while_it_is_open(hub: HubThread, client: HubClient) -> None:

@@ -27,7 +27,7 @@ from fibws.errors import NoHub
 from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
-from fibws.node.connection import _delays, _reason
+from fibws.node.connection import _reason, _retries, _waits
 from fibws.node.outgoing_queue import LIMIT, TURN
 from fibws.protocol.websocket import BINARY, KILLED, REPLACED, TEXT, CloseReason, server_frame
 from fibws.srv.rospy_tutorials import AddTwoInts
@@ -40,6 +40,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nodes come back at once, so that tests need not wait."""
     monkeypatch.setattr(connection, "FIRST_RETRY", 0.001)
     monkeypatch.setattr(connection, "LONGEST_RETRY", 0.01)
+    monkeypatch.setattr(connection, "LONGEST_WAIT", 0.01)
 
 
 @pytest.fixture
@@ -58,10 +59,19 @@ async def published(peer: Peer) -> list[int]:
 
 def test_retries_slow_down_to_two_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    delays = list(islice(_delays(), 8))
+    delays = list(islice(_retries(), 8))
     longest = [0.1, 0.2, 0.4, 0.5, 0.5, 0.5, 0.5, 0.5]
     assert all(
         0.7 * most <= delay <= 0.9 * most for delay, most in zip(delays, longest, strict=True)
+    )
+
+
+def test_waits_for_room_grow_to_ten_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    longest = [0.5, 1, 2, 4, 8, 10, 10]
+    assert all(
+        0.7 * most <= delay <= 0.9 * most
+        for delay, most in zip(islice(_waits(), 7), longest, strict=True)
     )
 
 

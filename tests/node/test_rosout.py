@@ -160,7 +160,7 @@ async def test_line_logged_before_the_connection_is_sent(
     await hub.attempted(1)
     hub.refusal = None
     peer = await hub.peer()
-    assert (await peer.logged())["msg"].startswith("Waiting for a hub at ")
+    assert (await peer.logged())["msg"].startswith("The hub at ")
     await entering
     await node.__aexit__()
 

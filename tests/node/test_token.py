@@ -30,6 +30,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nodes come back at once, so that tests need not wait."""
     monkeypatch.setattr(connection, "FIRST_RETRY", 0.001)
     monkeypatch.setattr(connection, "LONGEST_RETRY", 0.01)
+    monkeypatch.setattr(connection, "LONGEST_WAIT", 0.01)
 
 
 @pytest.fixture(autouse=True)
@@ -109,7 +110,6 @@ async def refusing() -> AsyncIterator[tuple[str, list[tuple[int, str]]]]:
     [
         (4401, "missing token", fibws.NotAuthorized),
         (4403, "missing right node for /talker", fibws.MissingRight),
-        (4429, "too many connections of robot1", fibws.HubLimitReached),
     ],
 )
 async def test_refused_node_cannot_be_entered(
@@ -125,6 +125,16 @@ async def test_refused_node_cannot_be_entered(
             pytest.fail("the hub refuses the node")
     assert "secret" not in str(caught.value)
     assert len(closes) == 1, "the node tried again"
+
+
+@pytest.mark.parametrize("code", [1001, 1008, 1011, 1012, 1013, 4429])
+async def test_node_goes_on_after_what_passes(
+    refusing: tuple[str, list[tuple[int, str]]], code: int
+) -> None:
+    url, closes = refusing
+    closes += [(code, "too many connections of robot1")] * 3
+    async with fibws.Node("talker", hub=url, token="secret"):
+        assert not closes
 
 
 async def test_revoked_token_ends_a_node(hub: ScriptedHub) -> None:

@@ -234,6 +234,36 @@ def test_random_streams_are_read_alike_in_turns_of_any_length(
 LARGE_SIZES = (LARGE - 1, LARGE, LARGE + 1, 3 * LARGE, 3 * LARGE + 1)
 
 
+def test_too_long_messages_are_skipped_in_any_pieces(masked: bool) -> None:
+    chance = random.Random(0)
+    lengths = (0, 5, 299, 300, 301, 1023, 1024, 1025, 70_000)
+    seen: list[tuple[object, ...]] = []
+    for _ in range(times(5)):
+        sent = [
+            (chance.choice((0x1, 0x2)), chance.randbytes(chance.choice(lengths))) for _ in range(10)
+        ]
+        stream = b"".join(_frame(chance, *each, masked) for each in sent)
+        seen.clear()
+        parser = FrameParser(
+            lambda data: seen.append((0x1, bytes(data))),
+            lambda data: seen.append((0x2, bytes(data))),
+            lambda data: pytest.fail("the library reads it"),
+            max_size=300,
+            masked=masked,
+            turn=chance.choice((1, 2, 10**9)),
+            on_skipped=lambda size, first, is_text: seen.append((is_text, size, first)),
+        )
+        for chunk in _cut(chance, stream):
+            parser.receive(chunk)
+            while parser.paused:
+                parser.resume()
+        assert seen == [
+            (opcode, data) if len(data) <= 300 else (opcode == 0x1, len(data), data[:1024])
+            for opcode, data in sent
+        ]
+        assert not parser.kept_bytes
+
+
 def test_whole_messages_are_read_at_once(masked: bool) -> None:
     chance = random.Random(1000)
     for _ in range(times(2)):

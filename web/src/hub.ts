@@ -65,8 +65,11 @@ const TIMEOUT = 60;
 /** Most time between two attempts to connect, in ms: doubled each time, up to the maximum. */
 const MIN_RETRY = 250;
 const MAX_RETRY = 4000;
-/** The hub closes with a code from here on if a client must not reconnect by itself. */
+/** The hub closes with a code from here on if a client must not reconnect by itself... */
 const NO_RECONNECT = 4000;
+
+/** ...except with this one: a limit is reached for now. */
+const LIMITED = 4429;
 
 /** The code with which the hub closes if it wants a token, or another one. */
 const UNAUTHENTICATED = 4401;
@@ -304,7 +307,7 @@ export class Hub {
     socket.onmessage = ({ data }: MessageEvent<string>) => this.#receive(JSON.parse(data));
     socket.onclose = ({ code, reason }) => {
       this.#disconnected(reason);
-      if (code < NO_RECONNECT) this.#retry();
+      if (code < NO_RECONNECT || code === LIMITED) this.#retry();
       else this.#end(code === UNAUTHENTICATED ? reason : "");
     };
   }

@@ -136,13 +136,16 @@ class Authentication:
     def log_in_by_token(self, token: str, address: str) -> Login:
         """Return the principal of a token.
 
+        A valid one counts even while its address must wait: there may be others behind the address.
+
         Raises:
+            TooManyAttempts: the token is wrong, as were many before from this address.
             AuthenticationError: the token is wrong or expired.
         """
-        self._attempts.check(address)
         try:
             return _logged_in(partial(self._of_token, token))
         except AuthenticationError:
+            self._attempts.check(address)
             self._attempts.failed(address)
             raise
 

@@ -49,6 +49,7 @@ from fibws.protocol.websocket import (
     MISSING_TOKEN,
     OVERFULL,
     SIMULATED,
+    SIZE_HEADER,
     TIME_HEADER,
     UNAUTHENTICATED,
     CloseReason,
@@ -129,6 +130,7 @@ class Connection(asyncio.BufferedProtocol):
         "_quotas",
         "_reader",
         "_request",
+        "_requested",
         "_rest",
         "_shared",
         "_transport",
@@ -171,6 +173,8 @@ class Connection(asyncio.BufferedProtocol):
         self.bytes_received = 0
         self.queue: SendQueue
         self.endpoint: Endpoint | None = None
+        self._requested: str | None = None
+        """The name that the client has asked for."""
         self.principal: Principal | None = None
         """The client's principal, on a hub with authentication."""
         self._again: Callable[[], Principal] | None = None
@@ -185,9 +189,14 @@ class Connection(asyncio.BufferedProtocol):
         """The common name of the client's certificate, which is verified."""
 
     @property
+    def node(self) -> str:
+        """The global name of the client's node; empty before it has one."""
+        return self.endpoint.node if self.endpoint is not None else ""
+
+    @property
     def name(self) -> str:
         """How the log calls the client: its node, or its address during the handshake."""
-        return (self.endpoint is not None and self.endpoint.node) or self.peer
+        return self.node or self.peer
 
     @property
     def socket(self) -> socket.socket | None:
@@ -414,7 +423,8 @@ class Connection(asyncio.BufferedProtocol):
             AuthenticationError, NotAllowed, LimitReached: the client may not enter.
         """
         shared = self._shared
-        self._quotas.join_address(self, self.address, shared.turns.clock())
+        self._requested = node_name(request.path)
+        self._quotas.join_address(self, self.address, shared.turns.clock(), self._requested)
         log_in = None
         if shared.authentication is not None:
             log_in = self._log_in
@@ -430,7 +440,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._logged_in(login)
         open_endpoint = shared.endpoints.find(self._protocol.subprotocol, request.path)
         opening = Opening(
-            node_name(request.path),
+            self._requested,
             self.queue,
             self.close,
             address=self.peer,
@@ -489,11 +499,13 @@ class Connection(asyncio.BufferedProtocol):
         Raises:
             LimitReached: the principal has too many clients.
         """
-        self._quotas.join_principal(self, principal, self._shared.turns.clock())
+        now = self._shared.turns.clock()
+        self._quotas.join_principal(self, principal, now, self._requested)
         self._reader.accept()
 
     def _accept(self, request: Request) -> Response:
         response = self._protocol.accept(request)
+        response.headers[SIZE_HEADER] = str(self._shared.settings.max_message_size)
         if self._shared.is_simulated():
             response.headers[TIME_HEADER] = SIMULATED
         return response

@@ -43,6 +43,10 @@ class Member(Protocol):
     """A client's connection, as far as it counts here."""
 
     @property
+    def node(self) -> str:
+        """The global name of the client's node; empty before it has one."""
+
+    @property
     def messages_received(self) -> int:
         """How many messages have come from the client."""
 
@@ -127,20 +131,30 @@ class Quota:
         self.messages = self._rate("messages_per_second", LEAST_MESSAGES, now)
         self.bytes = self._rate("bytes_per_second", LEAST_BYTES, now)
 
-    def check_room(self, what: Literal["connections"] | Registration) -> None:
+    def check_room(self, what: Registration) -> None:
         """Raise `LimitReached` if its clients have as many of something as they may have."""
         limit = getattr(self.limits, what)
-        if limit and self._count(what) >= limit:
+        if limit and self._registrations(what) >= limit:
             raise LimitReached(self._refusal(what))
+
+    def check_connections(self, node: str | None) -> None:
+        """Raise `LimitReached` if there is no room for another client.
+
+        Args:
+            node: the node that it wants to be. There is room if one of the clients is that node,
+                which will be replaced: its connection may be broken without the hub knowing yet.
+        """
+        limit = self.limits.connections
+        members = list(chain.from_iterable(quota.members for quota in self.group.values()))
+        if limit and len(members) >= limit and node not in [each.node for each in members]:
+            raise LimitReached(self._refusal("connections"))
 
     def is_idle(self, now: float) -> bool:
         """Return whether it has no client, and is as it was at first."""
         rates = filter(None, (self.messages, self.bytes))
         return not self.members and all(rate.bucket.is_full(now) for rate in rates)
 
-    def _count(self, what: Literal["connections"] | Registration) -> int:
-        if what == "connections":
-            return sum(len(quota.members) for quota in self.group.values())
+    def _registrations(self, what: Registration) -> int:
         members = chain.from_iterable(quota.members for quota in self.group.values())
         return sum(each.registrations(what) for each in members)
 
@@ -359,17 +373,25 @@ class ClientQuotas:
         self.meter: Meter | None = None
         """Measures what the client sends; None if its rates are unlimited."""
 
-    def join_address(self, member: Member, address: str, now: float) -> None:
-        """Count the client of an address; raises `LimitReached` if there are too many."""
-        self._join(member, "address", self._quotas.of_address(address, now))
+    def join_address(
+        self, member: Member, address: str, now: float, node: str | None = None
+    ) -> None:
+        """Count the client of an address; raises `LimitReached` if there are too many.
+
+        Args:
+            node: the node that the client wants to be.
+        """
+        self._join(member, "address", self._quotas.of_address(address, now), node)
         own = self._quotas.of_client(now)
         if own is not None:
             self._joined["client"] = own
         self._set_meter(member)
 
-    def join_principal(self, member: Member, principal: Principal, now: float) -> None:
-        """Count the client of a principal; raises `LimitReached` if there are too many."""
-        self._join(member, "principal", self._quotas.of_principal(principal, now))
+    def join_principal(
+        self, member: Member, principal: Principal, now: float, node: str | None = None
+    ) -> None:
+        """Count the client of a principal; raises and arguments as in `join_address`."""
+        self._join(member, "principal", self._quotas.of_principal(principal, now), node)
         self._set_meter(member)
 
     def check_room(self, what: Registration) -> None:
@@ -384,10 +406,10 @@ class ClientQuotas:
             quota.members.discard(member)
         self._joined.clear()
 
-    def _join(self, member: Member, whose: Whose, quota: Quota | None) -> None:
+    def _join(self, member: Member, whose: Whose, quota: Quota | None, node: str | None) -> None:
         older = self._joined.get(whose)
         if quota is not None and (older is None or older.group is not quota.group):
-            quota.check_room("connections")
+            quota.check_connections(node)
         self._joined.pop(whose, None)
         if older is not None:
             older.members.discard(member)

@@ -175,6 +175,7 @@ class ActionClient(OperationHandler, Generic[G, R, F]):
 
         Raises:
             InvalidMessage: a field does not fit the type.
+            MessageTooLarge: the hub does not take a goal of this size.
             TypeError: it is not a goal of this action.
             ValueError: ``queue_size`` is less than 1.
             OperationRejected: the hub refused one of the action's topics to this client.
@@ -186,7 +187,11 @@ class ActionClient(OperationHandler, Generic[G, R, F]):
         self._check()
         id_ = self._new_id()
         sent = self._goals[id_] = ClientGoal[R, F](id_, queue_size, self._send_cancel)
-        self._send_goal(id_, values)
+        try:
+            self._send_goal(id_, values)
+        except BaseException:
+            del self._goals[id_]
+            raise
         return sent
 
     async def wait_for_server(self, *, timeout: float | None = None) -> None:

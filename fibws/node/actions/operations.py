@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 
-from fibws.errors import InvalidMessage, OperationRejected
+from fibws.errors import InvalidMessage, MessageTooLarge, OperationRejected
 from fibws.interfaces.message import F, G, R
 from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import ActionServer, Execute
@@ -102,15 +102,19 @@ class OperationActionServer(ActionServer[G, R, F]):
         if result is None or (record.text and record.status is not GoalStatus.SUCCEEDED):
             self._send_failure(record.id, record.text or "the goal was canceled", record.status)
             return
-        self._session.send(
-            ActionResult(
-                id=record.id,
-                action=self.name,
-                values=result,
-                status=record.status.ros2,
-                result=True,
+        try:
+            self._session.send(
+                ActionResult(
+                    id=record.id,
+                    action=self.name,
+                    values=result,
+                    status=record.status.ros2,
+                    result=True,
+                )
             )
-        )
+        except MessageTooLarge as error:
+            self._session.log.error("The result of goal %s is lost: %s", record.id, error)
+            self._send_failure(record.id, str(error))
 
     def _send_failure(self, id_: str, text: str, status: GoalStatus = GoalStatus.ABORTED) -> None:
         self._session.send(

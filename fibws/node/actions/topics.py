@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
-from fibws.errors import NodeError
+from fibws.errors import MessageTooLarge, NodeError
 from fibws.interfaces.message import F, G, R
 from fibws.msg import actionlib_msgs
 from fibws.node.actions.client import ActionClient, ClientGoal
@@ -221,7 +221,12 @@ class TopicActionServer(ActionServer[G, R, F]):
 
     def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
         self._records.ended(record, _now())
-        self._results.publish(status=_status(record), result=result or {})
+        try:
+            self._results.publish(status=_status(record), result=result or {})
+        except MessageTooLarge as error:
+            self._session.log.error("The result of goal %s is lost: %s", record.id, error)
+            lost = {"status": GoalStatus.ABORTED, "text": str(error)}
+            self._results.publish(status=_status(record) | lost, result={})
         self._send_status()
 
     def _unadvertise(self) -> None:

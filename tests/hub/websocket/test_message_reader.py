@@ -27,7 +27,7 @@ NOTHING = frame(TEXT, b" ")
 class FakeConnection:
     """A client's connection, which sends what a test gives it."""
 
-    name = "/flooder"
+    name = node = "/flooder"
 
     def __init__(self, **settings: Any) -> None:
         self.now = 0.0

@@ -27,7 +27,8 @@ from fibws.hub.websocket.quotas import (
 class Connection:
     """A client's connection, which has registered something."""
 
-    def __init__(self, **registered: int) -> None:
+    def __init__(self, node: str = "", /, **registered: int) -> None:
+        self.node = node
         self.registered = registered
         self.messages_received = 0
 
@@ -187,6 +188,22 @@ def test_connections_of_one_address_are_limited() -> None:
     clients[2].join_address(connections[2], "10.0.0.2", 0.0)
     clients[0].leave(connections[0])
     ClientQuotas(quotas).join_address(Connection(), "10.0.0.1", 0.0)
+
+
+def test_node_that_connects_again_takes_its_own_place() -> None:
+    """Its former connection may be broken without the hub knowing yet."""
+    quotas = Quotas(Settings(max_principal_connections=1, max_address_connections=1))
+    client, broken = ClientQuotas(quotas), Connection("/robot")
+    client.join_address(broken, "10.0.0.1", 0.0, "/robot")
+    client.join_principal(broken, principal(), 0.0, "/robot")
+    for node in (None, "/other"):
+        with pytest.raises(LimitReached):
+            ClientQuotas(quotas).join_address(Connection(), "10.0.0.1", 0.0, node)
+        with pytest.raises(LimitReached):
+            ClientQuotas(quotas).join_principal(Connection(), principal(), 0.0, node)
+    again = ClientQuotas(quotas)
+    again.join_address(Connection(), "10.0.0.1", 0.0, "/robot")
+    again.join_principal(Connection(), principal(), 0.0, "/robot")
 
 
 def test_connections_of_one_principal_are_limited() -> None:

@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 import fork_server
 from patience import PATIENCE
@@ -100,9 +101,13 @@ class Programs:
 
 
 @asynccontextmanager
-async def running_hub() -> AsyncIterator[Programs]:
-    """Run a hub on a free port; programs that still run at the end are killed."""
-    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+async def running_hub(**settings: Any) -> AsyncIterator[Programs]:
+    """Run a hub on a free port; programs that still run at the end are killed.
+
+    Args:
+        settings: more settings of the hub.
+    """
+    async with Hub(Settings(port=0, close_timeout=0.1, **settings)) as hub:
         programs = Programs(hub)
         try:
             yield programs

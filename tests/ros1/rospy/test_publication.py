@@ -14,6 +14,32 @@ import fibws
 from ros1.rospy.programs import running_hub
 
 
+async def test_message_that_the_hub_does_not_take_is_an_error() -> None:
+    async with running_hub(max_message_size=20_000) as programs:
+        assert await programs.run("""
+            import rospy
+            from std_msgs.msg import String
+
+            rospy.init_node("talker")
+            for latch in (False, True):
+                publisher = rospy.Publisher("large", String, latch=latch, queue_size=10)
+                try:
+                    publisher.publish("x" * 20_000)
+                except rospy.ROSSerializationException as error:
+                    print(error)
+            publisher = rospy.Publisher("small", String, latch=True, queue_size=10)
+            publisher.publish("goes on")
+            print(rospy.wait_for_message("small", String).data)
+        """) == [
+            *2
+            * [
+                "/large: a message of 20009 bytes is larger than the hub takes "
+                "(limit 20000, --max-message-size of the hub)"
+            ],
+            "goes on",
+        ]
+
+
 async def test_message_can_be_published_to_one_peer() -> None:
     async with running_hub() as programs:
         program = await programs.start("""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from genpy.message import SerializationError, get_message_class
 
+from fibws.errors import MessageTooLarge
 from rospy import core
 from rospy.callback_queue import CallbackQueue, call
 from rospy.exceptions import ROSException, ROSInterruptException, ROSSerializationException
@@ -108,14 +109,15 @@ class Publication:
     def publish(self, message: Message, peer: str | None = None) -> None:
         """Publish a message, in any thread but the loop's.
 
-        As in ROS, invalid messages raise no error while the topic has no subscribers.
+        As in ROS, fields that do not fit raise no error while the topic has no subscribers.
 
         Args:
             message: one of the topic's class, or of `AnyMsg`, whose bytes are sent as they are.
             peer: the only node that is to receive it; None for all.
 
         Raises:
-            ROSSerializationException: a field does not fit the type.
+            ROSSerializationException: a field does not fit the type, or the message is larger than
+                the hub takes.
             ROSException: the topic was closed, or the type of an `AnyMsg` is unknown.
         """
         if core.is_shutdown():
@@ -131,6 +133,8 @@ class Publication:
                 self._number(message)
                 if self._publisher is not None and self._outgoing is not None:
                     self._outgoing.put(_encode(self._publisher, message, peer))
+            except MessageTooLarge as error:
+                raise ROSSerializationException(str(error)) from None
             except ROSSerializationException:
                 if self.get_num_connections():
                     raise
@@ -263,6 +267,8 @@ def _encode(publisher: fibws.Publisher[Any, ...], message: Message, peer: str | 
         if peer is not None:
             return publisher.encode_to(peer, message)
         return publisher.encode(message)
+    except MessageTooLarge:
+        raise
     except (ValueError, TypeError, AttributeError) as error:
         try:
             message._check_types(error)

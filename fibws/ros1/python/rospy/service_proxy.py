@@ -219,7 +219,14 @@ def _service_type(client: HubClient, service: str) -> str:
 def _wait_outside_node(service: str, timeout: float | None) -> None:
     """Check again and again whether a service exists, or raise `WaitTimeout`."""
     from fibws.client.hub_client import HubClient
-    from fibws.errors import AccessDenied, HubLost, HubUnreachable, ServiceError, WaitTimeout
+    from fibws.errors import (
+        HubLost,
+        HubUnreachable,
+        MissingRight,
+        NotAuthorized,
+        ServiceError,
+        WaitTimeout,
+    )
 
     end = None if timeout is None else monotonic() + timeout
     has_warned = False
@@ -228,9 +235,9 @@ def _wait_outside_node(service: str, timeout: float | None) -> None:
             with HubClient("unnamed") as client:
                 if _service_type(client, service):
                     return
-        except AccessDenied as error:
+        except (NotAuthorized, MissingRight) as error:
             raise ROSException(str(error)) from None
-        except (HubUnreachable, HubLost) as error:
+        except (HubUnreachable, HubLost) as error:  # Also of a hub that has no room now.
             if not has_warned:
                 from rospy import logwarn
 
