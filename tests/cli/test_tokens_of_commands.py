@@ -46,6 +46,19 @@ def test_missing_token_is_one_line_and_exit_code_77(words: list[str]) -> None:
     assert hub.tokens == [None]
 
 
+@pytest.mark.parametrize(
+    ("close_code", "exit_code"), [(1001, 1), (1013, 1), (4401, 77), (4403, 77), (4429, 75)]
+)
+def test_exit_code_says_whether_to_try_again(close_code: int, exit_code: int) -> None:
+    def handle(connection: ServerConnection) -> None:
+        connection.close(close_code, "why")
+
+    with websocket_server(handle) as url:
+        result = CliRunner().invoke(command, ["topic", "list", "--hub", url])
+    assert result.exit_code == exit_code
+    assert len(result.output.splitlines()) == 1 and "why" in result.output
+
+
 def test_token_file_is_sent_and_named_when_it_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "token"
     file.write_text("secret\n")

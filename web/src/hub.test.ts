@@ -341,6 +341,27 @@ test("a page without a token is denied, and does not reconnect", () => {
   expect([hub.denied.value, hub.ended.value]).toEqual(["", false]);
 });
 
+test.each([
+  [1000, true],
+  [1001, true],
+  [1006, true],
+  [1008, true],
+  [1009, true],
+  [1011, true],
+  [1012, true],
+  [1013, true],
+  [4001, false],
+  [4002, false],
+  [4401, false],
+  [4403, false],
+  [4429, true],
+])("after the close code %i a page tries again: %s", (code, again) => {
+  open();
+  close(code, "why");
+  vi.runOnlyPendingTimers();
+  expect([FakeSocket.all.length, hub.ended.value]).toEqual([again ? 2 : 1, !again]);
+});
+
 test("another reason to stop does not ask for a token", () => {
   open();
   close(4403, "missing right node for /page");
