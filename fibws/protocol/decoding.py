@@ -167,7 +167,8 @@ def decode_cbor(data: bytes) -> dict[str, Any]:
         OperationError: the data is not one CBOR map, has a value of another type, or has too many.
     """
     check_cbor(data)
-    source = BytesIO(data.removeprefix(_SELF_DESCRIBED))
+    encoded = data.removeprefix(_SELF_DESCRIBED)
+    source = BytesIO(encoded)  # It shares these bytes, unless one asks for its buffer.
     decoder = cbor2.CBORDecoder(
         source,
         tag_hook=_refuse_unknown,
@@ -181,7 +182,7 @@ def decode_cbor(data: bytes) -> dict[str, Any]:
         raise OperationError(f"Expected a map in CBOR: {error.__cause__ or error}") from None
     if not isinstance(value, dict):
         raise OperationError(f"Expected a map in CBOR, got {type(value).__name__}")
-    rest = len(source.getbuffer()) - source.tell()
+    rest = len(encoded) - source.tell()
     if rest:
         raise OperationError(f"Expected one map in CBOR, got {rest} more bytes after it")
     return _checked_map(value)
