@@ -256,11 +256,13 @@ class _Shape(NamedTuple):
     """A type, as `_count` needs it.
 
     ``values`` are those of a message with empty arrays; ``fields`` have for each field its name,
-    the values that it has if it is left out, and the shape of messages in it.
+    the values that it has if it is left out, and the shape of messages in it; ``names`` are those
+    of all fields if none of them holds messages.
     """
 
     values: int
     fields: tuple[tuple[str, int, _Shape | None], ...]
+    names: tuple[str, ...] | None
 
 
 def _shape(definition: MessageDefinition, interfaces: Definitions) -> _Shape:
@@ -271,7 +273,9 @@ def _shape(definition: MessageDefinition, interfaces: Definitions) -> _Shape:
         each = inner.values if inner is not None else 1
         count = 1 if field.array is None else field.fixed_size
         fields.append((field.name, max(1, count * each), inner))
-    return _Shape(sum(values for _, values, _ in fields), tuple(fields))
+    is_flat = all(inner is None for _, _, inner in fields)
+    names = tuple(name for name, _, _ in fields) if is_flat else None
+    return _Shape(sum(values for _, values, _ in fields), tuple(fields), names)
 
 
 def _count(shape: _Shape, msg: dict[str, Any]) -> tuple[int, int]:
@@ -289,6 +293,10 @@ def _count(shape: _Shape, msg: dict[str, Any]) -> tuple[int, int]:
             if not element:
                 absent += inner.values
             elif type(element) is dict:
+                # A cloud has thousands of complete points.
+                if tuple(element) == inner.names and None not in element.values():
+                    present += len(element)
+                    continue
                 counts = _count(inner, element)
                 present += counts[0]
                 absent += counts[1]
