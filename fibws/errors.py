@@ -12,6 +12,7 @@ FibwsError
 │   ├── UnknownType            the package is known, the type is not
 │   └── UnknownPackage         the package is unknown
 ├── InvalidMessage         a message that does not fit its type
+│   └── MessageTooLarge        a message larger than the hub takes
 ├── InvalidUtf8            a text message that is not UTF-8
 ├── OperationError         the hub refuses an operation; the text goes to the client
 │   ├── TypeConflict           a topic that already has another type
