@@ -340,21 +340,15 @@ class Recording:
         if not self._is_recording:
             return {"success": False, "message": "nothing is recorded"}
         self._audit.recording_stopped(str(self._settings.record), node=caller)
-        is_waiting = True
-
-        def cancel() -> None:
-            nonlocal is_waiting
-            is_waiting = False
-
-        response = Deferred(cancel)
+        response = Deferred()
 
         def done() -> None:
             state = self.state()
-            if is_waiting and state is not None:
+            if state is not None:
                 text = state.fault or f"recorded {state.messages} messages in {state.file}"
                 response.respond({"success": not state.fault, "message": text})
 
-        self._loop.call_soon(self.stop, done)  # The response is asked for when this returns.
+        self.stop(done)
         return response
 
     def _handle_status(self, request: dict[str, Any], caller: str) -> Response:

@@ -135,8 +135,8 @@ class Backplane(ABC):
         """Send a request.
 
         Args:
-            on_reply: takes the replies; if the hub is lost, the last one is a failure with the code
-                ``server_lost``.
+            on_reply: takes the replies, the first one maybe before this returns; if the hub is
+                lost, the last one is a failure with the code ``server_lost``.
 
         Returns:
             A function that cancels the request, after which no reply follows.

@@ -100,7 +100,8 @@ class DistantNode(ABC):
         """Ask whether it answers.
 
         Args:
-            done: called once with why it did not answer; with an empty text if it did.
+            done: called once with why it did not answer; with an empty text if it did. It may be
+                called before this returns.
 
         Returns:
             A function that cancels.

@@ -10,6 +10,7 @@ import logging
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol, TypeAlias
 
 from fibws.errors import CallFailed, FibwsError
@@ -27,22 +28,46 @@ Response: TypeAlias = dict[str, Any] | bytes
 
 
 class Deferred:
-    """A response of the hub's own that comes later.
+    """A response of the hub's own that may come later.
 
-    Args:
-        cancel: called once no caller waits for it any more.
+    It ends once: with a response, or because no caller waits for one. Its two sides may come in any
+    order: a response may be there before somebody takes it, or before it is known how to cancel it.
     """
 
-    __slots__ = ("cancel", "respond")
+    __slots__ = ("_cancel", "_is_cancelled", "_take", "_values")
 
-    def __init__(self, cancel: Callable[[], object]) -> None:
-        self.cancel = cancel
-        self.respond: Callable[[dict[str, Any]], None] = _not_asked_for
-        """Gives the response, once."""
+    def __init__(self) -> None:
+        self._values: dict[str, Any] | None = None
+        self._is_cancelled = False
+        self._take: Callable[[dict[str, Any]], object] | None = None
+        self._cancel: Callable[[], object] | None = None
 
+    def respond(self, values: dict[str, Any]) -> None:
+        """Give the response; ignored if this has ended."""
+        if self._values is None and not self._is_cancelled:
+            self._values, self._cancel = values, None
+            if self._take is not None:
+                self._take(values)
 
-def _not_asked_for(values: dict[str, Any]) -> None:
-    raise AssertionError("a response that is known at once must not be deferred")
+    def then(self, take: Callable[[dict[str, Any]], object]) -> None:
+        """Call a function with the response, at once if it is there."""
+        self._take = take
+        if self._values is not None:
+            take(self._values)
+
+    def cancel(self) -> None:
+        """Stop waiting for the response; ignored if this has ended."""
+        if self._values is None and not self._is_cancelled:
+            self._is_cancelled, self._take = True, None
+            if self._cancel is not None:
+                self._cancel()
+
+    def on_cancel(self, cancel: Callable[[], object]) -> None:
+        """Call a function if no caller waits any more, at once if none does."""
+        if self._is_cancelled:
+            cancel()
+        elif self._values is None:
+            self._cancel = cancel
 
 
 Function: TypeAlias = Callable[[dict[str, Any], str], Response | Deferred]
@@ -215,18 +240,17 @@ class InternalServer:
         """Respond to a call, now or later."""
         try:
             response = self._function(call.request, call.caller)
-            if isinstance(response, Deferred):
-                self._deferred[call] = response
-                response.respond = lambda values: self._respond(call, values)
-            elif isinstance(response, bytes):
-                call.respond_json(response)
-            else:
-                call.respond(response)
         except FibwsError as error:
             call.fail(str(error), error.code)
         except Exception:
             logger.exception("%s failed.", call.service.name)
             call.fail(f"{call.service.name} failed in the hub; see its log")
+        else:
+            if isinstance(response, Deferred):
+                self._deferred[call] = response
+                response.then(partial(self._respond, call))
+            else:
+                self._respond(call, response)
 
     def cancel(self, call: Call) -> None:
         """Forget a call, which needs no response any more."""
@@ -238,9 +262,15 @@ class InternalServer:
         """Fail: the graph does not let a client take over a service of the hub."""
         raise AssertionError(f"{service.name} is the hub's own")
 
-    def _respond(self, call: Call, values: dict[str, Any]) -> None:
-        del self._deferred[call]
-        call.respond(values)
+    def _respond(self, call: Call, response: Response) -> None:
+        self._deferred.pop(call, None)
+        if isinstance(response, bytes):
+            call.respond_json(response)
+            return
+        try:
+            call.respond(response)
+        except FibwsError as error:
+            call.fail(str(error), error.code)
 
 
 def _check_md5sum(service: Service, caller: str, headers: Mapping[str, str]) -> None:

@@ -75,7 +75,8 @@ class Rosnode:
         # The clock of an event loop may be as coarse as a millisecond, and as old as its turn.
         sent = self._graph.now()
         client.ping(data)
-        response = Deferred(partial(self._drop, client, data))
+        response = Deferred()
+        response.on_cancel(partial(self._drop, client, data))
         timer = self._clock.call_later(PATIENCE, partial(self._give_up, client, data))
         self._pings.setdefault(client, {})[data] = Ping(node, sent, timer, response)
         return response
@@ -153,6 +154,7 @@ class Rosnode:
 
     def _ping_distant(self, name: str, node: DistantNode) -> Deferred:
         sent = self._graph.now()
+        response = Deferred()
 
         def done(fault: str) -> None:
             seconds = max(0, self._graph.now() - sent) / 1_000_000_000
@@ -160,7 +162,7 @@ class Rosnode:
             answer = {"success": True, "message": text, "seconds": seconds}
             response.respond(_ping_failed(f"{name}: {fault}") if fault else answer)
 
-        response = Deferred(node.ping(done))
+        response.on_cancel(node.ping(done))
         return response
 
     def _is_known(self, node: str, caller: str) -> bool:
@@ -189,12 +191,14 @@ class Rosnode:
 
 
 def _kill_distant(name: str, node: DistantNode) -> Deferred:
+    response = Deferred()
+
     def done(fault: str) -> None:
         response.respond(
             {"success": not fault, "message": f"{name}: {fault}" if fault else f"killed {name}"}
         )
 
-    response = Deferred(node.shut_down("user request", done))
+    response.on_cancel(node.shut_down("user request", done))
     return response
 
 

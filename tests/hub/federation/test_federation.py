@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Sequence
 from typing import Any
 
 import pytest
+import websockets
 from patience import PATIENCE
 
 import fibws
@@ -18,6 +20,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.example_interfaces import AddTwoInts
+from fibws.srv.fibws_msgs import PingNode
 from fibws.srv.sensor_msgs import SetCameraInfo
 
 from ..graph.recorder import Recorder
@@ -406,6 +409,28 @@ async def test_node_of_another_hub_is_pinged_and_killed(join: Join, start_node: 
     assert answer.success, answer.message
     with pytest.raises(fibws.NodeKilled):
         await asyncio.wait_for(node.spin(), PATIENCE)
+
+
+@pytest.mark.parametrize("verb", ["ping", "kill"])
+async def test_node_behind_a_full_link_is_reported(
+    join: Join, start_node: StartNode, verb: str
+) -> None:
+    limit = 100_000
+    cloud = await join("cloud", max_queued_bytes=limit)
+    robot = await join("robot", cloud)
+    node = await start_node("robot", robot)
+    await node.service("greet", PingNode, lambda request: {})
+    await until(lambda: "/greet" in cloud.graph.services, cloud)
+    # A request that fills the link, and the question behind it before anything is sent.
+    fill = {"service": "/greet", "args": {"node": "x" * (limit - 4)}}
+    ask = {"service": f"/rosapi/{verb}_node", "args": {"node": "/robot"}, "id": "ask"}
+    text = "".join(json.dumps({"op": "call_service", **each}) for each in (fill, ask))
+    async with websockets.connect(cloud.url) as client, asyncio.timeout(PATIENCE):
+        await client.send(text)
+        responses = [json.loads(await client.recv()) for _ in range(2)]
+    [answer] = [each["values"] for each in responses if each.get("id") == "ask"]
+    assert answer["success"] is False
+    assert "too much waits for hub robot" in answer["message"]
 
 
 async def test_nodes_on_both_sides_of_a_prefix_are_pinged(

@@ -198,7 +198,8 @@ class DeferredCall:
 
     def __init__(self) -> None:
         self.cancelled = 0
-        self.response = Deferred(self._cancel)
+        self.response = Deferred()
+        self.response.on_cancel(self._cancel)
         self.caller = call_internal(lambda request, node: self.response)
         self.caller.call.start()
 
@@ -232,9 +233,51 @@ def test_finished_response_is_not_cancelled() -> None:
     assert (deferred.cancelled, deferred.caller.received) == (0, [b'{"sum":3}'])
 
 
-def test_response_that_is_known_at_once_must_not_be_deferred() -> None:
-    with pytest.raises(AssertionError, match="known at once"):
-        Deferred(lambda: None).respond({})
+def test_invalid_deferred_response_fails_the_call() -> None:
+    deferred = DeferredCall()
+    deferred.response.respond({"sum": "three"})
+    [error] = deferred.caller.received
+    assert isinstance(error, tuple)
+    assert "rospy_tutorials/AddTwoIntsResponse" in error[0]
+    assert error[1] == "invalid_message"
+
+
+def test_deferred_response_may_be_there_before_the_call_waits_for_it() -> None:
+    cancelled: list[str] = []
+
+    def function(request: dict[str, Any], node: str) -> Deferred:
+        response = Deferred()
+        response.respond({"sum": 3})
+        response.on_cancel(lambda: cancelled.append("after its response"))
+        return response
+
+    server = InternalServer("/rosapi", function)
+    caller = Caller(server)
+    caller.call.start()
+    assert caller.received == [b'{"sum":3}']
+    caller.call.abandon()
+    server.cancel(caller.call)
+    assert cancelled == []
+
+
+@pytest.mark.parametrize("order", list(permutations(["respond", "then", "cancel", "on_cancel"])))
+def test_deferred_response_ends_once_in_any_order(order: tuple[str, ...]) -> None:
+    response = Deferred()
+    ends: list[str] = []
+    steps: dict[str, Callable[[], object]] = {
+        "respond": lambda: response.respond({}),
+        "then": lambda: response.then(lambda values: ends.append("responded")),
+        "cancel": response.cancel,
+        "on_cancel": lambda: response.on_cancel(lambda: ends.append("cancelled")),
+    }
+    for step in order:
+        steps[step]()
+    is_responded = order.index("respond") < order.index("cancel")
+    assert ends == ["responded" if is_responded else "cancelled"]
+    for step in order:
+        if step in ("respond", "cancel"):
+            steps[step]()
+    assert len(ends) == 1
 
 
 def test_internal_server_cannot_be_displaced() -> None:

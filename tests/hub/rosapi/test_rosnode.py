@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from fibws.hub.graph.graph import DistantNode
 from fibws.hub.rosapi.rosnode import PATIENCE
 from fibws.protocol.websocket import KILLED
 
@@ -239,3 +241,40 @@ def test_only_the_newest_node_of_a_name_is_killed(pinger: Pinger) -> None:
     assert pinger.call("/rosapi/kill_node", node="/talker")["success"]
     pinger.hub.clock.advance(0)
     assert (pinger.talker.closings, newer.closings) == ([], [KILLED])
+
+
+# Nodes that are not connected to this hub.
+
+
+class Answering(DistantNode):
+    """A node that answers before it is known how to cancel the question, as over a full link."""
+
+    since = 0
+
+    def __init__(self, fault: str) -> None:
+        self._fault = fault
+
+    def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
+        done(self._fault)
+        return lambda: None
+
+    def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
+        return self.ping(done)
+
+    def replaced(self) -> None:
+        raise AssertionError("nobody takes its name")
+
+    def publishing(self) -> list[str]:
+        return []
+
+    subscribing = providing = publishing
+
+
+@pytest.mark.parametrize("fault", ["", "too much waits for hub cloud"])
+@pytest.mark.parametrize("verb", ["ping", "kill"])
+def test_distant_node_may_answer_at_once(pinger: Pinger, verb: str, fault: str) -> None:
+    pinger.graph.enter(Answering(fault), "/distant")
+    response = pinger.call(f"/rosapi/{verb}_node", node="/distant")
+    assert response["success"] is not bool(fault)
+    assert fault in response["message"]
+    assert pinger.forgotten
