@@ -11,7 +11,6 @@ import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import count
 from typing import Generic, TypeVar
 from weakref import WeakKeyDictionary
 
@@ -21,6 +20,7 @@ from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import ROS1, ROS1_TEXT, WARNING, list_frame, text_frame
 from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Service
 from fibws.hub.graph.topic import SinkReport, Topic
@@ -348,7 +348,7 @@ class Services:
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._numbers = count(1)
+        self._numbers = Numbers()
         self._made: dict[str, tuple[Service, ServiceType, ServiceEntry]] = {}
         graph.watch("service", self._changed)
 
@@ -367,14 +367,20 @@ class Services:
         if made is None or made[0] is not service or made[1] is not type_:
             schemas = _service_schemas(codecs.definitions, type_.name)
             md5sum = type_.md5sum or ""
-            entry = ServiceEntry(next(self._numbers), name, type_.name, md5sum, *schemas)
+            self._forget(name)
+            entry = ServiceEntry(self._numbers.take(), name, type_.name, md5sum, *schemas)
             made = self._made[name] = service, type_, entry
         return made[2]
 
     def _changed(self, name: str) -> None:
         """Forget a service that has left."""
         if name not in self._graph.services:
-            self._made.pop(name, None)
+            self._forget(name)
+
+    def _forget(self, name: str) -> None:
+        made = self._made.pop(name, None)
+        if made is not None:
+            self._numbers.give_back(made[2].id)
 
 
 def _service_schemas(definitions: Definitions, type_: str) -> tuple[bytes, bytes]:

@@ -13,7 +13,6 @@ import secrets
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from itertools import count
 from typing import Any, Literal, Protocol, TypeAlias
 from uuid import uuid4
 from weakref import WeakValueDictionary
@@ -39,6 +38,7 @@ from fibws.hub.graph.action import (
     cancel_service,
 )
 from fibws.hub.graph.clock import GraphClock
+from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.parameters import Parameters, Prepared, canonical, names_in, prepare
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
@@ -202,7 +202,7 @@ class Graph:
         self._clients = 0
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
-        self._topic_numbers = count(1)
+        self._topic_numbers = Numbers()
 
     # What nodes may do and see.
 
@@ -381,7 +381,7 @@ class Graph:
 
     def topic(self, name: str) -> Topic:
         """Return the topic of this global name; a new one is kept once it has a user."""
-        return self.topics.get(name) or Topic(name, next(self._topic_numbers))
+        return self.topics.get(name) or Topic(name)
 
     def advertise(
         self,
@@ -433,8 +433,8 @@ class Graph:
                 quota=quota or LatchQuota(),
                 queue_size=queue_size,
             )
+            self._keep(topic)
             topic.add(source)
-            self.topics[topic.name] = topic
             self._changed(topic)
         elif message_type is not present:
             self._changed(topic)
@@ -498,7 +498,7 @@ class Graph:
                 holds_type=holds,
                 needs_definition=needs_definition,
             )
-            self.topics[topic.name] = topic
+            self._keep(topic)
         finally:
             # It may have failed, or replace a request that named the type.
             self._settle(topic)
@@ -562,9 +562,9 @@ class Graph:
         older, topic.type = topic.type, type_
         if type_ is not None and type_.checked:
             sort = (type_.name, type_.md5sum)
-            if topic.last_type not in (None, sort):
+            if topic.number and topic.last_type not in (None, sort):
                 # Messages of both types may be on their way to one client.
-                topic.number = next(self._topic_numbers)
+                self._number(topic)
             topic.last_type = sort
             for source in topic.sources.values():
                 source.type = type_
@@ -573,10 +573,27 @@ class Graph:
         if type_ is not None:
             self._types.hold(type_, topic, lambda: self._described(topic.holder(), topic.name))
 
-    def _settle(self, topic: Topic) -> None:
-        """Remove the topic, its type, or the type's definition if they have no holder left."""
+    def _keep(self, topic: Topic) -> None:
+        """Add a topic to the graph, since it has a user."""
+        if self.topics.get(topic.name) is not topic:
+            self.topics[topic.name] = topic
+            self._number(topic)
+
+    def _number(self, topic: Topic) -> None:
+        """Give a topic of the graph another number."""
+        self._topic_numbers.give_back(topic.number)
+        topic.number = self._topic_numbers.take()
+
+    def _remove_idle(self, topic: Topic) -> None:
+        """Remove a topic that has no user left."""
         if topic.idle and self.topics.get(topic.name) is topic:
             del self.topics[topic.name]
+            self._topic_numbers.give_back(topic.number)
+            topic.number = 0
+
+    def _settle(self, topic: Topic) -> None:
+        """Remove the topic, its type, or the type's definition if they have no holder left."""
+        self._remove_idle(topic)
         if topic.type is not None and not topic.needs_definition:
             type_ = self._types.without_definition(topic.type) if topic.held else None
             if type_ is not topic.type:
@@ -585,8 +602,8 @@ class Graph:
 
     def add_conflict(self, topic: Topic, conflict: Conflict) -> None:
         """Note on a topic that a node uses it with another type."""
+        self._keep(topic)
         topic.conflicts.append(conflict)
-        self.topics[topic.name] = topic
         self.revision += 1
 
     def remove_conflict(self, topic: Topic, node: str, *, publishes: bool) -> None:
@@ -596,8 +613,7 @@ class Graph:
         ]
         if len(kept) < len(topic.conflicts):
             topic.conflicts[:] = kept
-            if topic.idle and self.topics.get(topic.name) is topic:
-                del self.topics[topic.name]
+            self._remove_idle(topic)
             self.revision += 1
 
     def _described(self, node: str, name: str) -> str:

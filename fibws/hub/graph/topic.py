@@ -102,14 +102,12 @@ class Topic:
 
     It has a type while a source publishes on it, or a sink was subscribed with a type; sinks that
     name no type wait for one.
-
-    Args:
-        number: stands for it and its type in binary frames (`fibws.v1`).
     """
 
-    def __init__(self, name: str, number: int = 0) -> None:
+    def __init__(self, name: str) -> None:
         self.name = name
-        self.number = number
+        self.number = 0
+        """Stands for it and its type in binary frames while it is in the graph; 0 before."""
         self.type: MessageType | None = None
         self.last_type: tuple[str, str | None] | None = None
         """The name and the md5 of the type that it has, or had last, if its fields were known."""
