@@ -11,6 +11,7 @@ otherwise CBOR, or JSON as the real server takes it.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -145,13 +146,13 @@ class TokenWait:
             self._opening.close(MISSING_TOKEN)
             return
         try:
-            check_json(data)
-            operations = decode_json(data)
+            operations = _operations(data)
             for fields in operations:
                 session = self._session(fields)
                 if session is not None:
-                    for rest in operations:
-                        session.perform(rest, 0)
+                    session.perform_all(operations, 0)
+                elif self._refused > MOST_REFUSED:
+                    return
         except AuthenticationError as error:
             limited = isinstance(error, TooManyAttempts)
             self._end(LIMITED if limited else UNAUTHENTICATED, error)
@@ -209,6 +210,33 @@ class TokenWait:
     def _end(self, code: int, error: FibwsError) -> None:
         self._statuses.error(None, f"auth: {error}", code=error.code)
         self._opening.close(close_reason(code, str(error)))
+
+
+def _operations(data: Payload) -> Iterator[dict[str, Any]]:
+    """Yield the operations of a text, one at a time.
+
+    Raises:
+        OperationError: the text is not JSON, has a value that is not an object, or too many; the
+            operations before that have been yielded.
+        InvalidUtf8: it is not UTF-8.
+    """
+    check_json(data)
+    left = MAX_OBJECTS
+    for fields in decode_json(data):
+        if not left:
+            raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
+        left -= 1
+        yield fields
+        del fields  # It must not outlive its operation.
+
+
+def _without_fragments(operations: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Yield the operations of a text that fragments made up; raise `OperationError` for others."""
+    for fields in operations:
+        if fields.get("op") == "fragment":
+            raise OperationError("a fragment must not hold fragments")
+        yield fields
+        del fields
 
 
 def token_of(request: Auth) -> str:
@@ -330,10 +358,7 @@ class Session:
                 self.perform(fields, len(data))
                 return
             fields = None  # It may be large, and is decoded once more for the error.
-        try:
-            self._perform_all(data)
-        except OperationError as error:
-            self._statuses.error(None, str(error), code=error.code)
+        self.perform_all(_operations(data), len(data))
 
     def receive_binary(self, data: Payload) -> None:
         """Perform the operation of a binary message; reply to errors with a status."""
@@ -369,8 +394,7 @@ class Session:
             elif PUBLISH.match(data) and (len(data) > SMALL or data.count(b'"op"') == 1):
                 self._drop(reason)
             else:
-                check_json(data)
-                for fields, _ in zip(decode_json(data), range(MAX_OBJECTS), strict=False):
+                for fields in _operations(data):
                     self._refuse_excess(fields, reason)
         except OperationError as error:
             self._statuses.error(None, str(error), code=error.code)
@@ -421,20 +445,20 @@ class Session:
 
     # Operations.
 
-    def _perform_all(self, data: Payload, *, reassembled: bool = False) -> None:
-        check_json(data)
-        size, left = len(data), MAX_OBJECTS
-        for fields in decode_json(data):
-            if not left:
-                raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
-            left -= 1
-            if reassembled and fields.get("op") == "fragment":
-                raise OperationError("a fragment must not hold fragments")
-            self.perform(fields, size)
-            if not size:
-                self._count_operations(1)
-            size = 0  # The bytes count once, however many operations share them.
-            del fields  # Not two at a time: they take many times their text's memory.
+    def perform_all(self, operations: Iterator[dict[str, Any]], size: int) -> None:
+        """Perform the operations of a text, of which ``size`` bytes have come; reply to errors.
+
+        The first one counts as the message itself, unless its bytes have counted before.
+        """
+        try:
+            for fields in operations:
+                self.perform(fields, size)
+                if not size:
+                    self._count_operations(1)
+                size = 0  # The bytes count once, however many operations share them.
+                del fields  # Not two at a time: they take many times their text's memory.
+        except OperationError as error:
+            self._statuses.error(None, str(error), code=error.code)
 
     def perform(self, fields: dict[str, Any], size: int) -> None:
         """Perform one operation, of which ``size`` bytes have come; reply to errors."""
@@ -570,4 +594,4 @@ class Session:
         if text is not None:
             data = text.encode()
             del text
-            self._perform_all(data, reassembled=True)
+            self.perform_all(_without_fragments(_operations(data)), len(data))

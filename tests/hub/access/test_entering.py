@@ -19,6 +19,7 @@ from websockets.typing import Subprotocol
 
 from fibws.access.token_file import digest_of
 from fibws.hub import Hub
+from fibws.hub.rosbridge.session import MAX_OBJECTS
 from fibws.protocol.serialized import SUBPROTOCOL
 
 INT32 = "std_msgs/Int32"
@@ -133,6 +134,29 @@ async def test_client_enters_by_the_operation_auth(start: Hubs) -> None:
         (status,) = await statuses(client, {"op": "auth", "token": "one", "id": 8})
         assert (status["level"], status["id"]) == ("info", 8)
         assert "ann" in status["msg"]
+
+
+async def test_text_with_a_login_holds_no_more_operations_than_others(start: Hubs) -> None:
+    hub = await start()
+    for options in ({}, bearer("one")):
+        async with entered(hub, **options) as client:
+            await client.send(
+                '{"op": "auth", "token": "one"}' + '{"op": "fly"}' * (MAX_OBJECTS - 1)
+            )
+            assert len(await statuses(client, {"op": "fly", "id": "last"})) >= MAX_OBJECTS
+        async with entered(hub, **options) as client:
+            await client.send('{"op": "auth", "token": "one"}' + '{"op": "fly"}' * MAX_OBJECTS)
+            found = await statuses(client, {"op": "set_level", "level": "error"})
+            assert len(found) == MAX_OBJECTS
+            assert f"at most {MAX_OBJECTS} operations" in found[-1]["msg"]
+
+
+async def test_login_after_too_many_operations_in_one_text_is_ignored(start: Hubs) -> None:
+    hub = await start()
+    async with entered(hub, "?node=/ann_1") as client:
+        await client.send('{"op": "subscribe"}' * 200 + '{"op": "auth", "token": "one"}')
+        assert await closing(client) == (4401, "missing token")
+    assert "/ann_1" not in hub.graph.nodes
 
 
 async def ask(client: ClientConnection, operation: dict[str, Any]) -> str | bytes:

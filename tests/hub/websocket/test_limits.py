@@ -321,6 +321,22 @@ async def test_limits_of_a_token(no_sweeps: None, start_hub: StartHub, tmp_path:
         assert "limit 100, limits.messages_per_second" in (await ann.receive())["msg"]
 
 
+@pytest.mark.parametrize("logged_in", [True, False])
+async def test_operations_of_the_text_with_the_login_count_each(
+    no_sweeps: None, start_hub: StartHub, tmp_path: Path, *, logged_in: bool
+) -> None:
+    path = tmp_path / "tokens.toml"
+    path.write_text(TOKENS, "utf-8")
+    hub = await start_hub(tokens=path)
+    async with connected(hub.port, "/?token=one" if logged_in else "") as ann:
+        operations = [{"op": "auth", "token": "one"}, *[{"op": "clear_will", "topic": "/t"}] * 900]
+        await ann.send(frame(TEXT, "".join(map(json.dumps, operations)).encode()))
+        await ann.send_operation("call_service", service="/rosapi/get_time", id="call")
+        response = await until_response(ann, "call")
+        assert response["result"] is False
+        assert "limit 100, limits.messages_per_second" in response["values"]
+
+
 async def test_limits_are_reloaded(no_sweeps: None, start_hub: StartHub, tmp_path: Path) -> None:
     path = tmp_path / "tokens.toml"
     path.write_text(TOKENS, "utf-8")
