@@ -24,6 +24,8 @@ from fibws.hub.ros1.tcpros import (
 
 CONNECT_TIMEOUT = 10.0
 """Seconds in which a node must accept a connection and send its header."""
+TRIAL = 0.5
+"""Seconds for which a service must keep its first connection after the response."""
 LINGER = 2.0
 """Seconds for which a connection to a service is kept for the next call."""
 BUFFERED = 2**20
@@ -64,6 +66,7 @@ class ServiceConnection:
     Attributes:
         header: the fields that the service has sent.
         calls: how many calls it has answered.
+        is_persistent: whether the service was asked to keep it after a call.
     """
 
     def __init__(
@@ -75,6 +78,7 @@ class ServiceConnection:
     ) -> None:
         self.header: dict[str, str] = {}
         self.calls = 0
+        self.is_persistent = False
         self._is_idle = True
         self._service = service
         self._address = address
@@ -92,6 +96,7 @@ class ServiceConnection:
             async with asyncio.timeout(CONNECT_TIMEOUT):
                 reader, writer = await asyncio.open_connection(*address, limit=BUFFERED)
                 self = cls(service, address, reader, writer)
+                self.is_persistent = header.get("persistent") == "1"
                 try:
                     await self._exchange_headers(header)
                 except BaseException:
@@ -148,16 +153,65 @@ class ServiceConnection:
             raise CallFailed(f"service [{self._service}] refused: {error}", "server_failed")
 
 
-class IdleConnections:
-    """The connections to one service that wait for another call, each for `LINGER` seconds."""
+class ServiceConnections:
+    """The connections to one service, of which idle ones are kept for `LINGER` seconds.
 
-    def __init__(self) -> None:
+    A call on a new connection takes ten times as long. A service keeps a connection after a call if
+    the client asks for that, but some services close each one. A request that is lost by that may
+    have been carried out, and must not be sent again. So the first connection is used for another
+    call only if the service has kept it for `TRIAL` seconds; until then, and for services that keep
+    none, each call has a connection of its own.
+    """
+
+    def __init__(self, service: str, address: Address) -> None:
+        self._service = service
+        self._address = address
         self._idle: dict[Key, list[tuple[ServiceConnection, asyncio.TimerHandle]]] = {}
         self._is_closed = False
+        self._keeps: bool | None = None
+        """Whether the service keeps connections; None until the trial of the first one ends."""
+        self._is_trying = False
 
-    def take(self, key: Key) -> ServiceConnection | None:
+    async def call(self, header: Mapping[str, str], request: bytes, max_size: int) -> bytes:
+        """Send a request, once, and return the response.
+
+        Raises:
+            CallFailed: as `ServiceConnection.open` and `ServiceConnection.call`.
+        """
+        key = tuple(sorted(header.items()))
+        connection = self._take(key) or await self._open(header)
+        try:
+            return await connection.call(request, max_size)
+        except CallFailed as error:
+            if error.code == "server_lost" and connection.calls:
+                self._keeps = False
+            raise
+        finally:
+            self._give_back(key, connection)
+
+    def close(self) -> None:
+        """Close those that are idle, and keep none from now on."""
+        self._is_closed = True
+        while self._idle:
+            connection, timer = self._pop(next(iter(self._idle)), 0)
+            timer.cancel()
+            connection.close()
+
+    async def _open(self, header: Mapping[str, str]) -> ServiceConnection:
+        if self._keeps is False or self._is_trying:
+            return await ServiceConnection.open(self._service, self._address, header)
+        self._is_trying = is_trial = self._keeps is None
+        header = {**header, "persistent": "1"}
+        try:
+            return await ServiceConnection.open(self._service, self._address, header)
+        except BaseException:
+            if is_trial:
+                self._is_trying = False
+            raise
+
+    def _take(self, key: Key) -> ServiceConnection | None:
         """Return a connection with a header, if one is idle."""
-        while idle := self._idle.get(key):
+        while self._keeps and (idle := self._idle.get(key)):
             connection, timer = self._pop(key, len(idle) - 1)
             timer.cancel()
             if connection.is_reusable:
@@ -165,21 +219,25 @@ class IdleConnections:
             connection.close()
         return None
 
-    def give_back(self, key: Key, connection: ServiceConnection) -> None:
+    def _give_back(self, key: Key, connection: ServiceConnection) -> None:
         """Keep a connection for other calls, or close it if it is of no use."""
-        if self._is_closed or not connection.is_reusable:
+        is_trial = connection.is_persistent and self._keeps is None
+        if self._is_closed or not connection.is_persistent or not connection.is_reusable:
             connection.close()
+            if is_trial:
+                self._is_trying = False
+                if connection.calls:
+                    self._keeps = False
             return
-        timer = asyncio.get_running_loop().call_later(LINGER, self._expire, key)
+        delay, end = (TRIAL, self._end_trial) if is_trial else (LINGER, self._expire)
+        timer = asyncio.get_running_loop().call_later(delay, end, key)
         self._idle.setdefault(key, []).append((connection, timer))
 
-    def close(self) -> None:
-        """Close all, and keep none from now on."""
-        self._is_closed = True
-        while self._idle:
-            connection, timer = self._pop(next(iter(self._idle)), 0)
-            timer.cancel()
-            connection.close()
+    def _end_trial(self, key: Key) -> None:
+        connection, _ = self._pop(key, 0)
+        self._is_trying = False
+        self._keeps = connection.is_reusable
+        self._give_back(key, connection)
 
     def _expire(self, key: Key) -> None:
         self._pop(key, 0)[0].close()  # The oldest.

@@ -28,7 +28,7 @@ from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
 from fibws.hub.ros1.master import CLIENT
 from fibws.hub.ros1.nodes import Ros1Node, Ros1Nodes
-from fibws.hub.ros1.rosrpc import INSTANT, Address, IdleConnections, ServiceConnection
+from fibws.hub.ros1.rosrpc import INSTANT, Address, ServiceConnection, ServiceConnections
 from fibws.hub.ros1.tcpros import ANY, LENGTH, require
 from fibws.hub.settings import Settings
 from fibws.interfaces.json_text import json_of
@@ -63,7 +63,7 @@ class RemoteService:
         """The service in the graph, once `ServiceLinks.register` has added it."""
         self._tasks: dict[Call, asyncio.Task[None]] = {}
         self._room = asyncio.Semaphore(MOST_CONNECTIONS)
-        self._idle = IdleConnections()
+        self._connections = ServiceConnections(name, address)
         self._learning: asyncio.Task[CallFailed | None] | None = None
         self._watching: asyncio.Task[None] | None = None
         self._fault: CallFailed | None = None
@@ -100,7 +100,7 @@ class RemoteService:
         """Ask for the type no more, and keep no connections."""
         if self._watching is not None:
             self._watching.cancel()
-        self._idle.close()
+        self._connections.close()
 
     async def _perform(
         self, call: Call, args: Any, headers: Mapping[str, str] | None, is_filled: bool
@@ -128,30 +128,9 @@ class RemoteService:
             "md5sum": type_.md5sum or ANY,
             "type": type_.name,
         }
-        body = await self._exchange(header, out.serialize(request))
+        limit = self._links.settings.max_message_size
+        body = await self._connections.call(header, out.serialize(request), limit)
         return await _converted(len(body), _to_json, back, body)
-
-    async def _exchange(self, header: Mapping[str, str], request: bytes) -> bytes:
-        """Send a request and return the response, on a connection that is kept for a while.
-
-        A call on a new connection takes ten times as long.
-        """
-        key = tuple(sorted(header.items()))
-        connection = self._idle.take(key) or await self._open({**header, "persistent": "1"})
-        try:
-            return await connection.call(request, self._links.settings.max_message_size)
-        except CallFailed as error:
-            if error.code != "server_lost" or connection.calls != 1:
-                raise
-            # It may be a server that knows no persistent connections, and closes each.
-            connection.close()
-            connection = await self._open(header)
-            return await connection.call(request, self._links.settings.max_message_size)
-        finally:
-            self._idle.give_back(key, connection)
-
-    async def _open(self, header: Mapping[str, str]) -> ServiceConnection:
-        return await ServiceConnection.open(self.name, self.address, header)
 
     async def _watch(self) -> None:
         delay = FIRST_RETRY
@@ -192,7 +171,7 @@ class RemoteService:
     async def _probe(self) -> tuple[str, str]:
         """Return the type and its md5; raise `CallFailed` if the service does not tell."""
         header = {"service": self.name, "md5sum": ANY, "callerid": ROSBRIDGE, "probe": "1"}
-        connection = await self._open(header)
+        connection = await ServiceConnection.open(self.name, self.address, header)
         connection.close()
         type_, md5sum = connection.header.get("type"), connection.header.get("md5sum")
         if not type_ or not md5sum or ANY in (type_, md5sum):

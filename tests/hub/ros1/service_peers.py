@@ -64,6 +64,10 @@ class FakeService:
 
     async def __aexit__(self, *error: object) -> None:
         self._server.close()
+        self.disconnect()
+
+    def disconnect(self) -> None:
+        """Close all connections."""
         for writer in self._writers:
             writer.close()
 

@@ -18,10 +18,11 @@ from fibws.hub.graph.service import Call
 from fibws.hub.ros1 import rosrpc
 from fibws.hub.ros1 import services as module
 from fibws.hub.ros1.definition_search import DefinitionSearch
-from fibws.hub.ros1.services import ServiceLinks
+from fibws.hub.ros1.services import RemoteService, ServiceLinks
 from fibws.hub.settings import Settings
 
 from ..fakes import ADD, NANOSECONDS, STANDARD
+from ..raw_client import until
 from .service_peers import FakeService, failed, new_node, new_nodes, ok
 
 ADD_MD5 = "6a2e34150c00229791cc89ff309fff21"
@@ -68,6 +69,13 @@ class Links:
     async def call(self, args: object, name: str = "/add", **others: Any) -> Any:
         async with asyncio.timeout(60):
             return await self.start(args, name, **others)[1]
+
+    async def is_tried(self) -> bool:
+        """Wait until it is known whether /add keeps connections, and return that."""
+        server = self.graph.services["/add"].server
+        assert isinstance(server, RemoteService)
+        await until(lambda: server._connections._keeps is not None)
+        return bool(server._connections._keeps)
 
     async def failure(self, args: object = (), name: str = "/add") -> CallFailed:
         """Return the error of a call."""
@@ -349,25 +357,36 @@ async def test_many_calls_at_once_are_answered(links: Links) -> None:
         assert sums == [{"sum": n + 1} for n in range(200)]
 
 
-async def test_calls_of_one_caller_share_a_connection(links: Links) -> None:
+@pytest.fixture
+def short_trial(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let services that keep connections show that at once."""
+    monkeypatch.setattr(rosrpc, "TRIAL", 0.0)
+
+
+async def test_calls_of_one_caller_share_a_connection(short_trial: None, links: Links) -> None:
     async with FakeService(ADD_HEADER, add) as service:
         links.register(service.uri)
+        await links.call([0, 1])
+        assert await links.is_tried()
         for n in range(3):
             assert await links.call([n, 1]) == {"sum": n + 1}
         await links.call([1, 2], headers={"session": "7"})
         assert [each.get("session") for each in service.headers] == [None, None, "7"]
 
 
-async def test_connection_is_used_again_after_an_error_of_the_service(links: Links) -> None:
+async def test_connection_is_used_again_after_an_error_of_the_service(
+    short_trial: None, links: Links
+) -> None:
     async with FakeService(ADD_HEADER, lambda _: failed("no")) as service:
         links.register(service.uri)
         assert str(await links.failure()) == "no"
+        assert await links.is_tried()
         assert str(await links.failure()) == "no"
         assert len(service.headers) == 2  # The first is the probe's.
 
 
 async def test_idle_connection_is_closed_after_a_while(
-    links: Links, monkeypatch: pytest.MonkeyPatch
+    short_trial: None, links: Links, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rosrpc, "LINGER", 0.0)
     async with FakeService(ADD_HEADER, add) as service:
@@ -391,4 +410,66 @@ async def test_server_without_persistent_connections_answers_every_call(links: L
         links.register(service.uri)
         for n in range(5):
             assert await links.call([n, 1]) == {"sum": n + 1}
-        assert len(service.requests) == 5
+        assert await links.is_tried() is False
+        assert await links.call([5, 1]) == {"sum": 6}
+        assert len(service.requests) == 6
+        assert [each.get("persistent") for each in service.headers] == [None, "1", *[None] * 5]
+
+
+async def test_calls_before_a_service_has_kept_a_connection_have_their_own(links: Links) -> None:
+    async with FakeService(ADD_HEADER, add) as service:
+        links.register(service.uri)
+        for n in range(3):
+            assert await links.call([n, 1]) == {"sum": n + 1}
+        assert [each.get("persistent") for each in service.headers] == [None, "1", None, None]
+
+
+@pytest.mark.parametrize("is_proven", [True, False])
+async def test_request_is_not_sent_again_when_the_service_is_lost(
+    short_trial: None, links: Links, *, is_proven: bool
+) -> None:
+    def respond(request: bytes) -> bytes:
+        return b"" if len(service.requests) == 2 else add(request)
+
+    async with FakeService(ADD_HEADER, respond) as service:
+        links.register(service.uri)
+        await links.call([1, 2])
+        if is_proven:
+            assert await links.is_tried()
+        service.closes = True
+        error = await links.failure([3, 4])
+        assert error.code == "server_lost"
+        assert len(service.requests) == 2
+        assert await links.call([5, 6]) == {"sum": 11}
+        assert len(service.requests) == 3
+
+
+async def test_connection_that_the_service_has_closed_is_not_used(
+    short_trial: None, links: Links
+) -> None:
+    async with FakeService(ADD_HEADER, add) as service:
+        links.register(service.uri)
+        await links.call([1, 2])
+        assert await links.is_tried()
+        server = links.graph.services["/add"].server
+        assert isinstance(server, RemoteService)
+        ((connection, _),) = [each for idle in server._connections._idle.values() for each in idle]
+        service.disconnect()
+        await until(lambda: not connection.is_reusable)
+        assert await links.call([3, 4]) == {"sum": 7}
+        assert len(service.requests) == 2
+
+
+async def test_trial_that_a_caller_ends_is_repeated(short_trial: None, links: Links) -> None:
+    async with FakeService(ADD_HEADER, lambda _: None) as service:
+        links.register(service.uri)
+        call, done = links.start([1, 2])
+        async with asyncio.timeout(60):
+            await service.asked.wait()
+        call.abandon()
+        async with asyncio.timeout(60):
+            await service.left.wait()
+        service.respond = add
+        await links.call([1, 2])
+        assert await links.is_tried()
+        done.cancel()
