@@ -390,14 +390,12 @@ class NodeCalls:
         """
         self._notes.setdefault(uri, {})[key] = (method, params)
         if uri not in self._tasks:
-            task = asyncio.get_running_loop().create_task(self._notify(uri))
-            self._tasks[uri] = task
-            task.add_done_callback(lambda _: self._tasks.pop(uri, None))
+            self._tasks[uri] = asyncio.get_running_loop().create_task(self._notify(uri))
 
     def forget(self, uri: str) -> None:
         """Send a node no more notifications."""
         self._notes.pop(uri, None)
-        task = self._tasks.get(uri)
+        task = self._tasks.pop(uri, None)
         if task is not None:
             task.cancel()
 
@@ -409,6 +407,14 @@ class NodeCalls:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _notify(self, uri: str) -> None:
+        try:
+            await self._send_notes(uri)
+        finally:
+            # At once, and not in a callback: a notification in between would start no task.
+            if self._tasks.get(uri) is asyncio.current_task():
+                del self._tasks[uri]
+
+    async def _send_notes(self, uri: str) -> None:
         delay = FIRST_RETRY
         while notes := self._notes.get(uri):
             key, (method, params) = next(iter(notes.items()))
