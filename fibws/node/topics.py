@@ -50,6 +50,8 @@ class Topics(OperationHandler):
         """Subscriptions by topic."""
         self._topics: dict[int, str] = {}
         """The topics' numbers on the current connection, if that is one of `fibws.v1`."""
+        self._topic_numbers: dict[str, set[int]] = {}
+        """The same by topic, which has several if its type has changed."""
         self._numbers = count(1)
         session.add_handler(self)
         session.set_message_handlers(self._on_json, self._on_binary)
@@ -194,6 +196,7 @@ class Topics(OperationHandler):
                 if subscription is not None:
                     subscription.found(reply.type, reply.md5sum, reply.definition)
                     self._topics[reply.topic_id] = subscription.topic
+                    self._topic_numbers.setdefault(subscription.topic, set()).add(reply.topic_id)
             case Peers():
                 id_ = str(reply.id)
                 owner = self._publishers.get(id_) or self._subscriptions.get(id_)
@@ -231,6 +234,7 @@ class Topics(OperationHandler):
     def on_disconnect(self) -> None:
         """Forget what the lost hub reported: the topics' numbers, and peers."""
         self._topics.clear()
+        self._topic_numbers.clear()
         for publisher in self._publishers.values():
             publisher.peers.on_disconnect()
         for subscription in self._subscriptions.values():
@@ -284,4 +288,6 @@ class Topics(OperationHandler):
                 self._readers[topic] = others
             else:
                 del self._readers[topic]
+                for number in self._topic_numbers.pop(topic, ()):
+                    del self._topics[number]
         return subscription
