@@ -79,9 +79,10 @@ class Node:
     """A node of the ROS graph: ``async with fibws.Node("talker") as node``.
 
     A node is entered once, which waits until the hub answers. Leaving it sends pending messages for
-    up to 0.6 s, and logs a warning with the number of those that were not sent. In between the node
-    reconnects whenever the hub is lost, and registers everything again. Messages are serialized
-    (`fibws.v1`) with a fibws hub, and JSON with a rosbridge_suite server.
+    up to 0.6 s, and logs a warning with the number of those that were not sent. It also cancels the
+    handlers of services and actions; a warning names those that have not ended in that time. In
+    between the node reconnects whenever the hub is lost, and registers everything again. Messages
+    are serialized (`fibws.v1`) with a fibws hub, and JSON with a rosbridge_suite server.
 
     All names are resolved and remapped as in ROS (http://wiki.ros.org/Names). Besides the errors in
     their docstrings all methods may raise `InvalidName` for an illegal name, `InterfaceError` for
@@ -629,11 +630,14 @@ class Node:
         return self
 
     async def __aexit__(self, *error: object) -> None:
+        began = asyncio.get_running_loop().time()
         try:
             await self._connection.close()
         finally:
-            self._leave_log()
-            await self._session.tasks.finished()
+            try:
+                await self._session.end_of(self._session.tasks, began)
+            finally:
+                self._leave_log()
 
     async def _set_parameters(self) -> None:
         """Set the private parameters of the command line.

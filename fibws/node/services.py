@@ -148,10 +148,11 @@ class ServiceServer(Registration, Generic[Req, Res]):
 
     async def __aexit__(self, *error: object) -> None:
         self.close()
-        await self._tasks.finished()
+        await self._session.end_of(self._tasks)
 
     def _start(self, call: CallService) -> None:
-        self._tasks.start(self._handle(call, self._connection), f"{self.name} handles {call.id}")
+        name = f"the handler of service {self.name} (call {call.id})"
+        self._tasks.start(self._handle(call, self._connection), name)
 
     async def _handle(self, call: CallService, connection: object) -> None:
         values: Any = "error processing request: it was cancelled"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 import os
 import re
 import time
@@ -109,10 +110,19 @@ class Tasks:
         for task in self._others():
             task.cancel()
 
-    async def finished(self) -> None:
-        """Wait until no task is left except the current one."""
-        while others := self._others():
-            await asyncio.wait(others)
+    async def finished(self, until: float = math.inf) -> list[str]:
+        """Wait until no task is left except the current one.
+
+        Args:
+            until: when to stop waiting, by the event loop's time.
+
+        Returns:
+            The names of the tasks that are left.
+        """
+        loop = asyncio.get_running_loop()
+        while (others := self._others()) and (left := until - loop.time()) > 0:
+            await asyncio.wait(others, timeout=left if left < math.inf else None)
+        return sorted(each.get_name() for each in others)
 
     def _add(self, task: asyncio.Task[None]) -> None:
         self._tasks.add(task)
@@ -179,6 +189,12 @@ class OperationHandler:
         """Handle the node's end, caused by ``error`` unless that is None. Called once, and last."""
 
 
+HANDLER_TIMEOUT = 0.6
+"""Seconds in which the handlers of a node, or of a server, must end once they are cancelled."""
+MOST_NAMED = 3
+"""Handlers that one line of the log names."""
+
+
 class Session:
     """The state that a node's handlers share. It outlives connections and registers with each.
 
@@ -226,6 +242,20 @@ class Session:
     def remove_handler(self, handler: OperationHandler) -> None:
         """Remove a handler. Does nothing when called again."""
         self._handlers.pop(handler, None)
+
+    async def end_of(self, tasks: Tasks, began: float | None = None) -> None:
+        """Wait until cancelled tasks have ended, and log those that do not in `HANDLER_TIMEOUT`.
+
+        Args:
+            began: when they were cancelled, by the event loop's time; None for now.
+        """
+        began = asyncio.get_running_loop().time() if began is None else began
+        left = await tasks.finished(began + HANDLER_TIMEOUT)
+        if left:
+            names = ", ".join(left[:MOST_NAMED])
+            more = f" and {len(left) - MOST_NAMED} more" if len(left) > MOST_NAMED else ""
+            text = "Cancelled, but still running after %g s: %s%s."
+            self.log.warning(text, HANDLER_TIMEOUT, names, more)
 
     def handlers(self) -> list[OperationHandler]:
         """Return a copy of the list of handlers: a handler may be removed while it is called."""

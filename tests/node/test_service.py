@@ -10,11 +10,13 @@ from typing import Any
 
 import pytest
 
+from fibws.node import session as module
 from fibws.node.services import MOST_CALLS, MOST_WAITING, Services, ServiceServer
 from fibws.node.types import Types
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 
 from .conftest import FakeSession, Lines, deliver, next_operation, sent_operations
+from .stubborn import Stubborn
 
 Serve = Callable[[Any], ServiceServer[Any, Any]]
 
@@ -225,6 +227,22 @@ async def test_broken_pipe_in_a_handler_ends_the_node(
         await server.spin()
     await session.tasks.finished()
     assert sent_operations(session) == []
+
+
+async def test_leaving_a_service_waits_for_its_handlers_for_a_while(
+    session: FakeSession, serve: Serve, lines: Lines, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "HANDLER_TIMEOUT", 0.0)
+    handler = Stubborn()
+    async with serve(handler):
+        for number in range(module.MOST_NAMED + 2):
+            send_call(session, id_=f"call {number}")
+        await handler.begun.wait()
+    (line,) = lines.seen()
+    assert "handler of service /add (call call 0)" in line
+    assert line.endswith(" and 2 more.")
+    await handler.ends()
+    await session.tasks.finished()
 
 
 async def test_responses_wait_for_room(session: FakeSession, serve: Serve) -> None:

@@ -324,8 +324,9 @@ async def test_finished_waits_for_slow_tasks() -> None:
     ending = asyncio.create_task(tasks.finished())
     await asked.wait()
     assert not ending.done()
+    assert await tasks.finished(until=asyncio.get_running_loop().time()) == ["slow"]
     may.set()
-    await ending
+    assert await ending == []
     assert task.done()
 
 

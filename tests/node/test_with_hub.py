@@ -18,7 +18,7 @@ from ports import port as port
 from rospy.msg import AnyMsg
 
 import fibws
-from fibws.errors import CallRefused
+from fibws.errors import CallRefused, ServiceError
 from fibws.hub import Hub, Settings
 from fibws.msg.fibws_msgs import PublisherInfo, SubscriptionStatistics
 from fibws.msg.geometry_msgs import TransformStamped, Twist, Vector3
@@ -32,6 +32,7 @@ from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest
 from fibws.srv.std_srvs import Trigger
 
 from .conftest import Lines
+from .stubborn import Stubborn
 
 
 @pytest.fixture
@@ -604,6 +605,22 @@ async def test_peers_are_known_again_after_reconnection(port: int) -> None:
                 assert await anext(changes) == ["/talker"]
         finally:
             await node.__aexit__(None, None, None)
+
+
+async def test_node_leaves_though_a_handler_does_not_end(real_hub: Hub) -> None:
+    handler = Stubborn()
+    async with fibws.Node("caller", hub=real_hub.url) as caller, asyncio.timeout(PATIENCE):
+        async with fibws.Node("server", hub=real_hub.url) as node:
+            lines = Lines(node.log)
+            await node.service("stop", Trigger, handler)
+            call = asyncio.create_task(caller.call("stop", Trigger))
+            await handler.begun.wait()
+        with pytest.raises(ServiceError):
+            await call
+    assert "/server" not in real_hub.graph.nodes
+    (line,) = [each for each in lines.seen() if "still running" in each]
+    assert "handler of service /stop" in line
+    await handler.ends()
 
 
 async def test_unbounded_queue_loses_nothing(real_hub: Hub) -> None:

@@ -229,7 +229,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
 
     async def __aexit__(self, *error: object) -> None:
         self.close()
-        await self._tasks.finished()
+        await self._session.end_of(self._tasks)
 
     # Called by the session
 
@@ -317,7 +317,8 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
         self._current = goal
         goal.record.go(Transition.ACCEPT)
         self._send_status()
-        self._tasks.start(self._run(goal), f"goal {goal.id} of {self.name}")
+        name = f"the handler of action {self.name} (goal {goal.id})"
+        self._tasks.start(self._run(goal), name)
 
     async def _run(self, goal: ServerGoal[G, R, F]) -> None:
         """Execute a goal, send its result, and start the goal that waits for its end."""

@@ -18,6 +18,7 @@ from fibws.node.session import Session
 from fibws.protocol.goals import GoalStatus
 
 from ..conftest import FakeSession, Lines
+from ..stubborn import Stubborn
 from .conftest import FibonacciType
 
 FibonacciServerGoal = ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
@@ -513,6 +514,20 @@ async def test_leaving_the_server_ends_its_goals_and_their_tasks(serve: Serve) -
     assert server.results == {"a": ("ABORTED", ENDED, None), "b": ("REJECTED", ENDED, None)}
     server.close()
     await server.spin()
+
+
+async def test_leaving_the_server_waits_for_its_handlers_for_a_while(
+    serve: Serve, lines: Lines, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fibws.node.session.HANDLER_TIMEOUT", 0.0)
+    handler = Stubborn()
+    async with serve(handler) as server:
+        server.goal("a")
+        await handler.begun.wait()
+    assert server.results == {"a": ("ABORTED", ENDED, None)}
+    (line,) = lines.seen()
+    assert "handler of action /fibonacci (goal a)" in line
+    await handler.ends()
 
 
 async def test_close_aborts_goal_whose_task_has_not_begun(serve: Serve) -> None:
