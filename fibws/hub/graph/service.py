@@ -155,7 +155,7 @@ class Call:
         self.request: Any = service.type.fill_request(args) if service.type.is_known else args
         """Its values with every field filled; unchanged from the caller if the type is unknown."""
         self.response: dict[str, Any] | None = None
-        """Its values while its caller takes them, if the server has not responded in JSON."""
+        """Its values, if the server has not responded in JSON."""
         self.caller = caller
         self.headers = headers
         self.due = math.inf
@@ -193,7 +193,6 @@ class Call:
         """
         self.response = self.service.type.response(values)
         self.respond_json(json_of(self.response))
-        self.response = None  # A call may be kept until its deadline; a large response need not be.
 
     def respond_json(self, text: bytes) -> None:
         """Take the response as JSON."""

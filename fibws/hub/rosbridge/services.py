@@ -111,6 +111,7 @@ class Calls:
 
     def _succeeded(self, call: Call, values: bytes) -> None:
         waiting = self._waiting.pop(call)
+        call.response = None  # The call may stay in the heap, where a large response need not.
         header = {"callerid": call.service.node} if waiting.headers else None
         self._respond(waiting, values, header=header)
 

@@ -129,12 +129,6 @@ def test_missing_fields_of_a_response_get_defaults() -> None:
     assert caller.received == [b'{"sum":0}']
 
 
-def test_call_keeps_neither_request_nor_response() -> None:
-    caller = started()
-    caller.call.respond({"sum": 3})
-    assert (caller.call.request, caller.call.response) == ({}, None)
-
-
 # Internal servers: the hub's own services.
 
 

@@ -100,6 +100,15 @@ def test_all_calls_of_a_client_share_one_timer() -> None:
     assert caller.receive() == []
 
 
+def test_responses_are_not_kept_until_the_deadlines_of_their_calls() -> None:
+    _, server, caller = adder_and_caller()
+    call_add(caller)
+    respond(server, received_call(server))
+    assert len(received_sums(caller)) == 1
+    ((_, _, call),) = caller.session.calls._deadlines
+    assert (call.request, call.response) == ({}, None)
+
+
 def test_calls_that_have_ended_are_not_kept_until_their_deadlines() -> None:
     hub, server, caller = adder_and_caller()
     call_add(caller, id="waits")
