@@ -13,8 +13,9 @@ from __future__ import annotations
 import asyncio
 import html
 import io
-import ipaddress
+import logging
 import socket
+from collections import Counter
 from collections.abc import AsyncIterator, Coroutine
 from contextlib import asynccontextmanager, suppress
 from http import HTTPStatus
@@ -26,6 +27,7 @@ import h11
 
 import fibws
 from fibws.cli import node_program
+from fibws.origins import AllowedOrigins, OwnHosts, machine_names
 from fibws.suggestions import suggestion
 
 PORT = 8080
@@ -232,19 +234,47 @@ class Feeds:
         raise Refused(HTTPStatus.NOT_FOUND, f"topic {topic} is not published{hint}")
 
 
+class Refusals:
+    """Logs what is refused: of each kind the first, the tenth, the hundredth and so on.
+
+    Args:
+        log: the node's logger.
+    """
+
+    def __init__(self, log: logging.Logger) -> None:
+        self._log = log
+        self._counts: Counter[str] = Counter()
+
+    def add(self, kind: str, text: str) -> None:
+        """Log a refusal, if its number is due."""
+        self._counts[kind] += 1
+        count = self._counts[kind]
+        if str(count).strip("0") == "1":
+            self._log.warning("%s (refused %d times)", ascii(text)[1:-1], count)
+
+
 class Viewer:
     """One connection, which has one request.
 
     Args:
         feeds: the topics that are viewed.
+        pages: decides which pages may view them.
+        refusals: logs what is refused to other pages.
         reader: receives the request.
         writer: sends the response.
     """
 
     def __init__(
-        self, feeds: Feeds, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+        self,
+        feeds: Feeds,
+        pages: AllowedOrigins,
+        refusals: Refusals,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
     ) -> None:
         self._feeds = feeds
+        self._pages = pages
+        self._refusals = refusals
         self._reader = reader
         self._writer = writer
         self._wants_body = True
@@ -285,7 +315,7 @@ class Viewer:
         if request.method not in (b"GET", b"HEAD"):
             text = f"expected GET, got {request.method.decode()}"
             raise Refused(HTTPStatus.METHOD_NOT_ALLOWED, text)
-        _check_host(dict(request.headers).get(b"host", b"").decode(errors="replace"))
+        self._check_page(request)
         try:
             target = urlsplit(request.target.decode())
         except ValueError as error:
@@ -304,6 +334,21 @@ class Viewer:
             case path:
                 text = f"{path} not found: see /, /stream, /snapshot and /stream_viewer"
                 raise Refused(HTTPStatus.NOT_FOUND, text)
+
+    def _check_page(self, request: h11.Request) -> None:
+        """Refuse pages of other sites, also those that gave this machine a name of their own.
+
+        Raises:
+            Refused: a header names another site.
+        """
+        headers = {name: value.decode("latin-1") for name, value in request.headers}
+        host, origin = headers.get(b"host", ""), headers.get(b"origin")
+        text = self._pages.refusal_of(origin, host) if origin is not None else None
+        if text is None and not self._pages.knows_host(host):
+            text = f"unknown host {host[:100]!r}: use this machine's name or address"
+        if text is not None:
+            self._refusals.add("page", text)
+            raise Refused(HTTPStatus.FORBIDDEN, text)
 
     async def _snapshot(self, fields: dict[str, str]) -> None:
         async with self._feeds.view(fields) as feed:
@@ -384,22 +429,6 @@ def _head(status: HTTPStatus, media_type: str, length: int | None = None) -> byt
     return f"HTTP/1.1 {status.value} {status.phrase}\r\n{lines}\r\n".encode()
 
 
-def _check_host(host: str) -> None:
-    """Refuse names that are not this machine's: a page could let its own name lead here.
-
-    Raises:
-        Refused: it is neither an address nor a name of this machine.
-    """
-    try:
-        name = urlsplit(f"//{host}").hostname or ""
-        if name in ("localhost", socket.gethostname().lower()) or name.endswith(".local"):
-            return
-        ipaddress.ip_address(name)
-    except ValueError:
-        text = f"unknown host {host[:100]!r}: use this machine's name or address"
-        raise Refused(HTTPStatus.MISDIRECTED_REQUEST, text) from None
-
-
 def _quality(query: dict[str, str]) -> int:
     text = query.get("quality", str(QUALITY))
     if not text.isdecimal() or not 1 <= int(text[:4]) <= 100:
@@ -424,15 +453,19 @@ async def serve(node: fibws.Node) -> None:
     address = str(await node.params.get("~address", ADDRESS))
     port = int(await node.params.get("~port", PORT))
     feeds = Feeds(node)
+    pages = AllowedOrigins((), OwnHosts([address, *machine_names(socket.gethostname())]))
+    refusals = Refusals(node.log)
     connections: set[asyncio.StreamWriter] = set()
 
     async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         if len(connections) == MOST_CONNECTIONS:
+            text = f"Too many connections: the limit of {MOST_CONNECTIONS} is reached"
+            refusals.add("connections", text)
             writer.close()
             return
         connections.add(writer)
         try:
-            await Viewer(feeds, reader, writer).serve()
+            await Viewer(feeds, pages, refusals, reader, writer).serve()
         finally:
             connections.remove(writer)
 

@@ -7,7 +7,7 @@ tools       cli/                        ros1/ (launch, workspace, shell; python/
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
 the wire            |                        |                                          |
 pure        values/  protocol/  interfaces/  bags/  access/  credentials  hub_address  tls
-            names  errors  files  suggestions
+            names  errors  files  suggestions  origins
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ BELOW = {
     "credentials": {"errors", "hub_address", "protocol"},
     "command_names": set[str](),
     "definition_folders": set[str](),
+    "origins": set[str](),
     "processes": set[str](),
     "access": {"errors", "files", "suggestions"},
     "bag_recorder": {"bags", "command_names", "errors"},
@@ -45,7 +46,7 @@ BELOW = {
     "bags": {"errors", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
-    | {"hub_address", "credentials", "tls", "bag_recorder"},
+    | {"hub_address", "credentials", "tls", "bag_recorder", "origins"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
@@ -64,7 +65,7 @@ BELOW = {
     "examples": {*NODE, *CLASSES, "cli"},
     "turtlesim": {*NODE, *CLASSES, "cli", "errors"},
     "demo_robot": {*NODE, *CLASSES, "cli"},
-    "web_video_server": {*NODE, "cli", "suggestions"},
+    "web_video_server": {*NODE, "cli", "origins", "suggestions"},
     "cli": {*NODE, *LOWEST, "bags", "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"}
     | {"bag_recorder", "srv"},
@@ -78,6 +79,7 @@ BELOW_IN_HUB = {
         "errors",
         "files",
         "names",
+        "origins",
         "access",
         "protocol.websocket",
         "hub.delivery",
@@ -101,6 +103,7 @@ BELOW_IN_HUB = {
     "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
     | {"hub.audit", "hub.delivery", "hub.log_text", "hub.settings", "hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
+    | {"origins"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces", "protocol.websocket"}
     | {"credentials", "hub_address", "tls", "hub.federation", "hub.graph", "hub.audit"}
@@ -172,6 +175,7 @@ def is_in(name: str, package: str) -> bool:
 
 PURE = modules(
     *("errors.py", "names.py", "suggestions.py", "hub_address.py", "command_names.py"),
+    "origins.py",
     *("access/*.py", "bags/*.py", "protocol/*.py", "interfaces/*.py"),
     *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
     "hub/foxglove/*.py",

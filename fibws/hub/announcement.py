@@ -10,7 +10,7 @@ import ifaddr
 
 from fibws.hub.settings import Settings
 from fibws.hub.websocket import self_signed
-from fibws.hub.websocket.origins import AllowedOrigins
+from fibws.origins import AllowedOrigins, OwnHosts
 
 ALL_IPV4 = "0.0.0.0"
 ALL_IPV6 = "::"
@@ -45,7 +45,7 @@ def announcement(settings: Settings, url: str, master_uri: str = "") -> str:
             for address, page in zip(addresses, pages, strict=True)
         )
         origin = f"http://{socket.gethostname().lower()}:{parts.port}"
-        allowed = AllowedOrigins(settings.allow_origin, settings.host)
+        allowed = AllowedOrigins(settings.allow_origin, OwnHosts([settings.host]))
         refusal = allowed.refusal_of(origin, origin.removeprefix("http://"))
         if not settings.has_tls and refusal is not None:
             lines.append(

@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 from fibws.access.rights import check_glob
 from fibws.errors import AccessError, HubError
-from fibws.hub.websocket.origins import is_allowable
 from fibws.hub.websocket.proxies import Network, parse_network
+from fibws.origins import is_allowable
 
 KIB = 1024
 MIB = 1024 * KIB

@@ -201,7 +201,7 @@ async def test_requests_that_cannot_be_served_say_why(port: int, node: fibws.Nod
         assert found[0] == status, found
         assert text in found[1] or status == 400
     for host in ("evil.example", "[", ""):
-        assert (await answer(port, "/", host=host))[0] == 421
+        assert (await answer(port, "/", host=host))[0] == 403
     post = await Browser.get(port, "/", method="POST")
     assert await post.status() == 405
     long = await Browser.get(port, f"/{'a' * 100_000}")

@@ -41,6 +41,8 @@ FIRST_RETRY, LONGEST_RETRY = 1.0, 30.0
 """Seconds before a notification that failed is sent again."""
 MOST_HEAD = 16 * 1024
 """Bytes of a request's head."""
+ONCE = {"content-length", "host", "origin"}
+"""Headers that a request may have once only."""
 NOT_POST = (
     "This is a ROS master, which programs reach by XML-RPC: export ROS_MASTER_URI=http://{host}/"
 )
@@ -58,9 +60,21 @@ class Caller(NamedTuple):
     """The bytes of the call."""
 
 
+Refusal: TypeAlias = Callable[[str | None, str | None, Caller], str | None]
+"""Returns why a request with these headers ``Origin`` and ``Host`` is refused; None if it is not.
+A header that the request lacks is None."""
 Answer: TypeAlias = Callable[[str, str, list[Any], Caller], object]
 """Returns the value for the path, the method and the parameters of a call, or an awaitable of it if
 that takes a while; raises `XmlRpcError`."""
+
+
+class _Head(NamedTuple):
+    """The head of a request."""
+
+    first: str
+    """The request line."""
+    fields: dict[str, str]
+    """The headers, by their names in lower case."""
 
 
 class _Request(NamedTuple):
@@ -89,14 +103,20 @@ class XmlRpcConnection(asyncio.Protocol):
 
     Args:
         answer: makes the responses.
+        refusal: decides on web pages.
         max_body: most bytes of a call.
         closed: called once the connection has ended.
     """
 
     def __init__(
-        self, answer: Answer, max_body: int, closed: Callable[[XmlRpcConnection], object]
+        self,
+        answer: Answer,
+        refusal: Refusal,
+        max_body: int,
+        closed: Callable[[XmlRpcConnection], object],
     ) -> None:
         self._answer = answer
+        self._refusal = refusal
         self._max_body = max_body
         self._closed = closed
         self._received = bytearray()
@@ -189,7 +209,11 @@ class XmlRpcConnection(asyncio.Protocol):
             raise _Refused(431, f"The limit of a head is {MOST_HEAD} bytes")
         if end < 0:
             return None
-        request = _parse_head(bytes(self._received[:end]), self._max_body)
+        head = _read_head(bytes(self._received[:end]))
+        text = self._refusal(head.fields.get("origin"), head.fields.get("host"), self._caller)
+        if text is not None:
+            raise _Refused(403, text)
+        request = _read_request(head, self._max_body)
         del self._received[: end + 4]
         self._request = request
         self._set_timer(BODY_TIMEOUT)
@@ -308,16 +332,22 @@ class XmlRpcConnection(asyncio.Protocol):
             self._timer = self._loop.call_later(seconds, self._transport.close)
 
 
-def _parse_head(head: bytes, max_body: int) -> _Request:
-    """Return what the head of a request says; raises `_Refused`."""
+def _read_head(head: bytes) -> _Head:
+    """Return the request line and the headers; raises `_Refused`."""
     first, *lines = head.decode("latin-1").split("\r\n")
     fields: dict[str, str] = {}
     for line in lines:
         name, colon, value = line.partition(":")
         name = name.lower()
-        if not colon or name != name.strip() or (name == "content-length" and name in fields):
+        if not colon or name != name.strip() or (name in ONCE and name in fields):
             raise _Refused(400, f"invalid header: {line[:100]!r}")
         fields[name] = value.strip()
+    return _Head(first, fields)
+
+
+def _read_request(head: _Head, max_body: int) -> _Request:
+    """Return what a head says of a call; raises `_Refused`."""
+    first, fields = head
     match first.split(" "):
         case ["POST", path, "HTTP/1.1" | "HTTP/1.0" as version]:
             pass

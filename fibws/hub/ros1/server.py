@@ -8,7 +8,9 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import socket
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import suppress
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Any, TypeAlias, cast
@@ -30,6 +32,7 @@ from fibws.hub.ros1.slave import Slave
 from fibws.hub.ros1.state import StateFile
 from fibws.hub.ros1.topics import TopicLinks
 from fibws.hub.settings import Settings
+from fibws.origins import OwnHosts, machine_names
 
 logger = logging.getLogger("fibws.hub")
 
@@ -37,6 +40,8 @@ Connection: TypeAlias = "XmlRpcConnection | TcprosConnection"
 
 NODE_PATH = "/node"
 """Where the paths of the hub's nodes begin; a node's global name follows."""
+NAME_TIMEOUT = 1.0
+"""Seconds that the hub waits at its start for this machine's full name, which DNS may know."""
 BODIES = 4
 """A call may have this many times the bytes that all parameters may have: XML has long tags."""
 
@@ -67,6 +72,7 @@ class Ros1Server:
         self._settings = settings
         self._audit = audit
         self._networks = settings.ros1_networks
+        self._hosts = OwnHosts([])
         self._connections: set[Connection | _Sniffer] = set()
         self._calls = NodeCalls(self._failed)
         self.nodes = Ros1Nodes(
@@ -112,6 +118,7 @@ class Ros1Server:
                 "is a roscore running?"
             ) from error
         self.port = self._server.sockets[0].getsockname()[1]
+        self._hosts = OwnHosts([settings.ros1_host, *await own_names()], short=True)
         path = settings.ros1_state or (default_state_file(self.port) if settings.ros1 else None)
         if path is not None:
             self._state = StateFile(path, self.nodes.saved)
@@ -179,7 +186,7 @@ class Ros1Server:
     def speak_http(self) -> XmlRpcConnection:
         """Return the protocol of a connection that begins with an HTTP request."""
         most = BODIES * self._settings.max_parameter_bytes
-        return XmlRpcConnection(self._answer, most, self.closed)
+        return XmlRpcConnection(self._answer, self._page_refusal, most, self.closed)
 
     def speak_tcpros(self) -> TcprosConnection:
         """Return the protocol of a connection that begins with a TCPROS header."""
@@ -193,6 +200,21 @@ class Ros1Server:
         return self._settings.open_timeout
 
     # Calls.
+
+    def _page_refusal(self, origin: str | None, host: str | None, caller: Caller) -> str | None:
+        """Return why a request is refused that a web page may have sent."""
+        if origin is not None:
+            text = f"Web pages may not call the ROS master: this request has the origin {origin}"
+        elif host is not None and not self._hosts.has(host):
+            name = host.rpartition(":")[0] or host
+            text = (
+                f"{name} is not known to be a name of this machine. Start the hub with "
+                f"--ros1-host {name}, or write its address in ROS_MASTER_URI"
+            )
+        else:
+            return None
+        self._audit.refused("origin", text, ip=caller.host)
+        return text
 
     def _answer(self, path: str, name: str, params: list[Any], caller: Caller) -> object:
         methods, host = self._methods(path), self._settings.ros1_host
@@ -259,6 +281,18 @@ class _Sniffer(asyncio.Protocol):
     def _end(self) -> None:
         self._timer.cancel()
         self._server.closed(self)
+
+
+async def own_names() -> set[str]:
+    """Return the names of this machine, with its full one if that is found in time."""
+    name = socket.gethostname()
+    found = machine_names(name)
+    with suppress(OSError, UnicodeError, TimeoutError):
+        async with asyncio.timeout(NAME_TIMEOUT):
+            loop = asyncio.get_running_loop()
+            addresses = await loop.getaddrinfo(name, None, flags=socket.AI_CANONNAME)
+            found |= {canonical.lower() for *_, canonical, _ in addresses if canonical}
+    return found
 
 
 def default_state_file(port: int) -> Path:

@@ -1,9 +1,9 @@
 """HTTP requests on the hub's port: which WebSockets may open, and responses to plain requests.
 
-Which web pages may open a WebSocket is decided in `origins`. A browser does not show a page why its
-WebSocket was refused, so the page asks ``/origin``: the response says which origin the hub sees, if
-it may connect, and which option lets it in. It says nothing that trying would not show, so pages of
-any origin may read it.
+Which web pages may open a WebSocket is decided in `fibws.origins`. A browser does not show a page
+why its WebSocket was refused, so the page asks ``/origin``: the response says which origin the hub
+sees, if it may connect, and which option lets it in. It says nothing that trying would not show, so
+pages of any origin may read it.
 
 The page at ``/``, its parts and ``/roslib.js`` are files that the package's build makes. They are
 read once, when the hub starts; a request's path never reaches the file system.
@@ -31,8 +31,8 @@ from websockets.http11 import Request, Response
 from fibws import names
 from fibws.errors import InvalidName
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.origins import AllowedOrigins, Origin, origin_of_url
 from fibws.hub.websocket.proxies import PROTO, is_secure
+from fibws.origins import AllowedOrigins, Origin, OwnHosts, origin_of_url
 
 logger = logging.getLogger("fibws.hub")
 
@@ -180,7 +180,7 @@ class HttpRequests:
         refused: Callable[[str, str], object] = lambda reason, address: None,
     ) -> None:
         self._base = settings.base_path
-        self._origins = AllowedOrigins(settings.allow_origin, settings.host)
+        self._origins = AllowedOrigins(settings.allow_origin, OwnHosts([settings.host]))
         self._reserved = reserved
         self._refused = refused
         self._closed = ""
@@ -245,7 +245,7 @@ class HttpRequests:
                 return self._respond_to_plain(request.method, get)
             if self._closed:
                 return text_response(http.HTTPStatus.SERVICE_UNAVAILABLE, self._closed)
-            refusal = self._origins.refusal(request.headers)
+            refusal = self._page_refusal(request.headers)
             if refusal is not None:
                 self._refused(refusal, address)
                 return text_response(http.HTTPStatus.FORBIDDEN, refusal)
@@ -309,10 +309,22 @@ class HttpRequests:
         Raises:
             MultipleValuesError: a header is repeated.
         """
-        return self._origins.refusal(get.headers) or self.host_refusal(get)
+        return self._page_refusal(get.headers) or self.host_refusal(get)
+
+    def _page_refusal(self, headers: Headers) -> str | None:
+        """Return why the page that sends a request may not open a WebSocket; None if it may."""
+        origin = headers.get("Origin")
+        return self._refusal_of(origin, headers) if origin is not None else None
+
+    def _refusal_of(self, origin: str, headers: Headers) -> str | None:
+        """Return why a page of an origin may not connect, and what lets it in."""
+        host = headers.get("Host", "")
+        fault = self._origins.refusal_of(origin, host, is_secure(headers))
+        advice = f"Start the hub with --allow-origin {origin} to let them in"
+        return fault and f"{fault}. {advice}"
 
     def host_refusal(self, get: Get) -> str | None:
-        """Return why a page may not read this that gave the hub's address a name of its own."""
+        """Return why a request with this Host header is refused (DNS rebinding), or None."""
         host = get.headers.get("Host", "localhost")
         if self._origins.knows_host(host, secure=is_secure(get.headers)):
             return None
@@ -330,8 +342,7 @@ class HttpRequests:
         """
         headers = get.headers
         origin = headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
-        secure = is_secure(headers)
-        refusal = origin and self._origins.refusal_of(origin, headers.get("Host", ""), secure)
+        refusal = origin and self._refusal_of(origin, headers)
         body = {
             "origin": origin,
             "allowed": not refusal,

@@ -22,8 +22,8 @@ from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, TooManyAttempts
 from fibws.hub.access.authentication import COOKIE, Authentication
 from fibws.hub.websocket.http import Get, HttpRequests, response, text_response
-from fibws.hub.websocket.origins import origin_of_url
 from fibws.hub.websocket.proxies import is_secure
+from fibws.origins import origin_of_url
 
 ATTRIBUTES = "HttpOnly; SameSite=Strict"
 """The path is not among them: by default it is the folder of ``login``, also behind a proxy that

@@ -77,7 +77,9 @@ async def client() -> AsyncIterator[Client]:
         return value
 
     def connected() -> XmlRpcConnection:
-        return XmlRpcConnection(answer, MOST, lambda connection: client.closed.set())
+        return XmlRpcConnection(
+            answer, lambda *headers: None, MOST, lambda connection: client.closed.set()
+        )
 
     client = Client(calls)
     server = await asyncio.get_running_loop().create_server(connected, "127.0.0.1", 0)

@@ -11,13 +11,13 @@ from websockets.http11 import Request, Response
 from fibws.errors import HubError
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.http import HttpRequests
-from fibws.hub.websocket.origins import AllowedOrigins, Origin
+from fibws.origins import AllowedOrigins, Origin, OwnHosts
 
 HERE = "localhost:9090"
 
 
 def may_connect(origin: str, *allowed: str, host: str = HERE, listens_on: str = "") -> bool:
-    return AllowedOrigins(allowed, listens_on).refusal_of(origin, host) is None
+    return AllowedOrigins(allowed, OwnHosts([listens_on])).refusal_of(origin, host) is None
 
 
 def respond(path: str, headers: Headers, *allowed: str) -> Response:
@@ -141,7 +141,7 @@ def test_other_origin_than_the_allowed_one_is_refused(origin: str) -> None:
 def test_unusual_spelling_of_this_machine_is_not_its_name(host: str) -> None:
     assert not may_connect("http://localhost:9090", host=host)
     assert not may_connect(f"http://{host}", host=host)
-    assert not AllowedOrigins((), "127.0.0.1").knows_host(host)
+    assert not AllowedOrigins((), OwnHosts(["127.0.0.1"])).knows_host(host)
 
 
 def test_address_is_compared_in_any_spelling_and_with_any_port() -> None:
@@ -152,12 +152,12 @@ def test_address_is_compared_in_any_spelling_and_with_any_port() -> None:
 
 @pytest.mark.parametrize("host", ["lab.example", "LAB.example:443"])
 def test_host_of_an_allowed_origin_behind_a_proxy_is_known(host: str) -> None:
-    assert AllowedOrigins(("https://lab.example",), "127.0.0.1").knows_host(host)
+    assert AllowedOrigins(("https://lab.example",), OwnHosts(["127.0.0.1"])).knows_host(host)
 
 
 @pytest.mark.parametrize("host", ["lab.example:80", "lab.example:9090", "lab.example."])
 def test_host_with_another_port_or_dot_is_not_known(host: str) -> None:
-    assert not AllowedOrigins(("https://lab.example",), "127.0.0.1").knows_host(host)
+    assert not AllowedOrigins(("https://lab.example",), OwnHosts(["127.0.0.1"])).knows_host(host)
 
 
 @pytest.mark.parametrize("upgrade", [True, False])

@@ -1,10 +1,19 @@
-"""Which web pages may use the hub: origins and host names, compared strictly.
+"""Which web pages may use an HTTP port: origins and host names, compared strictly.
 
-A web page may open a WebSocket only if its origin names a host that the hub is known by. Without
-TLS, its own ``Host`` header proves nothing: a stranger's page can give its name this machine's
-address (DNS rebinding), so that the header must name the hub, too. With TLS, that of the hub or of
-a trusted proxy, the browser has verified a certificate of that name, which strangers do not have.
-Programs other than browsers send no origin and may connect.
+A browser sends requests of any site to any port of this machine, and does so without asking the
+port: a page cannot read a response of another origin, but its request has been carried out. Two
+headers tell such requests apart, since no page can change them. ``Origin`` names the page's site;
+programs other than browsers do not send it. ``Host`` names the server as the page addresses it: a
+stranger's page can give its own name this machine's address (DNS rebinding), so that both headers
+agree, and yet name the stranger. An address as ``Host`` proves that no name was rebound. With TLS,
+that of the hub or of a trusted proxy, the browser has verified a certificate of the name, which
+strangers do not have.
+
+Every HTTP port of fibws asks `AllowedOrigins` or `OwnHosts`, and refuses with status 403:
+
+- the hub's port: pages of allowed origins may open WebSockets,
+- the port of the ROS 1 master: no page may call it,
+- web_video_server: pages of its own origin may read images.
 
 An origin is written as browsers write it (RFC 6454, section 6.1): a scheme, a host and a port,
 without user, path or query. Scheme and host are compared without regard to case, and a scheme's
@@ -17,10 +26,6 @@ import ipaddress
 import re
 from collections.abc import Iterable
 from typing import NamedTuple, Self
-
-from websockets.datastructures import Headers
-
-from fibws.hub.websocket.proxies import is_secure
 
 DEFAULT_PORTS = {"http": 80, "https": 443}
 NULL = "null"
@@ -76,37 +81,58 @@ class Origin(NamedTuple):
         return cls(scheme, host, number)
 
 
+class OwnHosts:
+    """The host names and addresses by which a port may be addressed.
+
+    These are ``localhost``, all IP addresses, which cannot be rebound, and the given names.
+
+    Args:
+        names: of the machine; see `machine_names`.
+        short: whether all names without a dot count, too, such as those of a local network's or of
+            Docker's DNS: public websites have none.
+    """
+
+    def __init__(self, names: Iterable[str], *, short: bool = False) -> None:
+        self._names = frozenset(name.strip("[]").lower() for name in names if name)
+        self._short = short
+
+    def has(self, header: str) -> bool:
+        """Return whether a ``Host`` header has one of them."""
+        here = Origin.of_host("http", header)
+        return here is not None and self.is_own(here.host, here)
+
+    def is_own(self, host: str, dialled: Origin | None) -> bool:
+        """Return whether a host is the port's; an address that was dialled cannot be rebound."""
+        if host == "localhost" or host.endswith(".localhost") or host in self._names:
+            return True
+        try:
+            address = ipaddress.ip_address(host)
+        except ValueError:
+            return self._short and bool(host) and "." not in host
+        return address.is_loopback or (dialled is not None and host == dialled.host)
+
+
 class AllowedOrigins:
     """Decides which pages may connect.
 
     Args:
         allowed: origins, ``null`` or ``*``, from ``--allow-origin``.
-        host: the address or the name that the hub listens on.
+        hosts: by which the port may be addressed.
     """
 
-    def __init__(self, allowed: Iterable[str], host: str) -> None:
+    def __init__(self, allowed: Iterable[str], hosts: OwnHosts) -> None:
         texts = [text.strip().rstrip("/").lower() for text in allowed]
         self._any = ANY in texts
         self._null = NULL in texts
         parsed = (Origin.parse(_FILES if text == "file:" else text) for text in texts)
         self._allowed = frozenset(origin for origin in parsed if origin is not None)
-        self._host = host.strip("[]").lower()
-
-    def refusal(self, headers: Headers) -> str | None:
-        """Return why the page that sends a request may not open a WebSocket; None if it may.
-
-        Raises:
-            MultipleValuesError: a header is repeated.
-        """
-        origin = headers.get("Origin")
-        if origin is None:
-            return None
-        return self.refusal_of(origin, headers.get("Host", ""), is_secure(headers))
+        self._hosts = hosts
 
     def refusal_of(self, origin: str, host: str, secure: bool = False) -> str | None:
         """Return why a page of an origin may not connect by a host; None if it may.
 
         Args:
+            origin: the request's ``Origin`` header.
             host: the request's ``Host`` header.
             secure: whether the browser's connection has TLS.
         """
@@ -117,37 +143,31 @@ class AllowedOrigins:
         if secure and page is not None and here is not None:
             if (page.scheme, page.host) == ("https", here.host):
                 return None
-        if page is None or not self._is_own_name(page.host, here):
-            fault = f"Pages of origin {origin} may not connect"
-        elif here is None or not self._is_own_name(here.host, here):
+        if page is None or not self._hosts.is_own(page.host, here):
+            return f"Pages of origin {origin} may not connect"
+        if here is None or not self._hosts.is_own(here.host, here):
             name = here.host if here is not None else host or "without a Host header"
-            fault = f"Pages may not connect by the name {name}, which is not known to be the hub's"
-        else:
-            return None
-        return f"{fault}. Start the hub with --allow-origin {origin} to let them in"
+            return (
+                f"Pages may not connect by the name {name}, which is not known to be this machine's"
+            )
+        return None
 
     def knows_host(self, host: str, *, secure: bool = False) -> bool:
-        """Return whether a ``Host`` header names the hub, or the host of an allowed origin.
+        """Return whether a ``Host`` header names the port, or the host of an allowed origin.
 
         Args:
             secure: whether the browser's connection has TLS.
         """
-        if self._any or secure:
+        if self._any or secure or self._hosts.has(host):
             return True
-        if any(Origin.of_host(scheme, host) in self._allowed for scheme in DEFAULT_PORTS):
-            return True
-        here = Origin.of_host("http", host)
-        return here is not None and self._is_own_name(here.host, here)
+        return any(Origin.of_host(scheme, host) in self._allowed for scheme in DEFAULT_PORTS)
 
-    def _is_own_name(self, host: str, dialled: Origin | None) -> bool:
-        """Return whether a name is the hub's; an address that was dialled cannot be rebound."""
-        if host == "localhost" or host.endswith(".localhost") or (host and host == self._host):
-            return True
-        try:
-            address = ipaddress.ip_address(host)
-        except ValueError:
-            return False
-        return address.is_loopback or (dialled is not None and host == dialled.host)
+
+def machine_names(hostname: str) -> set[str]:
+    """Return the names of a machine that has a host name: it, its first label, and mDNS's name."""
+    name = hostname.lower()
+    first = name.partition(".")[0]
+    return {name, first, f"{first}.local"} - {"", ".local"}
 
 
 def origin_of_url(url: str) -> str | None:
