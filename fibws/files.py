@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 
 _BINARY = getattr(os, "O_BINARY", 0)
 """Without it, Windows would change line ends."""
@@ -38,6 +39,17 @@ def replace_file(path: Path, content: bytes, mode: int = 0o666, *, keep: bool = 
         with suppress(OSError):
             new.unlink(missing_ok=True)
         raise
+
+
+def check_writable(folder: Path) -> None:
+    """Create a folder if it is missing, and a file in it, which is removed again.
+
+    Raises:
+        OSError: it cannot be created, or no file in it.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with TemporaryFile(dir=folder):
+        pass
 
 
 @contextmanager

@@ -53,7 +53,8 @@ class WebTokens:
         self._jwt = jwt
         if algorithm not in ALGORITHMS:
             raise AccessError(
-                f"--jwt-algorithm must be one of {', '.join(ALGORITHMS)}, got {algorithm}"
+                "the algorithm (--jwt-algorithm) must be one of "
+                f"{', '.join(ALGORITHMS)}, got {algorithm}"
             )
         self._path = path
         self._algorithm = algorithm

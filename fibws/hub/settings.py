@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import math
 import re
 from dataclasses import Field, dataclass, field, fields
@@ -9,8 +10,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from fibws.access.rights import check_glob
-from fibws.errors import AccessError, HubError
+from fibws.credentials import Credentials
+from fibws.errors import AccessError, FibwsError, HubError
 from fibws.hub.websocket.proxies import Network, parse_network
+from fibws.hub_address import hub_url
 from fibws.origins import is_allowable
 
 KIB = 1024
@@ -19,6 +22,10 @@ URL_PATH = r"(/[A-Za-z0-9._~!$&'()*+,;=:@%-]+)*/?"
 """The segments of a URL's path (RFC 3986, section 3.3)."""
 
 GLOBAL_NAME = r"(/[A-Za-z]\w*)+"
+
+ENDPOINT = r"(?:tcp|udp|tls|quic|ws)/(?:\[[0-9A-Fa-f:.%]+\]|[^\s:/\[\]]+):(\d{1,5})([?#]\S*)?"
+"""An endpoint of zenoh that has a host and a port."""
+OTHER_ENDPOINT = r"(?:serial|unixsock-stream|unixpipe|vsock)/\S+"
 
 LOG_FORMATS = ("text", "json")
 COMPRESSIONS = ("none", "bz2", "lz4")
@@ -303,6 +310,7 @@ class Settings:
         self._check_record()
         self._check_join()
         self._check_addresses()
+        self._check_endpoints()
 
     def _check_numbers(self) -> None:
         for setting in fields(self):
@@ -316,6 +324,8 @@ class Settings:
     def _check_addresses(self) -> None:
         if not re.fullmatch(URL_PATH, self.url_path):
             raise HubError(f"--url-path must be a path such as /robot, got {self.url_path}")
+        if self.ros1_host and not _is_host(self.ros1_host):
+            raise HubError(f"--ros1-host must be a name or an address, got {self.ros1_host}")
         for network in self.trusted_proxy:
             parse_network(network, "--trusted-proxy")
         for network in self.ros1_allow:
@@ -326,6 +336,17 @@ class Settings:
                     "--allow-origin must be a scheme, a host and perhaps a port, such as "
                     f"https://lab.example, or null or *; got {origin}"
                 )
+
+    def _check_endpoints(self) -> None:
+        for name in ("zenoh_listen", "zenoh", "ros2", "ros2_connect"):
+            for endpoint in getattr(self, name):
+                if endpoint == "auto" and name == "zenoh":
+                    continue
+                if not _is_endpoint(endpoint):
+                    raise HubError(
+                        f"--{name.replace('_', '-')} must be an endpoint such as tcp/robot:7447, "
+                        f"got {endpoint!r}"
+                    )
 
     def _check_record(self) -> None:
         if self.record_compression not in COMPRESSIONS:
@@ -352,6 +373,14 @@ class Settings:
         return self.cert is not None or self.self_signed
 
     def _check_join(self) -> None:
+        for url in self.join:
+            if not url.strip():
+                raise HubError("--join must be the address of a hub, got an empty text")
+            try:
+                hub_url(url)
+                Credentials.find(url, environment={})
+            except FibwsError as error:
+                raise HubError(f"--join: {error}") from None
         if self.join_prefix and not re.fullmatch(GLOBAL_NAME, self.join_prefix):
             raise HubError(f"--as must be a global name such as /robot7, got {self.join_prefix}")
         for namespace in self.share_params:
@@ -375,3 +404,21 @@ class Settings:
             raise HubError("--self-signed and --cert exclude each other")
         if self.client_ca is not None and not self.has_tls:
             raise HubError("--client-ca requires TLS: --cert and --key, or --self-signed")
+
+
+def _is_endpoint(text: str) -> bool:
+    found = re.fullmatch(ENDPOINT, text)
+    if found is not None:
+        return int(found[1]) < 65536
+    return re.fullmatch(OTHER_ENDPOINT, text) is not None
+
+
+def _is_host(text: str) -> bool:
+    """Return whether a text is the name of a machine, or an IP address."""
+    if re.fullmatch(r"[A-Za-z0-9_.-]+", text):
+        return True
+    try:
+        ipaddress.ip_address(text)
+    except ValueError:
+        return False
+    return True

@@ -73,6 +73,7 @@ class Authentication:
         self._tokens = Tokens({}, {}, None)
         self._web_tokens: WebTokens | None = None
         self._attempts = WrongTokens(now)
+        option = "--jwt-key"
         try:
             if settings.jwt_key is not None:
                 self._web_tokens = WebTokens(
@@ -81,10 +82,11 @@ class Authentication:
                     settings.jwt_audience or None,
                     settings.jwt_leeway,
                 )
+            option = "--tokens"
             if self._path is not None:
                 self._tokens = Tokens.load(self._path)
         except AccessError as error:
-            raise HubError(str(error)) from None
+            raise HubError(f"{option}: {error}") from None
 
     def reload(self) -> None:
         """Read all files again; raise `AccessError` and keep the old content on a fault."""

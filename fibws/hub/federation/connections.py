@@ -203,7 +203,7 @@ class Join:
         principal: returns the principal whose rights the other hub has here.
 
     Raises:
-        FibwsError: the address or the token is invalid.
+        FibwsError: the address or the token is invalid, or a certificate cannot be read.
     """
 
     def __init__(
@@ -220,6 +220,8 @@ class Join:
         """Called with the reason each time a connection fails or ends."""
         self._credentials = Credentials.find(address, environment={})
         self._tls = TlsFiles.choose()
+        if self.url.startswith("wss:"):
+            self._tls.context(self.url)
         self._federation = federation
         self._settings = settings
         self._principal = principal

@@ -15,7 +15,8 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from fibws.files import replace_file
+from fibws.errors import HubError
+from fibws.files import check_writable, replace_file
 from fibws.hub.ros1.nodes import SavedNode, is_api
 
 logger = logging.getLogger("fibws.hub")
@@ -44,6 +45,18 @@ class StateFile:
         self._is_closing = asyncio.Event()
         self._fault = ""
         """Why the last write failed; empty if it succeeded."""
+
+    def check(self) -> None:
+        """Raise `HubError` if the file cannot be read or written, or is another program's."""
+        try:
+            check_writable(self._path.parent)
+            content = self._path.read_bytes() if self._path.exists() else b""
+        except OSError as error:
+            fault = f"cannot use {self._path}: {error.strerror}"
+            raise HubError(f"--ros1-state: {fault}") from None
+        # One that a crash has damaged, or a newer hub has written, is replaced.
+        if (known := content.strip(b"\0 \n")) and not known.startswith(b"{"):
+            raise HubError(f"--ros1-state: {self._path} is not a state file; choose another path")
 
     def read(self) -> list[SavedNode]:
         """Return the nodes of the file; an empty list if it is missing or invalid."""
