@@ -13,14 +13,15 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from contextlib import AsyncExitStack, ExitStack, suppress
 from functools import cache, partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from fibws import __version__
 from fibws.access.rights import Principal
-from fibws.errors import FibwsError, HubError, NotAllowed
+from fibws.errors import FibwsError, HubError, InterfaceError, NotAllowed
+from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import machine_addresses
@@ -102,7 +103,7 @@ class Hub:
 
     Raises:
         HubError: on entering, when it cannot listen, most likely because the port is taken, or when
-            it cannot use its certificate.
+            it cannot use a certificate, or another file, folder or address of its settings.
         InterfaceError: a folder of definitions is not there.
     """
 
@@ -115,7 +116,7 @@ class Hub:
         self.port = self.settings.port
         """The port it listens on; once entered, also when the system chose it."""
         self.graph = Graph(
-            Interfaces(self.settings.interfaces),
+            _interfaces(self.settings),
             time.time_ns,
             strict_types=self.settings.strict_types,
             max_parameter_bytes=self.settings.max_parameter_bytes,
@@ -157,45 +158,87 @@ class Hub:
         self._started = 0.0
         self._handle_exception: ExceptionHandler | None = None
         """The event loop's exception handler before this hub's."""
+        self._end = AsyncExitStack()
+        """What ends the parts that have been started, in reverse order."""
+        self._ending = asyncio.Lock()
         self._closing = False
-        self._empty = asyncio.Event()
-        self._empty.set()
-        self._vacant = asyncio.Event()
+        self._empty = _set_event()
+        self._vacant = _set_event()
         """Set while no client is connected."""
-        self._vacant.set()
 
     async def __aenter__(self) -> Self:
+        try:
+            await self._start()
+        except BaseException:
+            await self.close()
+            raise
+        return self
+
+    async def _start(self) -> None:
+        """Start one part after the other; how each is ended goes to `_end`, which `close` runs."""
         loop = asyncio.get_running_loop()
-        host = self.settings.host
+        end = self._end
+        self._handle_exception = loop.get_exception_handler()
+        loop.set_exception_handler(self._on_exception)
+        end.callback(self._restore_exception_handler)
         self._tls = _tls(self.settings)
-        self._server = await self._bind(loop)
-        address, self.port = self._server.sockets[0].getsockname()[:2]
+        self._server = server = await self._bind(loop)
+        end.push_async_callback(self._wait_until_closed, server)
+        end.callback(server.close)  # Again, if the start fails: see the last step.
+        self._threads = WorkerThreads(loop)
+        end.push_async_callback(self._threads.close)
+        self._readers = WorkerThreads(loop, most=1)
+        end.push_async_callback(self._readers.close)
+        self._enter_own_nodes(server)
+        self._federate()
+        self._prepare_recording()
+        await self._join_ros1()
+        self._answer_requests()
+        end.push_async_callback(self._close_connections)
+        await self._join_ros2()
+        await self._join_zenoh()
+        for join in self._joins:
+            end.push_async_callback(join.close)
+            join.start()
+        self._lag.start()
+        end.callback(self._lag.stop)
+        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
+        end.callback(lambda: self._sweeper.cancel())
+        self._started = time.monotonic()
+        self._warn_if_public()
+        end.callback(server.close)
+        await server.start_serving()
+        for listening in server.sockets:
+            with listening.dup() as same:
+                same.listen(BACKLOG)
+
+    def _enter_own_nodes(self, server: asyncio.Server) -> None:
+        loop = asyncio.get_running_loop()
+        address, self.port = server.sockets[0].getsockname()[:2]
         self.audit = Audit(loop.time, self._identify)
         self.graph.on_refused = self._refused
-        try:
-            self._own = OwnNodes(
-                self.graph,
-                loop,
-                self.audit,
-                host=_reached_at(host),
-                port=self.port,
-                address=address,
-                run_id=str(uuid.uuid1()),
-                hubs=lambda caller: self.federation.report(caller, self._broken_links()),
-            )
-        except FibwsError:  # The parameters may have no room for even the first ones.
-            self._server.close()
-            raise
-        if self.settings.ros1 is not None:
-            await self._join_ros1()
-        if self.settings.record is not None:
-            self._begin_recording()
-        self._threads = WorkerThreads(loop)
-        self._readers = WorkerThreads(loop, most=1)
+        self._own = OwnNodes(
+            self.graph,
+            loop,
+            self.audit,
+            host=_reached_at(self.settings.host),
+            port=self.port,
+            address=address,
+            run_id=str(uuid.uuid1()),
+            hubs=lambda caller: self.federation.report(caller, self._broken_links()),
+        )
+        self._end.callback(self._own.close)
+
+    def _answer_requests(self) -> None:
+        """Prepare for clients and HTTP requests, which come once the server serves."""
+        loop = asyncio.get_running_loop()
         rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
-        self.endpoints = Endpoints(rosbridge.open)
-        self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
-        self._federate()
+        self.endpoints = endpoints = Endpoints(rosbridge.open)
+        endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
+        endpoints.add(
+            lambda opening: LinkEndpoint(opening, self.federation, self.settings),
+            subprotocol=link.SUBPROTOCOL,
+        )
         self._speak_foxglove()
         self._requests = requests = HttpRequests(
             self.settings, read_files(), RESERVED_NODES, partial(_refuse_origin, self.audit)
@@ -240,7 +283,7 @@ class Hub:
             settings=self.settings,
             http=requests,
             proxies=TrustedProxies(self.settings.trusted_proxy),
-            endpoints=self.endpoints,
+            endpoints=endpoints,
             loop=loop,
             flusher=flusher,
             turns=Turns(loop.call_later, flusher.flush),
@@ -250,21 +293,6 @@ class Hub:
             audit=self.audit,
             is_simulated=lambda: self.graph.clock.simulated is not None,
         )
-        self._warn_if_public()
-        self._started = time.monotonic()
-        self._handle_exception = loop.get_exception_handler()
-        loop.set_exception_handler(self._on_exception)
-        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
-        self._lag.start()
-        for join in self._joins:
-            join.start()
-        await self._join_zenoh()
-        await self._join_ros2()
-        await self._server.start_serving()
-        for listening in self._server.sockets:
-            with listening.dup() as same:
-                same.listen(BACKLOG)
-        return self
 
     async def __aexit__(
         self,
@@ -275,9 +303,12 @@ class Hub:
         await self.close()
 
     async def _join_ros1(self) -> None:
+        """Let ROS 1 nodes join, if the settings want that."""
+        if self.settings.ros1 is None:
+            return
         from fibws.hub.ros1.server import Ros1Server  # Most hubs need none of it.
 
-        ros1 = Ros1Server(
+        self.ros1 = Ros1Server(
             self.graph,
             self.settings,
             self.audit,
@@ -285,41 +316,46 @@ class Hub:
             kill=self._kill,
             shut_down=lambda reason: self.stop_requested(reason),
         )
-        try:
-            await ros1.start()
-        except HubError:
-            self._own.close()
-            self._server.close()
-            raise
-        self.ros1 = ros1
+        self._end.push_async_callback(self.ros1.close)
+        await self.ros1.start()
 
-    def _begin_recording(self) -> None:
+    def _prepare_recording(self) -> None:
+        """Record all topics, if the settings want that."""
+        folder = self.settings.record
+        if folder is None:
+            return
         from fibws.hub.recording import Recording  # Most hubs need none of it.
 
+        try:
+            check_writable(folder)
+        except OSError as error:
+            fault = error.strerror or str(error)
+            raise HubError(f"--record: cannot write to {folder}: {fault}") from None
         loop = asyncio.get_running_loop()
         self.recording = Recording(self.graph, self.settings, self.audit, loop)
+        self._end.push_async_callback(self._end_recording, self.recording)
         if self.settings.record_at_start:
             self.recording.start()
 
-    async def _end_recording(self) -> None:
+    async def _end_recording(self, recording: Recording) -> None:
         """Wait for the end of the file, unless the disk hangs."""
-        if self.recording is None:
-            return
         complete = asyncio.Event()
-        self.recording.close(complete.set)
+        recording.close(complete.set)
         before = -1
-        while not complete.is_set():
-            written = self.recording.totals().messages
-            if written == before:
-                logger.error(
-                    "The recording is not complete: the disk has not answered for %g s.",
-                    RECORDING_TIMEOUT,
-                )
-                break
-            before = written
-            with suppress(TimeoutError):
-                await asyncio.wait_for(complete.wait(), RECORDING_TIMEOUT)
-        self.recording.remove()
+        try:
+            while not complete.is_set():
+                written = recording.totals().messages
+                if written == before:
+                    logger.error(
+                        "The recording is not complete: the disk has not answered for %g s.",
+                        RECORDING_TIMEOUT,
+                    )
+                    break
+                before = written
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(complete.wait(), RECORDING_TIMEOUT)
+        finally:
+            recording.remove()
 
     def _federate(self) -> None:
         """Let other hubs join this one, and prepare to join others."""
@@ -327,15 +363,15 @@ class Hub:
         hub = HubInfo(id=secrets.token_hex(8), name=name, version=__version__)
         loop = asyncio.get_running_loop()
         self.federation = Federation(self.graph, hub, loop, self.settings, self.audit)
+        self._end.callback(self.federation.close)
         principal = partial(self._network_principal, "join")
-        self._joins = [
-            Join(address, self.federation, self.settings, principal)
-            for address in dict.fromkeys(self.settings.join)
-        ]
-        self.endpoints.add(
-            lambda opening: LinkEndpoint(opening, self.federation, self.settings),
-            subprotocol=link.SUBPROTOCOL,
-        )
+        try:
+            self._joins = [
+                Join(address, self.federation, self.settings, principal)
+                for address in dict.fromkeys(self.settings.join)
+            ]
+        except FibwsError as error:
+            raise HubError(f"--join: {error}") from None
 
     def _speak_foxglove(self) -> None:
         """Let Foxglove and Lichtblick connect by their own protocol, which the first one loads."""
@@ -382,11 +418,8 @@ class Hub:
             config=settings.zenoh_config,
             max_queued=settings.max_queued_bytes,
         )
-        try:
-            await self._zenoh.open()
-        except FibwsError:
-            await self.close()
-            raise
+        self._end.push_async_callback(self._zenoh.close)
+        await self._zenoh.open()
 
     async def _join_ros2(self) -> None:
         """Let ROS 2 nodes join, if the settings want that."""
@@ -395,11 +428,8 @@ class Hub:
         from fibws.hub.ros2.server import Ros2  # Most hubs need none of it.
 
         self.ros2 = Ros2(self.graph, self.settings, self._network_principal("ros2"))
-        try:
-            await self.ros2.start()
-        except FibwsError:
-            await self.close()
-            raise
+        self._end.push_async_callback(self.ros2.close)
+        await self.ros2.start()
 
     def _broken_links(self) -> list[dict[str, Any]]:
         """Return the links that should be there and are not, as fibws_msgs/HubLink."""
@@ -456,34 +486,31 @@ class Hub:
             await asyncio.wait_for(self._vacant.wait(), self.settings.close_timeout)
 
     async def close(self) -> None:
-        """Close all connections and stop; clients that do not answer in time are cut off."""
+        """Close all connections and stop; clients that do not answer in time are cut off.
+
+        Every step runs even if one raises, or this is cancelled.
+        """
         self._closing = True
-        self._server.close()
-        self._sweeper.cancel()
-        self._lag.stop()
-        for join in self._joins:
-            await join.close()
-        if self._zenoh is not None:
-            await self._zenoh.close()
-        if self.ros2 is not None:
-            await self.ros2.close()
+        async with self._ending:
+            await self._end.aclose()
+
+    async def _close_connections(self) -> None:
+        """Close the clients' connections, with a reason; abort those that remain."""
         for connection in list(self._connections):
             connection.close(SHUTDOWN)
         try:
-            await asyncio.wait_for(self._empty.wait(), self.settings.close_timeout)
-        except TimeoutError:
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._empty.wait(), self.settings.close_timeout)
+        finally:
             for connection in list(self._connections):
                 connection.abort()
-            await self._empty.wait()
-        if self.ros1 is not None:
-            await self.ros1.close()
-        await self._end_recording()
-        self.federation.close()
-        self._own.close()
-        await self._threads.close()
-        await self._readers.close()
+        await self._empty.wait()
+
+    async def _wait_until_closed(self, server: asyncio.Server) -> None:
         with suppress(TimeoutError):  # Clients may be in the middle of their TLS handshake.
-            await asyncio.wait_for(self._server.wait_closed(), self.settings.close_timeout)
+            await asyncio.wait_for(server.wait_closed(), self.settings.close_timeout)
+
+    def _restore_exception_handler(self) -> None:
         loop = asyncio.get_running_loop()
         if loop.get_exception_handler() == self._on_exception:
             loop.set_exception_handler(self._handle_exception)
@@ -701,6 +728,19 @@ def _tls(settings: Settings) -> ServerTls | None:
     return ServerTls(settings.cert, settings.key, settings.client_ca)
 
 
+def _set_event() -> asyncio.Event:
+    event = asyncio.Event()
+    event.set()
+    return event
+
+
+def _interfaces(settings: Settings) -> Interfaces:
+    try:
+        return Interfaces(settings.interfaces)
+    except InterfaceError as error:
+        raise InterfaceError(f"--interfaces: {error}") from None
+
+
 def _refuse_login(audit: Audit, reason: str, address: str) -> None:
     audit.refused("authentication", reason, ip=address)
 
@@ -723,5 +763,6 @@ def _why_not(host: str, port: int, error: OSError) -> str:
     if error.errno == errno.EADDRINUSE:
         return f"Port {port} on {host} is in use, perhaps by another hub; choose one with --port"
     if error.errno in (errno.EADDRNOTAVAIL, None):  # From Python 3.13 on asyncio names none.
-        return f"{host} is not an address of this machine"
-    return f"Cannot listen on {host}:{port}: {error.strerror or error}"
+        return f"--host: {host} is not an address of this machine"
+    option = "--host: cannot" if isinstance(error, socket.gaierror) else "Cannot"
+    return f"{option} listen on {host}:{port}: {error.strerror or error}"

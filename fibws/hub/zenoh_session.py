@@ -16,7 +16,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Sequence
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fibws.errors import HubError
 from fibws.hub.log_text import printable
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     import zenoh
 
 logger = logging.getLogger("fibws.hub")
+
+T = TypeVar("T")
 
 AUTO = "auto"
 """In place of an endpoint: find others by multicast."""
@@ -39,7 +41,7 @@ TURN = 0.001
 
 
 async def open_session(
-    listen: Sequence[str], connect: Sequence[str], config: Path | None, *, flag: str
+    listen: Sequence[str], connect: Sequence[str], config: Path | None, *, flags: tuple[str, str]
 ) -> zenoh.Session:
     """Open a session as a router.
 
@@ -47,21 +49,50 @@ async def open_session(
         listen: endpoints to listen on, such as ``tcp/0.0.0.0:7447``.
         connect: endpoints to connect to again and again, or ``auto``.
         config: a file of zenoh's own settings, for TLS and access control.
-        flag: names the setting in errors.
+        flags: the settings of the endpoints to listen on, and of those to connect to, for errors.
 
     Raises:
         HubError: zenoh is not installed, or the file or an endpoint cannot be used.
     """
+    flag = " and ".join(
+        name for name, values in zip(flags, (listen, connect), strict=True) if values
+    )
     try:
         import zenoh
     except ImportError:
         raise HubError(f"{flag} requires eclipse-zenoh: pip install 'fibws[zenoh]'") from None
     try:
-        return await asyncio.to_thread(zenoh.open, _config(listen, connect, config))
+        base = zenoh.Config.from_file(config) if config is not None else zenoh.Config()
+    except (zenoh.ZError, OSError, ValueError) as error:
+        fault = printable(_fault(error))
+        raise HubError(f"--zenoh-config: cannot use {config}: {fault}") from None
+    try:
+        return await call_in_thread(
+            lambda: zenoh.open(_with_endpoints(base, listen, connect)),
+            undo=lambda session: session.close(),  # type: ignore[no-untyped-call]
+        )
     except (zenoh.ZError, OSError, ValueError) as error:
         endpoints = ", ".join((*listen, *connect))
         fault = printable(_fault(error))
         raise HubError(f"{flag}: cannot use {endpoints}: {fault}") from None
+
+
+async def call_in_thread(
+    function: Callable[[], T], undo: Callable[[T], object] = lambda result: None
+) -> T:
+    """Call a function in a thread, to its end even if this is cancelled.
+
+    Args:
+        undo: called in a thread, with the result, if this was cancelled.
+    """
+    call = asyncio.ensure_future(asyncio.to_thread(function))
+    try:
+        return await asyncio.shield(call)
+    except asyncio.CancelledError:
+        await asyncio.wait([call])
+        if call.exception() is None:
+            await asyncio.to_thread(undo, call.result())
+        raise
 
 
 def direct(
@@ -86,10 +117,9 @@ def _fault(error: Exception) -> str:
     return re.split(r"\.? at /", quoted[1] if quoted else text)[0][:300]
 
 
-def _config(listen: Sequence[str], connect: Sequence[str], path: Path | None) -> zenoh.Config:
-    import zenoh
-
-    config = zenoh.Config.from_file(path) if path is not None else zenoh.Config()
+def _with_endpoints(
+    config: zenoh.Config, listen: Sequence[str], connect: Sequence[str]
+) -> zenoh.Config:
     endpoints = [each for each in connect if each != AUTO]
     values: dict[str, Any] = {
         "mode": "router",

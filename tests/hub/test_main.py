@@ -332,6 +332,20 @@ def test_port_in_use_is_one_line_and_exit_code_1() -> None:
     assert re.fullmatch(rf"fibws\.hub: Port {port} on 127\.0\.0\.1 is in use.*--port.*\n", err)
 
 
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("--record", "/etc/passwd"), ("--join", "http://robot"), ("--url-file", "/etc/passwd/url")],
+)
+def test_option_that_cannot_be_fulfilled_is_one_line_and_exit_code_1(
+    option: str, value: str
+) -> None:
+    with running("--port", "0", option, value) as hub:
+        code, out, err = hub.end()
+    assert (code, out) == (1, "")
+    assert err.startswith(f"fibws.hub: {option}: ")
+    assert len(err.splitlines()) == 1
+
+
 def test_hub_runs_without_uvloop(tmp_path: Path) -> None:
     (tmp_path / "uvloop.py").write_text("raise ImportError")
     with running("--port", "0", PYTHONPATH=os.pathsep.join([str(tmp_path), os.getcwd()])) as hub:
@@ -468,7 +482,7 @@ def test_missing_interfaces_folder_is_one_line() -> None:
     with running("--port", "0", "--interfaces", "/no/such/folder") as hub:
         code, out, err = hub.end()
     assert (code, out) == (1, "")
-    assert err == "fibws.hub: /no/such/folder: folder of definitions not found.\n"
+    assert err == "fibws.hub: --interfaces: /no/such/folder: folder of definitions not found.\n"
 
 
 def _read_url(file: Path) -> str:

@@ -77,7 +77,7 @@ class TestListening:
                 pass
 
     async def test_unknown_host_cannot_be_listened_on(self) -> None:
-        with pytest.raises(HubError, match=r"Cannot listen on no\.such\.invalid:0: "):
+        with pytest.raises(HubError, match=r"--host: cannot listen on no\.such\.invalid:0: "):
             async with Hub(Settings(host="no.such.invalid", port=0)):
                 pass
 

@@ -52,7 +52,15 @@ from fibws.hub.federation.records import (
     failure,
 )
 from fibws.hub.log_text import is_power_of_ten, printable
-from fibws.hub.zenoh_session import LEASE, RETRY, Inbox, Sender, direct, open_session
+from fibws.hub.zenoh_session import (
+    LEASE,
+    RETRY,
+    Inbox,
+    Sender,
+    call_in_thread,
+    direct,
+    open_session,
+)
 
 if TYPE_CHECKING:
     import zenoh
@@ -180,6 +188,7 @@ class ZenohBackplane(Backplane):
         """Own requests by their ids: the hub, what takes replies, and what ends the query."""
         self._handled: dict[tuple[str, str], Cancel] = {}
         self._faults = 0
+        self._is_open = False
         self._timer: asyncio.TimerHandle | None = None
 
     def report(self) -> dict[str, Any]:
@@ -196,12 +205,13 @@ class ZenohBackplane(Backplane):
             NotAllowed: the policy forbids the node.
         """
         self._session = await open_session(
-            self._listen, self._connect, self._config, flag="--zenoh"
+            self._listen, self._connect, self._config, flags=("--zenoh-listen", "--zenoh")
         )
         self._small.start()
         self._large.start()
+        self._is_open = True
         self._network.attach(self)
-        await asyncio.to_thread(self._declare)
+        await call_in_thread(self._declare)
         self._timer = self._loop.call_later(PING_INTERVAL, self._ping)
 
     def _declare(self) -> None:
@@ -413,10 +423,12 @@ class ZenohBackplane(Backplane):
 
     async def close(self) -> None:
         """Leave the network."""
-        if self._timer is None:
+        if not self._is_open:
             return
-        self._timer.cancel()
-        self._timer = None
+        self._is_open = False
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
         for hub in list(self._peers):
             self._lose(hub, "this hub ends")
         self._network.detach(self)

@@ -10,7 +10,7 @@ import logging
 import os
 import socket
 from collections.abc import Awaitable, Callable, Sequence
-from contextlib import suppress
+from contextlib import AsyncExitStack, suppress
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Any, TypeAlias, cast
@@ -92,9 +92,9 @@ class Ros1Server:
         self.nodes.gone = self._master.forget
         self._slave = Slave(graph, self.nodes, self._topics, kill, lambda: self.port)
         self._of_hub = self._slave.methods("") | self._master.methods
-        self._state: StateFile | None = None
-        self._watching: asyncio.Task[None]
         self._server: asyncio.Server
+        self._end = AsyncExitStack()
+        """What ends the parts that have been started, in reverse order."""
         if principal is not None:
             graph.policy.enter(CLIENT, principal, is_chosen=False, is_taken=False)
 
@@ -108,8 +108,13 @@ class Ros1Server:
         loop = asyncio.get_running_loop()
         settings = self._settings
         host = None if self._networks else "127.0.0.1"
+        self._end.push_async_callback(self._calls.close)
+        self._end.callback(self._abort_connections)
+        self._end.push_async_callback(self._services.close)
+        self._end.push_async_callback(self._topics.close)
+        self._end.push_async_callback(self.nodes.close)
         try:
-            self._server = await loop.create_server(
+            self._server = server = await loop.create_server(
                 lambda: _Sniffer(self), host, settings.ros1 or 0, start_serving=False
             )
         except OSError as error:
@@ -117,31 +122,39 @@ class Ros1Server:
                 f"--ros1: cannot listen on port {settings.ros1}: {error.strerror or error}; "
                 "is a roscore running?"
             ) from error
-        self.port = self._server.sockets[0].getsockname()[1]
+        self._end.callback(server.close)
+        self.port = server.sockets[0].getsockname()[1]
         self._hosts = OwnHosts([settings.ros1_host, *await own_names()], short=True)
         path = settings.ros1_state or (default_state_file(self.port) if settings.ros1 else None)
         if path is not None:
-            self._state = StateFile(path, self.nodes.saved)
-            for saved in self._state.read():
+            state = StateFile(path, self.nodes.saved)
+            if settings.ros1_state is not None:
+                state.check()
+            for saved in state.read():
                 self.nodes.restore(saved)
-            self.nodes.changed = self._state.changed
-        await self._server.start_serving()
-        self._watching = loop.create_task(self.nodes.watch())
+            self._end.callback(self._forget_state)
+            self._end.push_async_callback(state.close)
+            self.nodes.changed = state.changed
+        await server.start_serving()
+        self._end.push_async_callback(
+            self._stop_watching, loop.create_task(self.nodes.watch(), name="ROS 1 nodes")
+        )
+        self._end.callback(server.close)
 
     async def close(self) -> None:
         """Close all connections; the nodes are left as they are, for the next hub."""
-        self._server.close()
-        self._watching.cancel()
-        if self._state is not None:
-            await self._state.close()
+        await self._end.aclose()
+
+    async def _stop_watching(self, watching: asyncio.Task[None]) -> None:
+        watching.cancel()
+        await asyncio.gather(watching, return_exceptions=True)
+
+    def _forget_state(self) -> None:
         self.nodes.changed = lambda: None
-        await self.nodes.close()
-        await self._topics.close()
-        await self._services.close()
+
+    def _abort_connections(self) -> None:
         for connection in list(self._connections):
             connection.abort()
-        await self._calls.close()
-        await asyncio.gather(self._watching, return_exceptions=True)
 
     def _failed(self, uri: str, error: NodeUnreachable) -> None:
         """Take note that a notification has failed; a node that is registered is sent it again."""

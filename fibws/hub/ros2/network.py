@@ -137,7 +137,8 @@ class Network:
         """Connect; raises `HubError` if that is impossible, or a package is missing."""
         if find_spec("xxhash") is None:
             raise HubError("--ros2 requires xxhash: pip install 'fibws[zenoh]'")
-        self._session = await open_session(self._listen, self._connect, self._config, flag="--ros2")
+        flags = "--ros2", "--ros2-connect"
+        self._session = await open_session(self._listen, self._connect, self._config, flags=flags)
         self.session_id = str(self._session.zid())
         self._is_open = True
         self._sender.start()

@@ -248,8 +248,7 @@ async def test_another_program_at_the_address_is_not_taken_for_the_node(
     [
         "",
         "{",
-        "[]",
-        "[" * 200_000,
+        '{"x": ' * 200_000,
         '{"version": 99, "nodes": []}',
         '{"version": 1, "nodes": [{}]}',
         "\0",
@@ -299,9 +298,10 @@ async def test_state_file_that_cannot_be_written_is_reported(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(state, "DELAY", 0.0)
-    (tmp_path / "file").touch()
-    path = tmp_path / "file" / "state.json"
+    path = tmp_path / "folder" / "state.json"
     hub = await start_hub(ros1=0, ros1_state=path)
+    path.parent.rmdir()
+    path.parent.touch()
     assert hub.ros1 is not None
     async with Peer("/talker", hub.ros1.uri) as talker, fibws.Node("node", hub=hub.url) as node:
         await talker.advertise("/count")
