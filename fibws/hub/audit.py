@@ -95,6 +95,17 @@ class Audit:
         """Count a refusal that is logged elsewhere."""
         self.refusals[reason] += 1
 
+    def connections_refused(self, why: str, count: int) -> None:
+        """Record that connections were refused for a limit; each of them has been counted.
+
+        Args:
+            count: 0 if they wait until they can be accepted.
+        """
+        refused = f". {count} refused" if count else ""
+        fields = {"reason": "limit", "why": why, "count": str(count)}
+        text = f"Cannot accept more connections: {why}{refused}"
+        self._record(logging.WARNING, "refused", text, fields)
+
     def parameter_written(self, parameter: str, *, node: str, deleted: bool = False) -> None:
         """Record that a node has set or deleted a parameter."""
         client = self._client(node)

@@ -216,6 +216,8 @@ class Hub:
         loop = asyncio.get_running_loop()
         address, self.port = server.sockets[0].getsockname()[:2]
         self.audit = Audit(loop.time, self._identify)
+        self._limits = SharedLimits(self.settings, self._connections, loop.call_soon, self.audit)
+        self._end.callback(self._limits.report_refusals)
         self.graph.on_refused = self._refused
         self._own = OwnNodes(
             self.graph,
@@ -252,12 +254,6 @@ class Hub:
         self._probes.add_to(requests)
         LoginRoutes(requests, self._authentication, partial(_refuse_login, self.audit))
         AssetRoute(requests, self.assets, self._authentication, self._readers)
-        self._limits = SharedLimits(
-            self.settings,
-            self._connections,
-            loop.call_soon,
-            partial(self.audit.count, "limit"),
-        )
         metrics = Metrics(
             self.graph,
             self._connections,
@@ -312,6 +308,7 @@ class Hub:
             self.graph,
             self.settings,
             self.audit,
+            limits=self._limits,
             principal=self._network_principal("ros1"),
             kill=self._kill,
             shut_down=lambda reason: self.stop_requested(reason),

@@ -174,6 +174,18 @@ async def test_repeated_header_is_refused(hub: Hub, find: Find, name: str) -> No
     assert (await status(twice))[0] == 400
 
 
+async def test_connections_that_the_video_server_refuses_are_logged_once(
+    hub: Hub, find: Find, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(web_video_server, "MOST_CONNECTIONS", 0)
+    port = await find("video")
+    for _ in range(3):
+        reader, writer = await asyncio.open_connection("127.0.0.1", port.number)
+        assert await reader.read() == b""
+        writer.close()
+    assert caplog.text.count("the limit of 0 is reached") == 1
+
+
 def test_all_listening_ports_are_tested_here() -> None:
     package = Path(fibws.__file__).parent
     listening = {

@@ -13,7 +13,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, suppress
 from ipaddress import ip_address
 from pathlib import Path
-from typing import Any, TypeAlias, cast
+from typing import Any, Protocol, TypeAlias, cast
 
 from fibws.access.rights import Principal
 from fibws.errors import HubError, NodeUnreachable, XmlRpcError
@@ -46,10 +46,21 @@ BODIES = 4
 """A call may have this many times the bytes that all parameters may have: XML has long tags."""
 
 
+class Limits(Protocol):
+    """The limits of all of the hub's connections."""
+
+    def admit(self, descriptor: int) -> bool:
+        """Return whether a socket that was accepted may stay open."""
+
+    def refuse(self, reason: str) -> None:
+        """Count and log a refused connection."""
+
+
 class Ros1Server:
     """ROS 1's master, nodes and topics on one port.
 
     Args:
+        limits: of the hub's connections.
         principal: whose rights ROS 1 nodes have; None on a hub without authentication.
         kill: ends a client of the hub by the name of its node, for a reason.
         shut_down: ends the hub, for a reason.
@@ -62,6 +73,7 @@ class Ros1Server:
         settings: Settings,
         audit: Audit,
         *,
+        limits: Limits,
         principal: Principal | None,
         kill: Callable[[str, str], bool],
         shut_down: Callable[[str], object],
@@ -71,6 +83,7 @@ class Ros1Server:
         self._graph = graph
         self._settings = settings
         self._audit = audit
+        self._limits = limits
         self._networks = settings.ros1_networks
         self._hosts = OwnHosts([])
         self._connections: set[Connection | _Sniffer] = set()
@@ -171,10 +184,21 @@ class Ros1Server:
 
     # Connections.
 
+    def has_room(self, descriptor: int) -> bool:
+        """Return whether one more connection may stay open.
+
+        Args:
+            descriptor: that of its socket.
+        """
+        if len(self._connections) < (most := self._settings.max_connections):
+            return self._limits.admit(descriptor)
+        self._limits.refuse(
+            f"the limit of {most} connections to the ROS 1 port is reached (--max-connections)"
+        )
+        return False
+
     def admit(self, host: str) -> bool:
         """Return whether a machine may connect."""
-        if len(self._connections) >= self._settings.max_connections:
-            return False
         if is_loopback(host):
             return True
         try:
@@ -267,7 +291,8 @@ class _Sniffer(asyncio.Protocol):
             self._server.open_timeout, transport.abort
         )
         peer = transport.get_extra_info("peername")
-        if not self._server.admit(peer[0] if peer else ""):
+        descriptor = transport.get_extra_info("socket").fileno()
+        if not (self._server.has_room(descriptor) and self._server.admit(peer[0] if peer else "")):
             transport.abort()
         self._server.opened(self)
 

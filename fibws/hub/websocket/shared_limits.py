@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable
 from typing import Protocol
 
+from fibws.hub.audit import Audit
 from fibws.hub.delivery.byte_allowance import ByteAllowance
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.settings import Settings
@@ -56,7 +57,7 @@ class SharedLimits:
         connections: all connections, now and later.
         call_soon: calls a function in the next iteration of the event loop: a client must not be
             closed while a message is on its way to it.
-        count_refusal: is called for each refused connection that is logged here.
+        audit: counts refused connections, and gets one event a second for each reason.
     """
 
     def __init__(
@@ -64,7 +65,7 @@ class SharedLimits:
         settings: Settings,
         connections: Collection[Limited],
         call_soon: Callable[[Callable[[], None]], object],
-        count_refusal: Callable[[], object] = lambda: None,
+        audit: Audit,
     ) -> None:
         self.clients = 0
         """Clients that are connected."""
@@ -78,7 +79,7 @@ class SharedLimits:
         """Counts down the bytes that clients may still send."""
         self._settings = settings
         self._connections = connections
-        self._count_refusal = count_refusal
+        self._audit = audit
         self._throttled = 0
         self._refusals: Counter[str] = Counter()
         """Connections refused since the last log line, by the reason."""
@@ -98,7 +99,7 @@ class SharedLimits:
         files = _most_files()
         if files is None or descriptor < files - min(LAST_FILES, files // 8):
             return True
-        self._refuse(_files_reason(files))
+        self.refuse(_files_reason(files))
         return False
 
     def refusal(self, descriptor: int) -> str | None:
@@ -111,7 +112,7 @@ class SharedLimits:
             reason = _files_reason(files)
         else:
             return None
-        self._refuse(reason)
+        self.refuse(reason)
         return f"The hub cannot accept more connections: {reason}; try again later"
 
     def handshake_refusal(self, address: str, now: float) -> str | None:
@@ -135,10 +136,17 @@ class SharedLimits:
         self._refusals[reason] += 0  # Those who wait are accepted later.
         return True
 
-    def _refuse(self, reason: str) -> None:
+    def refuse(self, reason: str) -> None:
+        """Count a connection that one of the hub's ports has refused, and log it soon."""
         self._refusals[reason] += 1
         self.refused += 1
-        self._count_refusal()
+        self._audit.count("limit")
+
+    def report_refusals(self) -> None:
+        """Log the connections that were refused since the last time."""
+        refusals, self._refusals = self._refusals, Counter()
+        for reason, count in refusals.items():
+            self._audit.connections_refused(reason, count)
 
     # Bytes.
 
@@ -215,10 +223,7 @@ class SharedLimits:
         self._throttled = throttled
         if self.queued.left < 0:
             self.queued.check()
-        refusals, self._refusals = self._refusals, Counter()
-        for reason, count in refusals.items():
-            refused = f" {count} refused." if count else ""
-            logger.warning("Cannot accept more connections: %s.%s", reason, refused)
+        self.report_refusals()
         if self._shortened:
             self._shortened = False
             logger.warning(

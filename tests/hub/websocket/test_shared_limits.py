@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from conftest import StartHub
 
+from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, LargeFrame, MadeFrame, SendQueue
 from fibws.hub.settings import KIB, MIB, Settings
 from fibws.hub.websocket import shared_limits as module
@@ -73,6 +74,7 @@ class Crowd:
             ),
             self.connections,
             self.checks.append,
+            Audit(lambda: 0.0),
         )
         self.flusher = Flusher(lambda _: None, allowance=self.limits.queued)
         self.connections += [Connection(self) for _ in range(count)]
