@@ -16,6 +16,8 @@ from fibws.hub.websocket import shared_limits
 
 from .raw_client import handshake, until
 
+pytestmark = pytest.mark.both_loops
+
 PORTS = ("hub", "ros1")
 
 
