@@ -232,10 +232,10 @@ class TestPlainHttp:
         assert json.loads(body)["status"] == "ok"
 
     async def test_head_returns_the_headers_without_a_body(self, hub: Hub) -> None:
-        _, got, health = await _http(hub, "GET", "/healthz")
-        status, head, body = await _http(hub, "HEAD", "/healthz")
+        _, got, text = await _http(hub, "GET", "/livez")
+        status, head, body = await _http(hub, "HEAD", "/livez")
         assert (status, body) == (200, b"")
-        assert head["content-length"] == got["content-length"] == str(len(health))
+        assert head["content-length"] == got["content-length"] == str(len(text))
 
     async def test_unknown_path_is_404(self, hub: Hub) -> None:
         status, _, body = await _http(hub, "GET", "/nothing?x")

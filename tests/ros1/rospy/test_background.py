@@ -11,6 +11,7 @@ from collections.abc import AsyncIterator, Iterator
 from typing import Any, NoReturn
 
 import pytest
+from patience import PATIENCE
 from rospy.background import Background, LoopLock, Response
 from rospy.exceptions import ROSException, ROSInterruptException
 
@@ -64,17 +65,19 @@ async def test_error_of_a_call_is_raised(running: Background) -> None:
 
 
 async def test_call_is_cancelled_after_its_timeout(running: Background) -> None:
-    cancelled = threading.Event()
+    started, cancelled = threading.Event(), threading.Event()
 
     async def wait() -> None:
+        started.set()
         try:
             await asyncio.Event().wait()
         finally:
             cancelled.set()
 
-    with pytest.raises(TimeoutError):
-        await asyncio.to_thread(running.call, wait(), 0.01)
-    assert await asyncio.to_thread(cancelled.wait, 10)
+    while not started.is_set():  # On a busy machine the time is over before the call begins.
+        with pytest.raises(TimeoutError):
+            await asyncio.to_thread(running.call, wait(), 0.01)
+    assert await asyncio.to_thread(cancelled.wait, PATIENCE)
 
 
 async def test_stop_interrupts_calls(running: Background) -> None:
