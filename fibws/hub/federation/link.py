@@ -17,18 +17,19 @@ that many bytes, of which the first is the kind. Integers are little-endian:
 
 Messages leave in the order in which they came while there is room for all of them. Else they wait
 in lanes, one of each publisher, which take turns, a part of a large message each: a camera delays
-no other topic. A lane keeps its newest messages while the other hub or the network is slow. A text
-message is an error.
+no other topic. A lane keeps its newest messages while the other hub or the network is slow.
+Requests and replies have a lane of their own, and all other records go first. A text message is an
+error.
 """
 
 from __future__ import annotations
 
 import logging
 import struct
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable
 from itertools import count
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, Protocol
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -36,6 +37,7 @@ from fibws.access.rights import Principal
 from fibws.errors import FederationError, NotAllowed
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer
+from fibws.hub.federation.lanes import CHUNK, OVERHEAD, Lanes
 from fibws.hub.federation.names import NameView, level_of
 from fibws.hub.federation.records import (
     KINDS,
@@ -57,20 +59,10 @@ from fibws.protocol.websocket import FORBIDDEN, LIMITED, REPLACED, CloseReason, 
 logger = logging.getLogger("fibws.hub")
 
 SUBPROTOCOL = "fibws.hub.v1"
-CHUNK = 16 * 1024
-"""Bytes of a record from which on it is sent in parts, and most bytes that are written at once.
-
-Together with `UNSENT` it sets for how long a message waits behind those of other topics: 30 ms at
-10 Mbit/s.
-"""
 UNSENT = 16 * 1024
 """Bytes that may wait at the socket."""
-LANE_BYTES = 2 * 1024 * 1024
-"""Bytes that may wait in a lane; its newest message always may."""
 BUSY = 256 * 1024
 """Bytes of announcements and other records that wait, from which on no more are made."""
-OVERHEAD = 128
-"""Bytes of memory that a waiting record takes beside its own."""
 MOST_ANNOUNCED = 1024 * 1024
 """Bytes that one announcement may have; it is read at once."""
 MOST_FIELDS = 64 * 1024
@@ -98,8 +90,6 @@ _REPLY = struct.Struct("<QBI")
 _PING = struct.Struct("<q")
 _PONG = struct.Struct("<qq")
 _PART = struct.Struct("<QB")
-_REQUESTS = 2**64 - 1
-"""The lane of requests and replies."""
 
 
 class Hello(BaseModel):
@@ -129,35 +119,6 @@ class Wire(Protocol):
         """Close the connection; `Link.closed` is called."""
 
 
-class _Waiting(NamedTuple):
-    """A record that waits."""
-
-    arrival: int
-    """A number that grows from record to record."""
-    head: bytes
-    body: Any
-
-    @property
-    def kind(self) -> int:
-        return self.head[_SIZE.size - 1]
-
-    @property
-    def size(self) -> int:
-        return len(self.head) + len(self.body)
-
-
-class _Lane:
-    """The records of one publisher that wait."""
-
-    __slots__ = ("at", "records", "size")
-
-    def __init__(self) -> None:
-        self.records: deque[_Waiting] = deque()
-        self.size = 0
-        self.at = 0
-        """Bytes of the first record that were sent already, in parts."""
-
-
 class Link(Backplane):
     """One end of a link.
 
@@ -168,7 +129,7 @@ class Link(Backplane):
         address: the other hub's, for people.
         now: returns the nanoseconds since 1970.
         max_size: most bytes of one record.
-        max_queued: most bytes that wait.
+        max_queued: most bytes of messages that wait, and most of calls.
         on_joined: called once the other hub has introduced itself.
     """
 
@@ -211,11 +172,11 @@ class Link(Backplane):
         self._control_bytes = 0
         self._pong = b""
         """The answer to the newest ping."""
-        self._lanes: OrderedDict[int, _Lane] = OrderedDict()
-        self._lane_bytes = 0
+        self._lanes = Lanes(
+            max_queued, 4 * max_queued + max_size, self._count_sent, self._count_dropped
+        )
         self._parts: dict[int, bytearray] = {}
         self._ids = count(1)
-        self._arrivals = count()
         self._requests: dict[int, OnReply] = {}
         """Own requests that wait for their last reply."""
         self._handled: dict[int, Cancel] = {}
@@ -261,15 +222,21 @@ class Link(Backplane):
     def publish(self, message: Message, *, limit: int) -> None:
         """Send a message; see `Backplane`."""
         head = _MESSAGE.pack(message.number, message.sequence, message.stamp)
-        self._put(message.number, MESSAGE, head, message.data, limit)
+        if not self._is_closed:
+            head = _head(MESSAGE, head, message.data)
+            is_behind = self._wire.is_behind
+            self._lanes.put_message(
+                message.number, head, message.data, limit=max(1, limit), is_behind=is_behind
+            )
+            self._wire.wake()
 
     def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
         """Ask for the messages of a publisher, or for no more."""
         self._send_control(INTEREST, _INTEREST.pack(number, wanted))
 
     def flowing(self, number: int) -> None:
-        """Report that messages pass, behind those that wait in the publisher's lane."""
-        self._put(number, FLOWING, _NUMBER.pack(number), b"", None)
+        """Report that messages pass."""
+        self._send_control(FLOWING, _NUMBER.pack(number))
 
     def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
         """Send a request; see `Backplane`."""
@@ -277,13 +244,13 @@ class Link(Backplane):
             on_reply(failure(f"hub {peer.hub.name} is lost", "server_lost"))
             return lambda: None
         fields = encode_fields({"op": request.op, **request.fields})
-        if len(request.body) + self._lane_bytes > self._max_queued:
+        if len(request.body) + self._lanes.calls_weight > self._max_queued:
             on_reply(failure(f"too much waits for hub {peer.hub.name}", "limit"))
             return lambda: None
         id_ = next(self._ids)
         self._requests[id_] = on_reply
         head = _REQUEST.pack(id_, len(fields)) + fields
-        self._put(_REQUESTS, REQUEST, head, request.body, None)
+        self._put_call(REQUEST, head, request.body)
 
         def cancel() -> None:
             if self._requests.pop(id_, None) is not None and not self._is_closed:
@@ -304,11 +271,11 @@ class Link(Backplane):
             return
         if reply.is_final:
             del self._handled[id_]
-        if len(reply.body) + self._lane_bytes > self._max_queued:
+        if len(reply.body) + self._lanes.calls_weight > self._max_queued:
             reply = failure("too much waits for this hub", "limit")
         fields = encode_fields(reply.fields)
         head = _REPLY.pack(id_, reply.is_final, len(fields)) + fields
-        self._put(_REQUESTS, REPLY, head, reply.body, None)
+        self._put_call(REPLY, head, reply.body)
 
     def _send_control(self, kind: int, body: bytes) -> None:
         if self._is_closed:
@@ -319,51 +286,26 @@ class Link(Backplane):
         self._check_waiting()
         self._wire.wake()
 
+    def _put_call(self, kind: int, head: bytes, body: bytes) -> None:
+        if not self._is_closed:
+            self._lanes.put_call(_head(kind, head, body), body)
+            self._check_waiting()
+            self._wire.wake()
+
     def _check_waiting(self) -> None:
         """Close the link if too much waits that cannot be dropped."""
-        if self._control_bytes + self._lane_bytes > 4 * self._max_queued and not self._is_overfull:
+        waiting = self._control_bytes + self._lanes.calls_weight
+        if waiting > 4 * self._max_queued and not self._is_overfull:
             self._is_overfull = True
             self._wire.close(OVERFULL)
 
-    def _put(self, key: int, kind: int, head: bytes, body: Any, limit: int | None) -> None:
-        """Put a record into a lane, of which the oldest ones are dropped beyond a limit."""
-        if self._is_closed:
-            return
-        lane = self._lanes.get(key)
-        if lane is None:
-            lane = self._lanes[key] = _Lane()
-        head = _SIZE.pack(len(head) + len(body) + 1, kind) + head
-        waiting = _Waiting(next(self._arrivals), head, body)
-        lane.records.append(waiting)
-        lane.size += waiting.size
-        self._lane_bytes += waiting.size
-        if limit is not None:
-            self._trim(lane, max(1, limit))
-        else:
-            self._check_waiting()
-        self._wire.wake()
+    def _count_sent(self, messages: int) -> None:
+        if self.peer is not None:
+            self.peer.traffic.messages_sent += messages
 
-    def _trim(self, lane: _Lane, limit: int) -> None:
-        """Drop the oldest messages of a lane, but none that is half sent, nor the newest."""
-        while len(lane.records) > 1 and (
-            (len(lane.records) > limit and self._wire.is_behind)
-            or lane.size > LANE_BYTES
-            or self._lane_bytes > self._max_queued
-        ):
-            first = 1 if lane.at else 0
-            if first >= len(lane.records) - 1:
-                return
-            oldest = lane.records[first]
-            if oldest.kind != MESSAGE:
-                return
-            del lane.records[first]
-            self._shrink(lane, oldest.size)
-            if self.peer is not None:
-                self.peer.traffic.dropped += 1
-
-    def _shrink(self, lane: _Lane, size: int) -> None:
-        lane.size -= size
-        self._lane_bytes -= size
+    def _count_dropped(self) -> None:
+        if self.peer is not None:
+            self.peer.traffic.dropped += 1
 
     def next_frame(self) -> bytes | None:
         """Return the next WebSocket message to write: some records; None if nothing waits."""
@@ -379,8 +321,9 @@ class Link(Backplane):
             self._control_bytes -= len(record) + OVERHEAD
             parts.append(record)
             size += len(record)
-        if self._lane_bytes <= CHUNK:
-            size += self._take_all(parts)
+        for waiting in self._lanes.take_all():
+            parts += (waiting.head, waiting.body)
+            size += waiting.size
         while self._lanes and size < CHUNK:
             size += self._take(parts)
         if was_busy and not self.is_busy:
@@ -391,47 +334,14 @@ class Link(Backplane):
             self.peer.traffic.bytes_sent += size
         return b"".join(parts)
 
-    def _take_all(self, parts: list[Any]) -> int:
-        """Take all records, in the order in which they came: there is room for them."""
-        if any(lane.at for lane in self._lanes.values()):
-            return 0
-        waiting = sorted(each for lane in self._lanes.values() for each in lane.records)
-        for each in waiting:
-            parts += (each.head, each.body)
-            self._count_sent(each)
-        self._lanes.clear()
-        size, self._lane_bytes = self._lane_bytes, 0
-        return size
-
-    def _count_sent(self, record: _Waiting) -> None:
-        if record.kind == MESSAGE and self.peer is not None:
-            self.peer.traffic.messages_sent += 1
-
     def _take(self, parts: list[Any]) -> int:
         """Take a record, or a part of a large one, of the lane whose turn it is."""
-        key, lane = next(iter(self._lanes.items()))
-        first = lane.records[0]
-        if first.size <= CHUNK:
-            parts += (first.head, first.body)
-            taken = first.size
-            is_done = True
-        else:
-            piece = _slice(first, lane.at, lane.at + CHUNK)
-            lane.at += len(piece)
-            is_done = lane.at >= first.size
-            header = _PART.pack(key, is_done)
-            parts += (_SIZE.pack(len(header) + len(piece) + 1, PART), header, piece)
-            taken = len(piece)
-        if is_done:
-            lane.at = 0
-            del lane.records[0]
-            self._shrink(lane, first.size)
-            self._count_sent(first)
-        if lane.records:
-            self._lanes.move_to_end(key)
-        else:
-            del self._lanes[key]
-        return taken
+        taken = self._lanes.take()
+        if taken.is_part:
+            header = _PART.pack(taken.lane, taken.is_last)
+            parts += (_SIZE.pack(len(header) + taken.size + 1, PART), header)
+        parts += taken.pieces
+        return taken.size
 
     # Receiving.
 
@@ -647,12 +557,9 @@ def unique_node(role: str, hub: HubInfo) -> str:
     return f"/{role}_{level_of(hub.name)}_{hub.id[:6]}"
 
 
-def _slice(record: _Waiting, begin: int, end: int) -> bytes:
-    """Return some bytes of a record."""
-    head, body = record.head, record.body
-    if begin >= len(head):
-        return bytes(memoryview(body)[begin - len(head) : end - len(head)])
-    return head[begin:end] + bytes(memoryview(body)[: max(0, end - len(head))])
+def _head(kind: int, head: bytes, body: Any) -> bytes:
+    """Return the beginning of a record: its size, its kind and the fields before its body."""
+    return _SIZE.pack(len(head) + len(body) + 1, kind) + head
 
 
 def _read_fields(data: memoryview) -> dict[str, Any]:
