@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import pytest
 from conftest import StartHub
@@ -28,6 +28,7 @@ class Reachable(Protocol):
 
 StartNode = Callable[[str, Reachable], Awaitable[fibws.Node]]
 Join = Callable[..., Awaitable[Hub]]
+End = fibws.Publisher[Any, ...] | fibws.Subscription[Any]
 
 
 async def until(condition: Callable[[], object], *hubs: Hub) -> None:
@@ -44,6 +45,15 @@ async def until(condition: Callable[[], object], *hubs: Hub) -> None:
             await changed.wait()
             changed.clear()
             await asyncio.sleep(0)  # The change is complete in the next turn.
+
+
+async def peers_are(end: End, expected: set[str]) -> None:
+    """Wait until a publisher or a subscription has these peers."""
+    async with asyncio.timeout(PATIENCE):
+        async for names in end.peers.changes():
+            if set(names) == expected:
+                return
+    raise AssertionError("the node has ended")
 
 
 @pytest.fixture(params=["websocket"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
 
 import pytest
 from patience import PATIENCE
@@ -12,26 +11,14 @@ import fibws
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Int32, String
 
-from .conftest import StartNode
+from .conftest import StartNode, peers_are
 from .networks import StartMachine
 from .networks import start_machine as start_machine
 from .networks import switch as switch
 from .test_federation import exchange
 
-End = fibws.Publisher[Any, ...] | fibws.Subscription[Any]
-
-
 BOTH = pytest.mark.parametrize("start_machine", ["websocket", "zenoh"], indirect=True)
 """Runs a test with hubs that are joined by WebSockets, and with hubs on a zenoh network."""
-
-
-async def peers_are(end: End, expected: set[str]) -> None:
-    """Wait until a publisher or a subscription has these peers."""
-    async with asyncio.timeout(PATIENCE):
-        async for names in end.peers.changes():
-            if set(names) == expected:
-                return
-    raise AssertionError("the node has ended")
 
 
 @BOTH
@@ -150,3 +137,38 @@ async def test_messages_overtake_an_image_on_a_slow_link(
             await images.publish(image)  # It takes the link 0.7 s.
             await numbers.publish(number)
             assert [await arrived.get() for _ in range(2)] == [number, "image"]
+
+
+@pytest.mark.slow
+async def test_slow_network_drops_only_the_oldest_images_and_the_link_lives(
+    start_machine: StartMachine, start_node: StartNode
+) -> None:
+    cloud = await start_machine("cloud")
+    robot = await start_machine("robot", cloud)
+    camera, viewer = await start_node("camera", robot), await start_node("viewer", cloud)
+    images = await camera.advertise("images", Image, latch=True, queue_size=1, peers=True)
+    numbers = await camera.advertise("numbers", Int32, queue_size=1000, peers=True)
+    await images.publish(Image(data=bytes(4 * 1024 * 1024)))
+    await camera.flush()
+    robot.slow("10mbit")
+    seen: asyncio.Queue[int] = asyncio.Queue()
+    counted: asyncio.Queue[int] = asyncio.Queue()
+    viewer.subscribe("images", Image, queue_size=None).hand_to(
+        lambda image: seen.put_nowait(image.height)
+    )
+    viewer.subscribe("numbers", Int32, queue_size=None).hand_to(
+        lambda number: counted.put_nowait(number.data)
+    )
+    await asyncio.gather(peers_are(images, {"/viewer"}), peers_are(numbers, {"/viewer"}))
+    async with asyncio.timeout(PATIENCE):
+        for number in range(1, 101):
+            await images.publish(Image(height=number, data=bytes(1024 * 1024)))
+            await numbers.publish(number)
+        assert [await counted.get() for _ in range(100)] == list(range(1, 101))
+        arrived = [await seen.get()]
+        while arrived[-1] != 100:
+            arrived.append(await seen.get())
+    assert arrived[0] == 0
+    assert arrived == sorted(arrived)
+    assert len(arrived) < 20
+    assert not [line for line in robot.log if "Not joined" in line]
