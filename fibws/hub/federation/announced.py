@@ -8,6 +8,8 @@ from typing import Any, NamedTuple, TypeVar
 
 from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.records import (
+    EARLIEST,
+    LATEST,
     MOST_RECORDS,
     Announcement,
     Kind,
@@ -57,7 +59,8 @@ class PeerGraph:
 
     def local_time(self, theirs: int) -> int:
         """Return the time of this hub's clock at a time of the other's; both in nanoseconds."""
-        return theirs - round((self.peer.clock_offset or 0.0) * 1e9)
+        here = theirs - round((self.peer.clock_offset or 0.0) * 1e9)
+        return min(max(EARLIEST, here), LATEST)
 
 
 class Announced:

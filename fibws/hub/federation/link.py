@@ -176,6 +176,10 @@ class Link(Backplane):
             max_queued, 4 * max_queued + max_size, self._count_sent, self._count_dropped
         )
         self._parts: dict[int, bytearray] = {}
+        self._too_large: set[int] = set()
+        """The lanes of which the rest of a record is ignored."""
+        self._skipped: set[str] = set()
+        """The kinds of invalid records that were logged."""
         self._ids = count(1)
         self._requests: dict[int, OnReply] = {}
         """Own requests that wait for their last reply."""
@@ -269,11 +273,17 @@ class Link(Backplane):
     def _reply(self, id_: int, reply: Reply) -> None:
         if id_ not in self._handled or self._is_closed:
             return
+        is_too_much = len(reply.body) + self._lanes.calls_weight > self._max_queued
         if reply.is_final:
             del self._handled[id_]
-        if len(reply.body) + self._lanes.calls_weight > self._max_queued:
+        elif is_too_much:
+            return  # It is a goal's feedback.
+        if is_too_much:
             reply = failure("too much waits for this hub", "limit")
         fields = encode_fields(reply.fields)
+        if len(fields) > MOST_FIELDS:
+            reply = failure(f"the reply has {len(fields)} bytes (limit is {MOST_FIELDS})", "limit")
+            fields = encode_fields(reply.fields)
         head = _REPLY.pack(id_, reply.is_final, len(fields)) + fields
         self._put_call(REPLY, head, reply.body)
 
@@ -346,7 +356,13 @@ class Link(Backplane):
     # Receiving.
 
     def receive(self, data: bytes | bytearray) -> None:
-        """Take a WebSocket message; raise `FederationError` if it is invalid."""
+        """Take a WebSocket message.
+
+        A record that cannot be understood is left out, and logged.
+
+        Raises:
+            FederationError: nothing after some record can be understood, or is too much.
+        """
         self._heard = self._clock.time()
         if self.peer is not None:
             self.peer.traffic.bytes_received += len(data)
@@ -376,6 +392,9 @@ class Link(Backplane):
             if self.incomplete_bytes > self._max_incoming:
                 raise FederationError("too much has come before the answer to a ping")
             return
+        if kind == PART:
+            self._receive_part(body)
+            return
         try:
             if kind == MESSAGE:
                 number, sequence, stamp = _MESSAGE.unpack_from(body)
@@ -385,8 +404,15 @@ class Link(Backplane):
             elif (receive := _RECEIVERS.get(kind)) is not None:
                 receive(self, self.peer, body)
             # Other kinds are for later versions.
-        except struct.error as error:
-            raise FederationError(f"invalid record of kind {kind}: {error}") from None
+        except (struct.error, FederationError) as error:
+            self._skip(f"record {kind}", f"invalid record of kind {kind}: {error}")
+
+    def _skip(self, kind: str, text: str) -> None:
+        """Log that a record is left out; the first one of a kind."""
+        if kind not in self._skipped and self.peer is not None:
+            self._skipped.add(kind)
+            hub = printable(self.peer.hub.name)
+            logger.warning("Hub %s: %s; more like it are not logged.", hub, printable(text))
 
     def _receive_hello(self, data: bytes) -> None:
         try:
@@ -418,7 +444,10 @@ class Link(Backplane):
             raise FederationError(
                 f"an announcement of {len(body)} bytes (limit is {MOST_ANNOUNCED})"
             )
-        self._network.announced(peer, decode_announcement(body))
+        announcement = decode_announcement(
+            body, lambda kind, what: self._skip(kind, f"invalid record: {what}")
+        )
+        self._network.announced(peer, announcement)
 
     def _receive_interest(self, peer: Peer, body: memoryview) -> None:
         number, wanted = _INTEREST.unpack(body)
@@ -440,21 +469,20 @@ class Link(Backplane):
         self._pong += _PING.pack(self._now())
         self._wire.wake()
 
-    def _receive_part(self, peer: Peer, body: memoryview) -> None:
+    def _receive_part(self, body: memoryview) -> None:
+        if len(body) <= _PART.size:
+            raise FederationError("invalid record: a part without bytes")
         key, is_last = _PART.unpack_from(body)
         piece = body[_PART.size :]
-        if not piece:
-            raise FederationError("invalid record: a part without bytes")
         parts = self._parts.get(key)
         if parts is None:
             parts = self._parts[key] = bytearray()
             self.incomplete_bytes += OVERHEAD
-        parts += piece
-        self.incomplete_bytes += len(piece)
-        if len(parts) > self._max_size:
-            raise FederationError(
-                f"a record is too large: limit is {self._max_size} bytes (--max-message-size)"
-            )
+        if key not in self._too_large:
+            parts += piece
+            self.incomplete_bytes += len(piece)
+            if len(parts) > self._max_size:
+                self._refuse_parts(key, parts)
         if self.incomplete_bytes > self._max_incoming:
             raise FederationError(
                 f"too much has come in part: limit is {self._max_incoming} bytes "
@@ -463,6 +491,9 @@ class Link(Backplane):
         if is_last:
             del self._parts[key]
             self.incomplete_bytes -= len(parts) + OVERHEAD
+            if key in self._too_large:
+                self._too_large.discard(key)
+                return
             if len(parts) < _SIZE.size:
                 raise FederationError("invalid record: its size is cut off")
             _, kind = _SIZE.unpack_from(parts)
@@ -470,14 +501,35 @@ class Link(Backplane):
                 raise FederationError("invalid record: a part of parts")
             self._receive_record(kind, memoryview(parts)[_SIZE.size :])
 
+    def _refuse_parts(self, key: int, parts: bytearray) -> None:
+        """Leave out a record that is too large; a request or a reply ends with an error."""
+        text = f"a record is too large: limit is {self._max_size} bytes (--max-message-size)"
+        self._skip("too large", text)
+        _, kind = _SIZE.unpack_from(parts)
+        if kind == REQUEST:
+            (id_,) = _NUMBER.unpack_from(parts, _SIZE.size)
+            if id_ not in self._handled:
+                self._handled[id_] = lambda: None
+                self._reply(id_, failure(text, "limit"))
+        elif kind == REPLY:
+            (id_,) = _NUMBER.unpack_from(parts, _SIZE.size)
+            self._fail_request(id_, failure(text, "limit"))
+        self._too_large.add(key)
+        self.incomplete_bytes -= len(parts)
+        parts.clear()
+
     def _receive_request(self, peer: Peer, body: memoryview) -> None:
         id_, size = _REQUEST.unpack_from(body)
         end = _REQUEST.size + size
-        fields = _read_fields(body[_REQUEST.size : end])
-        request = Request(str(fields.pop("op", "")), fields, bytes(body[end:]))
         if id_ in self._handled:
             raise FederationError(f"request {id_} is still open")
         self._handled[id_] = lambda: None
+        try:
+            fields = _read_fields(body[_REQUEST.size : end])
+        except FederationError as error:
+            self._reply(id_, failure(str(error), "invalid_operation"))
+            raise
+        request = Request(str(fields.pop("op", "")), fields, bytes(body[end:]))
         cancel = self._network.requested(peer, request, lambda reply: self._reply(id_, reply))
         if id_ in self._handled:
             self._handled[id_] = cancel
@@ -488,10 +540,20 @@ class Link(Backplane):
         on_reply = self._requests.get(id_)
         if on_reply is None:
             return  # It was cancelled.
+        try:
+            fields = _read_fields(body[_REPLY.size : end])
+        except FederationError as error:
+            self._fail_request(id_, failure(f"invalid reply: {error}", "server_failed"))
+            raise
         if is_final:
             del self._requests[id_]
-        fields = _read_fields(body[_REPLY.size : end])
         on_reply(Reply(fields, bytes(body[end:]), bool(is_final)))
+
+    def _fail_request(self, id_: int, reply: Reply) -> None:
+        """End an own request, if it still waits."""
+        on_reply = self._requests.pop(id_, None)
+        if on_reply is not None:
+            on_reply(reply)
 
     def _receive_pong(self, peer: Peer, body: memoryview) -> None:
         sent, theirs = _PONG.unpack(body)
@@ -590,7 +652,6 @@ def _halves(announcement: Announcement) -> tuple[Announcement, Announcement] | N
 
 
 _RECEIVERS: dict[int, Callable[[Link, Peer, memoryview], None]] = {
-    PART: Link._receive_part,
     ANNOUNCE: Link._receive_announcement,
     INTEREST: Link._receive_interest,
     FLOWING: Link._receive_flowing,
@@ -600,4 +661,4 @@ _RECEIVERS: dict[int, Callable[[Link, Peer, memoryview], None]] = {
     PING: Link._receive_ping,
     PONG: Link._receive_pong,
 }
-"""The handlers of records by kind, except messages, which are the most frequent."""
+"""The handlers of records by kind, except messages and parts."""

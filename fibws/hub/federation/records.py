@@ -1,27 +1,35 @@
 """Records that hubs announce to each other: nodes, topics, services, actions, shared parameters.
 
 Each record replaces an earlier one of its name, and None removes it, so that a hub can be brought
-up to date from any state. Names are global names of the backplane, which may lie below a prefix
-(see `names.NameView`). Records are JSON; messages of topics never are.
+up to date from any state. A record that a hub cannot take costs that record only. Names are global
+names of the backplane, which may lie below a prefix (see `names.NameView`). Records are JSON;
+messages of topics never are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
-from pydantic_core import PydanticSerializationError
+from pydantic import BaseModel, ConfigDict, FailFast, Field, TypeAdapter, ValidationError
+from pydantic_core import PydanticSerializationError, from_json, to_json
 
 from fibws.errors import FederationError
 from fibws.names import MAX_LENGTH
 
+EARLIEST, LATEST = -(2**63), 2**63 - 1
+"""The limits of times, in nanoseconds since 1970."""
 LONGEST_PATH = 16
 """Hubs between a node and the hub that it is announced to."""
 MOST_RECORDS = 100_000
 """Records of one hub, and users of its topics, that are kept; further ones are ignored."""
 
+MOST_INVALID = 1000
+"""Invalid records of one announcement that are left out one by one; with more all of it is."""
+
+Skipped: TypeAlias = Callable[[str, str], object]
+"""Takes a kind of fault, and what was left out and why."""
 Kind: TypeAlias = Literal["nodes", "topics", "services", "actions", "parameters"]
 KINDS: tuple[Kind, ...] = ("nodes", "topics", "services", "actions", "parameters")
 
@@ -30,7 +38,7 @@ Text: TypeAlias = Annotated[str, Field(max_length=MAX_LENGTH)]
 HubId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 """The identity of one run of a hub."""
 Number: TypeAlias = Annotated[int, Field(ge=0, lt=2**63)]
-Stamp: TypeAlias = Annotated[int, Field(ge=-(2**63), lt=2**63)]
+Stamp: TypeAlias = Annotated[int, Field(ge=EARLIEST, le=LATEST)]
 """Nanoseconds since 1970."""
 
 
@@ -62,7 +70,7 @@ class NodeRecord(_Record):
             none.
     """
 
-    path: Annotated[tuple[HubInfo, ...], Field(min_length=1, max_length=LONGEST_PATH)]
+    path: Annotated[tuple[HubInfo, ...], Field(min_length=1, max_length=LONGEST_PATH), FailFast()]
     since: Stamp
     replaces: Text = ""
 
@@ -80,14 +88,15 @@ class Publisher(_Record):
         number: stands for it on this backplane.
         origin: stands for it at its own hub, for its sequence numbers.
         latch: whether its last message is for later subscribers.
-        queue_size: most messages that wait for a slow hub; 0 or less for no limit.
+        queue_size: most messages that wait for a slow hub; 0 or less for no limit. The graph bounds
+            it.
     """
 
     node: Name
     number: Number
     origin: Number
     latch: bool = False
-    queue_size: Annotated[int, Field(ge=-(2**31), lt=2**31)] = 100
+    queue_size: int = 100
 
 
 class TopicRecord(_Record):
@@ -100,8 +109,8 @@ class TopicRecord(_Record):
 
     type: Text = ""
     md5sum: Text = ""
-    publishers: tuple[Publisher, ...] = ()
-    subscribers: tuple[Name, ...] = ()
+    publishers: Annotated[tuple[Publisher, ...], FailFast()] = ()
+    subscribers: Annotated[tuple[Name, ...], FailFast()] = ()
 
 
 class ServiceRecord(_Record):
@@ -209,6 +218,18 @@ def failure(text: str, code: str) -> Reply:
 
 
 _ANNOUNCEMENT = TypeAdapter(Announcement)
+_NAME: TypeAdapter[str] = TypeAdapter(Name)
+_RECORDS: dict[Kind, TypeAdapter[Any]] = {
+    "nodes": TypeAdapter(NodeRecord),
+    "topics": TypeAdapter(TopicRecord),
+    "services": TypeAdapter(ServiceRecord),
+    "actions": TypeAdapter(ActionRecord),
+    "parameters": TypeAdapter(ParameterRecord),
+}
+_USERS: dict[str, TypeAdapter[Any]] = {
+    "publishers": TypeAdapter(Publisher),
+    "subscribers": TypeAdapter(Name),
+}
 _FIELDS = TypeAdapter(dict[str, Any])
 
 
@@ -217,12 +238,91 @@ def encode_announcement(announcement: Announcement) -> bytes:
     return _ANNOUNCEMENT.dump_json(announcement, exclude_defaults=True)
 
 
-def decode_announcement(data: bytes | bytearray | memoryview) -> Announcement:
-    """Return an announcement; raise `FederationError` for invalid JSON."""
+def decode_announcement(
+    data: bytes | bytearray | memoryview, skipped: Skipped | None = None
+) -> Announcement:
+    """Return an announcement without what is invalid in it.
+
+    Of a topic, invalid publishers and subscribers are left out. Another invalid record is None: it
+    would have replaced an earlier one of its name.
+
+    Args:
+        skipped: called with each kind of fault, and what is left out and why; None leaves out
+            nothing, so that any fault is an error.
+
+    Raises:
+        FederationError: it is not a JSON object, or more than `MOST_INVALID` of it is invalid.
+    """
+    text = bytes(data)
     try:
-        return _ANNOUNCEMENT.validate_json(bytes(data))
+        return _ANNOUNCEMENT.validate_json(text)
     except ValidationError as error:
-        raise FederationError(f"invalid announcement: {fault(error)}") from None
+        if skipped is None:
+            raise FederationError(f"invalid announcement: {fault(error)}") from None
+    try:
+        found = from_json(text)
+    except ValueError as error:
+        raise FederationError(f"invalid announcement: {error}") from None
+    if not isinstance(found, dict):
+        raise FederationError("invalid announcement: expected an object")
+    faults = 0
+
+    def skip(kind: str, what: str) -> None:
+        nonlocal faults
+        faults += 1
+        if faults > MOST_INVALID:
+            text = f"more than {MOST_INVALID} invalid records, such as {what}"
+            raise FederationError(f"invalid announcement: {text}")
+        skipped(kind, what)
+
+    kinds: dict[str, Any] = {kind: _valid_records(kind, found, skip) for kind in KINDS}
+    return Announcement.model_construct(None, **kinds)
+
+
+def _valid_records(kind: Kind, announcement: dict[str, Any], skipped: Skipped) -> dict[str, Any]:
+    """Return the valid records of one kind, and None for the others."""
+    records = announcement.get(kind, {})
+    if not isinstance(records, dict):
+        skipped(kind, f"{kind}: expected an object")
+        return {}
+    found: dict[str, Any] = {}
+    for name, record in records.items():
+        try:
+            _NAME.validate_python(name)
+            found[name] = None
+            if record is not None:
+                found[name] = _valid_record(kind, name, record, skipped)
+        except ValidationError as error:
+            skipped(_kind_of(kind, error), f"{kind} {name[:200]}: {fault(error)}")
+    return found
+
+
+def _valid_record(kind: Kind, name: str, record: Any, skipped: Skipped) -> Any:
+    """Return a record, without invalid users of a topic; raise `ValidationError`."""
+    try:
+        return _RECORDS[kind].validate_json(to_json(record))
+    except ValidationError:
+        if kind != "topics" or not isinstance(record, dict):
+            raise
+    for users, adapter in _USERS.items():
+        if isinstance(record.get(users), list):
+            valid = []
+            for user in record[users]:
+                try:
+                    adapter.validate_json(to_json(user))
+                    valid.append(user)
+                except ValidationError as error:
+                    text = f"a user of topic {name}: {fault(error)}"
+                    skipped(_kind_of(users, error), text)
+            record[users] = valid
+    return _RECORDS[kind].validate_json(to_json(record))
+
+
+def _kind_of(what: str, error: ValidationError) -> str:
+    """Return a text that all faults of one kind share: of one field of one kind of records."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    fields = (part for part in first["loc"] if isinstance(part, str))
+    return " ".join((what, *fields, first["type"]))
 
 
 def encode_fields(fields: Mapping[str, Any]) -> bytes:

@@ -16,7 +16,7 @@ from pydantic_core import from_json
 from fibws.errors import FibwsError, ParameterNotSet
 from fibws.hub.federation.backplane import Backplane
 from fibws.hub.federation.names import NameView
-from fibws.hub.federation.records import ParameterRecord
+from fibws.hub.federation.records import LATEST, ParameterRecord
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.parameters import native
 
@@ -130,7 +130,7 @@ class SharedParameters:
             older = self.records.get(each)
             if value != (older.value if older is not None else None):
                 earliest = older.stamp + 1 if older is not None else 0
-                stamp = max(self._graph.now(), earliest)
+                stamp = min(max(self._graph.now(), earliest), LATEST)
                 self._keep(each, ParameterRecord(stamp=stamp, hub=self._hub, value=value))
                 self._changed(each)
 

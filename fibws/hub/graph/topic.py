@@ -23,6 +23,8 @@ logger = logging.getLogger("fibws.hub")
 
 QUEUE_SIZE = 100
 """The queue_size of publishers that name none, as in rosbridge."""
+LONGEST_QUEUE = 2**31 - 1
+"""The largest queue_size that is kept; it is an int32 in ROS."""
 
 
 class SinkReport(NamedTuple):
@@ -284,7 +286,8 @@ class Source:
         latch: keep the last message for later subscribers (ROS's latched topics).
         quota: bounds the latched messages of the node.
         queue_size: most messages that wait for one ROS 1 subscriber that is too slow; 0 or less
-            for no limit.
+            for no limit. Clients choose it, so that it may be any integer; the attribute is 0 to
+            `LONGEST_QUEUE`.
     """
 
     __slots__ = (
@@ -321,7 +324,7 @@ class Source:
         self.topic = topic
         self.type = type_
         self.latch = latch
-        self.queue_size = queue_size
+        self.queue_size = min(max(0, queue_size), LONGEST_QUEUE)
         self.keeps_sequence = False
         """Whether messages keep their ``header.seq``, as those of a recording do."""
         self.header = b""

@@ -51,7 +51,8 @@ class Qos:
     Attributes:
         is_reliable: whether messages must not be lost.
         is_latched: ROS 2's durability ``transient_local``: late subscribers get the last messages.
-        depth: how many messages are kept for them, or wait for a slow subscriber.
+        depth: how many messages are kept for them, or wait for a slow subscriber; up to ROS 2's
+            SIZE_MAX.
     """
 
     is_reliable: bool = True
@@ -76,7 +77,7 @@ class Qos:
             raise Ros2Error(f"invalid QoS {text[:100]}: expected 6 fields")
         reliability, durability, (history, _, depth) = parts[0], parts[1], parts[2].partition(",")
         numbers = (reliability, durability, history, depth)
-        if any(number and not (number.isdecimal() and len(number) < 20) for number in numbers):
+        if any(number and not (number.isdecimal() and len(number) <= 20) for number in numbers):
             raise Ros2Error(f"invalid QoS {text[:100]}: expected numbers")
         return cls(reliability != "2", durability == "1", int(depth or _DEFAULT_DEPTH))
 

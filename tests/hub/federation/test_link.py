@@ -116,41 +116,20 @@ async def bystanders(hub: Hub) -> AsyncIterator[Callable[[], Any]]:
 NODE = {"path": PATH, "since": 1}
 TOPIC = {"type": "std_msgs/Int32", "publishers": [{"node": "/n", "number": 1, "origin": 1}]}
 
-INVALID = {
+BROKEN = {
     "cut off": (b"\x01\x02", "cut off"),
     "size of nothing": (struct.pack("<IB", 0, links.PING), "size 0"),
     "size beyond the message": (struct.pack("<IB", 2**32 - 1, links.PING), "not all is there"),
-    "short ping": (record(links.PING, b"123"), "kind 8"),
-    "short message": (record(links.MESSAGE, b"123"), "kind 4"),
-    "short request": (record(links.REQUEST, b"1"), "kind 5"),
-    "announcement of no JSON": (record(links.ANNOUNCE, "{"), "announcement"),
-    "announcement of a list": (record(links.ANNOUNCE, "[]"), "announcement"),
-    "huge time": (record(links.ANNOUNCE, {"nodes": {"/n": {**NODE, "since": HUGE}}}), "since"),
-    "huge number": (
-        record(
-            links.ANNOUNCE,
-            {"topics": {"/t": {"publishers": [{"node": "/n", "number": HUGE, "origin": 1}]}}},
-        ),
-        "number",
-    ),
-    "long name": (record(links.ANNOUNCE, {"nodes": {"/" + "n" * 100_000: NODE}}), "nodes"),
-    "long path": (record(links.ANNOUNCE, {"nodes": {"/n": {**NODE, "path": PATH * 17}}}), "path"),
-    "empty path": (record(links.ANNOUNCE, {"nodes": {"/n": {**NODE, "path": []}}}), "path"),
-    "large announcement": (
-        record(links.ANNOUNCE, " " * (links.MOST_ANNOUNCED + 1)),
-        str(links.MOST_ANNOUNCED),
-    ),
-    "request without JSON": (record(links.REQUEST, struct.pack("<QI", 1, 1) + b"{"), "fields"),
-    "large fields": (request(1, op="x" * (links.MOST_FIELDS + 1)), str(links.MOST_FIELDS)),
     "part without bytes": (part(1, b""), "part without bytes"),
+    "short part": (record(links.PART, b"123"), "part without bytes"),
     "part of a part": (part(1, part(1, b"x"), is_last=True), "part of parts"),
     "short record in parts": (part(1, b"\x01", is_last=True), "cut off"),
     "many records at once": (record(99) * (links.MOST_AT_ONCE + 1), str(links.MOST_AT_ONCE)),
 }
 
 
-@pytest.mark.parametrize(("data", "fault"), INVALID.values(), ids=INVALID)
-async def test_invalid_record_closes_the_link_with_the_reason(
+@pytest.mark.parametrize(("data", "fault"), BROKEN.values(), ids=BROKEN)
+async def test_broken_framing_closes_the_link_with_the_reason(
     start_hub: StartHub, data: bytes, fault: str
 ) -> None:
     hub = await start_hub()
@@ -159,6 +138,88 @@ async def test_invalid_record_closes_the_link_with_the_reason(
         await other.send(data)
         assert fault in await other.reason()
         await until(lambda: not hub.federation.peers, hub)
+
+
+INVALID = {
+    "short ping": (record(links.PING, b"123"), "kind 8"),
+    "short pong": (record(links.PONG, b"123"), "kind 9"),
+    "short interest": (record(links.INTEREST, b"123"), "kind 2"),
+    "short flowing": (record(links.FLOWING, b"123"), "kind 3"),
+    "short message": (record(links.MESSAGE, b"123"), "kind 4"),
+    "short request": (record(links.REQUEST, b"1"), "kind 5"),
+    "short reply": (record(links.REPLY, b"1"), "kind 6"),
+    "short cancel": (record(links.CANCEL, b"1"), "kind 7"),
+    "announcement of no JSON": (record(links.ANNOUNCE, "{"), "announcement"),
+    "announcement of a list": (record(links.ANNOUNCE, "[]"), "announcement"),
+    "announcement that is nested deeply": (record(links.ANNOUNCE, "[" * 100_000), "announcement"),
+    "announcement of faults": (
+        record(links.ANNOUNCE, {"nodes": {f"/n{number}": 1 for number in range(2000)}}),
+        "invalid record",
+    ),
+    "large announcement": (
+        record(links.ANNOUNCE, " " * (links.MOST_ANNOUNCED + 1)),
+        str(links.MOST_ANNOUNCED),
+    ),
+    "record of a later version": (record(99, b"?"), ""),
+    "request without JSON": (record(links.REQUEST, struct.pack("<QI", 1, 1) + b"{"), "fields"),
+    "large fields": (request(1, op="x" * (links.MOST_FIELDS + 1)), str(links.MOST_FIELDS)),
+}
+GOOD = record(links.ANNOUNCE, {"nodes": {"/good": NODE}})
+
+
+@pytest.mark.parametrize(("data", "fault"), INVALID.values(), ids=INVALID)
+async def test_invalid_record_is_left_out_and_logged_once(
+    start_hub: StartHub, caplog: pytest.LogCaptureFixture, data: bytes, fault: str
+) -> None:
+    hub = await start_hub()
+    async with bystanders(hub), other_hub(hub) as other:
+        await other.join()
+        await other.send(data, GOOD)
+        await other.send(data)
+        await other.send(record(links.ANNOUNCE, {"nodes": {"/last": NODE}}))
+        await until(lambda: {"/good", "/last"} <= {*hub.graph.nodes}, hub)
+        logged = [each.message for each in caplog.records if each.levelname == "WARNING"]
+        assert len(logged) == len({*logged})
+        assert bool(logged) == bool(fault)
+        assert all(fault in each and "other" in each for each in logged)
+
+
+async def test_request_that_cannot_be_read_is_answered_with_an_error(start_hub: StartHub) -> None:
+    hub = await start_hub(max_message_size=100_000)
+    large = request(3, bytes(200_000), op="call")
+    async with other_hub(hub) as other:
+        await other.join()
+        await other.send(record(links.REQUEST, struct.pack("<QI", 1, 1) + b"{"))
+        await other.send(request(2, op="x" * (links.MOST_FIELDS + 1)))
+        for at in range(0, len(large), 50_000):
+            await other.send(part(1, large[at : at + 50_000], is_last=at + 50_000 >= len(large)))
+        codes: dict[int, str] = {}
+        async with asyncio.timeout(PATIENCE):
+            async for kind, body in other.records():
+                if kind == links.REPLY:
+                    id_, is_final, size = struct.unpack_from("<QBI", body)
+                    assert is_final
+                    codes[id_] = json.loads(body[13 : 13 + size])["code"]
+                    if len(codes) == 3:
+                        break
+        assert codes == {1: "invalid_operation", 2: "invalid_operation", 3: "limit"}
+
+
+async def test_message_that_is_too_large_is_left_out(
+    start_hub: StartHub, caplog: pytest.LogCaptureFixture
+) -> None:
+    hub = await start_hub(max_message_size=100_000)
+    large = record(links.MESSAGE, struct.pack("<QQq", 1, 1, 1) + bytes(300_000))
+    async with bystanders(hub), other_hub(hub) as other:
+        await other.join()
+        for at in range(0, len(large), 50_000):
+            await other.send(part(1, large[at : at + 50_000], is_last=at + 50_000 >= len(large)))
+        await other.send(part(1, GOOD, is_last=True))
+        await until(lambda: "/good" in hub.graph.nodes, hub)
+        (endpoint,) = hub.federation.backplanes
+        assert isinstance(endpoint, links.Link)
+        assert endpoint.incomplete_bytes == 0
+    assert "100000 bytes (--max-message-size)" in caplog.text
 
 
 @pytest.mark.parametrize(

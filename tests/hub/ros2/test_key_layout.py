@@ -104,6 +104,8 @@ def test_any_token_is_read_or_refused(text: str, index: int, token: str) -> None
         ("2:1:,5:,:,:,,", Qos(is_reliable=False, is_latched=True, depth=5)),
         ("1:2:1,42:9,9:,:1,,", Qos()),
         ("::2,:,:,:,,", Qos()),
+        ("::,3000000000:,:,:,,", Qos(depth=3_000_000_000)),
+        (f"::,{2**64 - 1}:,:,:,,", Qos(depth=2**64 - 1)),
     ],
 )
 def test_qos(text: str, qos: Qos) -> None:
