@@ -139,7 +139,7 @@ class ParameterRecord(_Record):
     Attributes:
         stamp: nanoseconds since 1970.
         hub: the id of the hub where it was changed.
-        value: its JSON; None if it was deleted.
+        value: its JSON, ``{}`` for a namespace in which there is nothing; None if it was deleted.
     """
 
     stamp: Stamp

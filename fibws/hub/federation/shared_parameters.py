@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection
 
 from pydantic_core import from_json
 
-from fibws.errors import FibwsError, ParameterNotSet
+from fibws.errors import FibwsError
 from fibws.hub.federation.backplane import Backplane
 from fibws.hub.federation.names import NameView
 from fibws.hub.federation.records import LATEST, ParameterRecord
@@ -24,6 +24,9 @@ logger = logging.getLogger("fibws.hub")
 
 MOST_DELETED = 10_000
 """Deletions that are remembered; each could be undone by a hub that has not heard of it."""
+
+EMPTY = "{}"
+"""The value of a namespace in which there is nothing."""
 
 
 class SharedParameters:
@@ -55,6 +58,8 @@ class SharedParameters:
         self._followed: set[str] = set()
         """The namespaces whose changes are recorded."""
         self._deleted: dict[str, None] = {}
+        self._is_applying = False
+        """Whether a change of another hub is being made here."""
         graph.parameters.watch(self._parameter_changed)
         for namespace in namespaces:
             self._follow(namespace)
@@ -81,6 +86,7 @@ class SharedParameters:
         if known is not None and (known.stamp, known.hub) >= (record.stamp, record.hub):
             return
         self._keep(name, record)
+        self._is_applying = True
         try:
             self._apply(name, record.value, backplane.node)
         except (FibwsError, ValueError) as error:
@@ -90,14 +96,32 @@ class SharedParameters:
             else:
                 self.records[name] = known
             return
+        finally:
+            self._is_applying = False
         self._changed(name)
+        self._compare(name)
 
     def _apply(self, name: str, value: str | None, node: str) -> None:
-        graph = self._graph
-        if value is None:
+        """Make a change of another hub; a namespace that is not empty here remains.
+
+        What was deleted from it has records of its own, and what is new in it is not known there.
+        """
+        graph, parameters = self._graph, self._graph.parameters
+        is_full = parameters.has(name) and not parameters.is_leaf(name)
+        if value is None and not is_full:
             graph.delete_parameter(node, name)
-        else:
+            self._remove_emptied(name, node)
+        elif value is not None and not (value == EMPTY and is_full):
             graph.set_parameter(node, name, native(from_json(value)))
+
+    def _remove_emptied(self, name: str, node: str) -> None:
+        """Delete the namespaces that a deletion has left empty, unless they are so elsewhere."""
+        for parent in reversed(self._parents(name)):
+            record = self.records.get(parent)
+            is_known = record is not None and record.value == EMPTY
+            if is_known or not self._is_followed(parent) or self._text(parent) != EMPTY:
+                return
+            self._graph.delete_parameter(node, parent)
 
     def _is_shared(self, name: str, view: NameView) -> bool:
         if name in self._own:
@@ -122,10 +146,10 @@ class SharedParameters:
 
     def _compare(self, name: str) -> None:
         """Record what has changed of a parameter, or in a namespace."""
-        present = set(self._graph.parameters.below(name)) - self._own
+        present = set(self._graph.parameters.leaves(name)) - self._own - {"/"}
         known = set(self._known_in(name))
-        parents = {each for each in self._parents(name) if each in self.records}
-        for each in present | known | parents:
+        parents = set(filter(self._is_concerned, self._parents(name)))
+        for each in sorted(present | known | parents):
             value = self._text(each)
             older = self.records.get(each)
             if value != (older.value if older is not None else None):
@@ -133,6 +157,16 @@ class SharedParameters:
                 stamp = min(max(self._graph.now(), earliest), LATEST)
                 self._keep(each, ParameterRecord(stamp=stamp, hub=self._hub, value=value))
                 self._changed(each)
+
+    def _is_concerned(self, parent: str) -> bool:
+        """Return whether a namespace may have a new record as something in it has changed."""
+        if parent in self.records:
+            return True
+        is_emptied = not self._is_applying and self._text(parent) == EMPTY
+        return is_emptied and self._is_followed(parent)
+
+    def _is_followed(self, name: str) -> bool:
+        return any(_is_in(name, namespace) for namespace in self._followed)
 
     def _known_in(self, name: str) -> list[str]:
         """Return the parameters with a record in a namespace, or of the name itself."""
@@ -148,14 +182,12 @@ class SharedParameters:
         return ["/".join(parts[:end]) for end in range(2, len(parts))]
 
     def _text(self, name: str) -> str | None:
-        """Return a value as JSON; None for a namespace or a parameter that is not set."""
+        """Return a value as JSON; None for a parameter that is not set, and for a namespace.
+
+        A namespace in which there is nothing is a value: it comes and goes like one.
+        """
         parameters = self._graph.parameters
-        try:
-            if parameters.below(name) not in ([name], (name,)):
-                return None
-            return parameters.text(name).decode()
-        except ParameterNotSet:
-            return None
+        return parameters.text(name).decode() if parameters.is_leaf(name) else None
 
     def _keep(self, name: str, record: ParameterRecord) -> None:
         if name not in self.records:

@@ -212,6 +212,16 @@ class Parameters:
         found = self._find(_path(name))
         return [] if found is None else list(_names(_root(name), found))
 
+    def is_leaf(self, name: str) -> bool:
+        """Return whether a name has a value, or is a namespace in which there is nothing."""
+        found = self._find(_path(name))
+        return isinstance(found, bytes) or found == {}
+
+    def leaves(self, name: str) -> list[str]:
+        """Return the names as `below` does, and those of namespaces in which there is nothing."""
+        found = self._find(_path(name))
+        return [] if found is None else list(_names(_root(name), found, with_empty=True))
+
     def replaced_by(self, name: str) -> list[str]:
         """Return the parameters that would be replaced by one of this name, or else the name."""
         path = _path(name)
@@ -392,9 +402,9 @@ def _without(node: Namespace | bytes, name: str, only: Set[str]) -> Namespace | 
     return {key: part for key, part in parts if part is not None} or None
 
 
-def _names(name: str, node: Namespace | bytes) -> Iterator[str]:
-    if isinstance(node, bytes):
+def _names(name: str, node: Namespace | bytes, *, with_empty: bool = False) -> Iterator[str]:
+    if isinstance(node, bytes) or (with_empty and not node):
         yield name
     else:
         for key, each in node.items():
-            yield from _names(f"{name}/{key}", each)
+            yield from _names(f"{name}/{key}", each, with_empty=with_empty)

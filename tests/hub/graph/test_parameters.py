@@ -394,3 +394,13 @@ def test_changes_are_reported_with_the_node() -> None:
     with pytest.raises(ParameterError):
         tree.set("/x", None)
     assert changes == [("/a/b", "/node"), ("/a", "/other")]
+
+
+def test_leaves_are_values_and_empty_namespaces() -> None:
+    parameters = Parameters(10_000)
+    parameters.set("/a", {"b": {}, "c": {"d": 1}, "e": []})
+    assert parameters.leaves("/a") == ["/a/b", "/a/c/d", "/a/e"]
+    assert parameters.leaves("/a/b") == ["/a/b"]
+    assert parameters.leaves("/x") == []
+    names = ["/a", "/a/b", "/a/c", "/a/c/d", "/a/e", "/x"]
+    assert [name for name in names if parameters.is_leaf(name)] == ["/a/b", "/a/c/d", "/a/e"]

@@ -63,8 +63,10 @@ def test_publication_names_its_publisher_its_type_and_its_time() -> None:
 
 @pytest.mark.parametrize(
     ("asked", "kept"),
-    [(0, 0), (-1, 0), (-(2**63), 0), (1, 1), (2**31 - 1, 2**31 - 1), (2**31, 2**31 - 1)]
-    + [(2**64 - 1, 2**31 - 1), (10**300, 2**31 - 1)],
+    [
+        *((0, 0), (-1, 0), (-(2**63), 0), (1, 1), (2**31 - 1, 2**31 - 1), (2**31, 2**31 - 1)),
+        *((2**64 - 1, 2**31 - 1), (10**300, 2**31 - 1)),
+    ],
 )
 def test_queue_size_may_be_any_integer(asked: int, kept: int) -> None:
     assert source(queue_size=asked).queue_size == kept
