@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import random
+import math
 import secrets
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
+from asyncio import sleep
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
+from websockets.http11 import Response
 from websockets.typing import Subprotocol
 
 from fibws import credentials
@@ -22,6 +24,16 @@ from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.link import SUBPROTOCOL, UNSENT, Link, unique_node
 from fibws.hub.federation.names import NameView
+from fibws.hub.federation.retries import (
+    LOST,
+    OVERLOADED,
+    REFUSED,
+    Pace,
+    Retries,
+    pace_of_close,
+    pace_of_status,
+    seconds_asked,
+)
 from fibws.hub.log_text import printable
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, limit_unsent
@@ -40,10 +52,6 @@ from fibws.tls import fault as tls_fault
 
 logger = logging.getLogger("fibws.hub")
 
-FIRST_RETRY, LONGEST_RETRY = 0.1, 2.0
-"""Seconds before the other hub is tried again; they double each time."""
-REFUSED_RETRY = 30.0
-"""Seconds before a hub that refused this one is tried again."""
 OPEN_TIMEOUT = 5.0
 CLOSE_TIMEOUT = 1.0
 TURN = 0.001
@@ -195,6 +203,26 @@ class _OwnWire:
                 until = time.perf_counter() + TURN
 
 
+class _End(NamedTuple):
+    """Why a hub is not joined.
+
+    Attributes:
+        asked: the least seconds before the next try, as the other hub has asked for.
+    """
+
+    fault: str
+    pace: Pace
+    asked: float = 0.0
+
+
+class _Refused(FederationError):
+    """The handshake was answered with an HTTP status other than that for a WebSocket."""
+
+    def __init__(self, end: _End) -> None:
+        self.end = end
+        super().__init__(end.fault)
+
+
 class Join:
     """Keeps this hub joined to another one, by a connection that it opens itself.
 
@@ -225,9 +253,8 @@ class Join:
         self._federation = federation
         self._settings = settings
         self._principal = principal
-        self._logged = ""
-        self._has_joined = False
-        self._is_final = False
+        self._retries = Retries()
+        self._joined_at = math.inf
         self._view = NameView(
             settings.join_prefix,
             is_below=bool(settings.join_prefix),
@@ -245,7 +272,7 @@ class Join:
         """Begin to connect, again and again."""
         if (warning := self._credentials.warning(self.url)) is not None:
             logger.warning("%s.", warning)
-        self._task = asyncio.get_running_loop().create_task(self._run(), name=f"join {self.url}")
+        self._task = asyncio.create_task(self._run(), name=f"join {self.url}")
 
     async def close(self) -> None:
         """Leave the other hub."""
@@ -254,23 +281,24 @@ class Join:
             await asyncio.wait([self._task])
 
     async def _run(self) -> None:
-        delays = _delays()
         while True:
+            end = _End("the connection failed", OVERLOADED)
+            self._joined_at = math.inf
             try:
-                self._has_joined = self._is_final = False
-                await self._connect_once()
+                end = await self._connect_once()
+            except _Refused as error:
+                end = error.end
             except (OSError, WebSocketException, FibwsError, TimeoutError, ValueError) as error:
-                self._report(_reason(error))
-                if isinstance(error, HubUnreachable):
-                    self._is_final = True
+                pace = REFUSED if isinstance(error, HubUnreachable) else LOST
+                end = _End(_reason(error), OVERLOADED if tls_fault(error) else pace)
             except Exception:
                 logger.exception("The connection to %s failed.", self.url)
-            if self._has_joined:
-                delays = _delays()
-            await asyncio.sleep(REFUSED_RETRY if self._is_final else next(delays))
+            self._retries.worked(time.monotonic() - self._joined_at)
+            self._report(end)
+            await sleep(self._retries.delay(end.pace, end.asked))
 
-    async def _connect_once(self) -> None:
-        """Connect, and exchange records until the connection is lost."""
+    async def _connect_once(self) -> _End:
+        """Connect, and exchange records until the connection is lost; return why it was."""
         token = self._credentials.read()
         websocket = await self._open(token)
         wire = _OwnWire(websocket)
@@ -292,34 +320,15 @@ class Join:
         reason = "this hub ends"
         try:
             done, _ = await asyncio.wait({*tasks, closing}, return_when=asyncio.FIRST_COMPLETED)
-            reason = self._end_of(wire, websocket, done)
+            end = _end_of(wire, websocket, done)
+            reason = end.fault
+            return end
         finally:
             link.closed(reason)
             for task in (*tasks, closing):
                 task.cancel()
             await asyncio.shield(_close(websocket, wire.reason))
             await asyncio.wait({*tasks, closing})
-
-    def _end_of(
-        self, wire: _OwnWire, websocket: ClientConnection, done: set[asyncio.Task[Any]]
-    ) -> str:
-        """Return why a connection has ended, and log it."""
-        reason = "the connection was lost"
-        for task in done:
-            error = task.exception()
-            if isinstance(error, FederationError):
-                wire.close(close_reason(1008, str(error)))
-                reason = str(error)
-            elif error is not None and not isinstance(error, ConnectionClosed):
-                raise error
-        if wire.reason is not None:
-            reason = wire.reason.reason
-        elif websocket.close_code is not None and websocket.close_reason:
-            reason = websocket.close_reason
-        if (websocket.close_code or 0) >= 4000 or (wire.reason and wire.reason.code >= 4000):
-            self._is_final = True
-        self._report(reason)
-        return reason
 
     async def _open(self, token: str | None) -> ClientConnection:
         prefix = self._view.prefix
@@ -345,24 +354,45 @@ class Join:
             limit_unsent(websocket.transport, UNSENT)
             return websocket
         except InvalidStatus as error:
-            status = error.response.status_code
-            text = error.response.body.decode("utf-8", "replace").strip()
-            fault = f"HTTP {status}: {text[:300]}"
-            if status in (401, 403, 404):
-                raise HubUnreachable(self.url, fault) from None
-            raise FederationError(fault) from None
+            raise _Refused(_end_of_handshake(error.response)) from None
 
     def _on_joined(self, peer: Peer) -> None:
-        self._has_joined = True
-        self.fault = self._logged = ""
+        self._joined_at = time.monotonic()
+        self._retries.joined()
+        self.fault = ""
 
-    def _report(self, fault: str) -> None:
+    def _report(self, end: _End) -> None:
         """Log the reason for not being connected, once."""
-        self.fault = fault
-        self.on_fault(fault)
-        if fault != self._logged:
-            self._logged = fault
-            logger.warning("Not joined to %s (%s); trying again.", self.url, printable(fault))
+        self.fault = end.fault
+        self.on_fault(end.fault)
+        if self._retries.is_new(end.pace, end.fault):
+            often = f" every {REFUSED.longest:g} s" if end.pace is REFUSED else ""
+            fault = printable(end.fault)
+            logger.warning("Not joined to %s (%s); trying again%s.", self.url, fault, often)
+
+
+def _end_of_handshake(response: Response) -> _End:
+    """Return why a handshake was refused."""
+    status, text = response.status_code, response.body.decode("utf-8", "replace").strip()
+    asked = seconds_asked(response.headers.get("Retry-After"))
+    return _End(f"HTTP {status}: {text[:300]}", pace_of_status(status), asked)
+
+
+def _end_of(wire: _OwnWire, websocket: ClientConnection, done: set[asyncio.Task[Any]]) -> _End:
+    """Return why a connection has ended."""
+    reason = "the connection was lost"
+    for task in done:
+        error = task.exception()
+        if isinstance(error, FederationError):
+            wire.close(close_reason(1008, str(error)))
+        elif error is not None and not isinstance(error, ConnectionClosed):
+            raise error
+    code = websocket.close_code or 1006
+    if wire.reason is not None:
+        code, reason = wire.reason.code, wire.reason.reason
+    elif websocket.close_reason:
+        reason = websocket.close_reason
+    return _End(reason, pace_of_close(code))
 
 
 def _link(
@@ -403,14 +433,6 @@ async def _close(websocket: ClientConnection, reason: CloseReason | None) -> Non
     else:
         # Codes from 4000 on, and those for faults, are what a client may send.
         await websocket.close(reason.code if reason.code != 1001 else 1000, reason.reason)
-
-
-def _delays() -> Iterator[float]:
-    """Yield the seconds to wait before each retry; the differences keep hubs apart."""
-    delay = FIRST_RETRY
-    while True:
-        yield delay * random.uniform(0.7, 1.0)
-        delay = min(2 * delay, LONGEST_RETRY)
 
 
 def _reason(error: Exception) -> str:
