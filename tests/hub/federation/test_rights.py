@@ -87,6 +87,33 @@ async def test_missing_or_wrong_token_is_refused_with_the_reason(
     assert not cloud.federation.peers
 
 
+async def test_refused_hub_joins_once_the_other_one_knows_its_token(
+    start_hub: StartHub, path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    TokenFile(path).add("operator", Rights(admin=True))
+    cloud = await start_hub(hub_name="cloud", tokens=path)
+    later = tmp_path / "later.toml"
+    token = TokenFile(later).add("robot", Rights(admin=True))
+    waited: list[float] = []
+    is_waiting, is_over = asyncio.Event(), asyncio.Event()
+
+    async def sleep(seconds: float) -> None:
+        waited.append(seconds)
+        is_waiting.set()
+        await is_over.wait()
+
+    monkeypatch.setattr("fibws.hub.federation.connections.sleep", sleep)
+    robot = await start_hub(join=(f"{cloud.url}/?token={token}",))
+    async with asyncio.timeout(PATIENCE):
+        await is_waiting.wait()
+        later.replace(path)
+        cloud.reload()
+        is_over.set()
+        await until(lambda: cloud.federation.peers and robot.federation.peers, cloud, robot)
+    (seconds,) = waited
+    assert 20 <= seconds <= 30
+
+
 async def test_untrusted_certificate_is_refused_with_the_reason(
     start_hub: StartHub, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
