@@ -24,7 +24,7 @@ LANE_BYTES = 2 * 1024 * 1024
 OVERHEAD = 128
 """Bytes of memory that a waiting record takes beside its own."""
 CALLS = 2**64 - 1
-"""The lane of requests and replies, which are never dropped."""
+"""The lane of requests, replies and cancels, which are never dropped."""
 ROOM = 7 / 8
 """The share of all bytes that still wait when messages have been dropped for lack of room."""
 
@@ -132,7 +132,7 @@ class Lanes:
         return self._weight + self._begun_bytes
 
     def put_call(self, head: bytes, body: Any) -> None:
-        """Add a request or a reply."""
+        """Add a request, a reply or a cancel."""
         self._put(CALLS, head, body)
 
     def put_message(

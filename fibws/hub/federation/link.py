@@ -18,8 +18,8 @@ that many bytes, of which the first is the kind. Integers are little-endian:
 Messages leave in the order in which they came while there is room for all of them. Else they wait
 in lanes, one of each publisher, which take turns, a part of a large message each: a camera delays
 no other topic. A lane keeps its newest messages while the other hub or the network is slow.
-Requests and replies have a lane of their own, and all other records go first. A text message is an
-error.
+Requests, replies and cancels have a lane of their own, and all other records go first. A text
+message is an error.
 """
 
 from __future__ import annotations
@@ -258,7 +258,9 @@ class Link(Backplane):
 
         def cancel() -> None:
             if self._requests.pop(id_, None) is not None and not self._is_closed:
-                self._send_control(CANCEL, _NUMBER.pack(id_))
+                self._put_call(
+                    CANCEL, _NUMBER.pack(id_), b""
+                )  # It must not come before its request.
 
         return cancel
 

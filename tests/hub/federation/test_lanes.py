@@ -223,6 +223,15 @@ def test_calls_pass_when_messages_fill_all_that_may_wait(slow: SlowLink) -> None
     assert bodies[link.REPLY].endswith(bytes(10))
 
 
+def test_cancel_does_not_overtake_its_request(slow: SlowLink) -> None:
+    assert slow.link.peer is not None
+    for _ in range(2):
+        cancel = slow.link.request(slow.link.peer, Request("call", {}, bytes(MIB)), print)
+    cancel()
+    kinds = [kind for kind, _ in slow.records()]
+    assert kinds == [link.REQUEST, link.REQUEST, link.CANCEL]
+
+
 def test_calls_are_bounded(slow: SlowLink) -> None:
     assert slow.link.peer is not None
     replies: list[Reply] = []
