@@ -78,3 +78,10 @@ def test_checking_a_long_text_takes_little_memory() -> None:
         assert tracemalloc.get_traced_memory()[1] < len(text) / 4
     finally:
         tracemalloc.stop()
+
+
+def test_padding_is_found_wherever_it_is() -> None:
+    half = base64text.encode(bytes(3 * 2**17 - 1))
+    for text in (half + half, half + "AAAA", "QQ==" + half):
+        with pytest.raises(ValueError):
+            base64text.canonical(text)
