@@ -16,7 +16,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Sequence
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fibws.errors import HubError
 from fibws.hub.log_text import printable
@@ -36,6 +36,9 @@ LANE_BYTES = 2 * 1024 * 1024
 """Bytes of one publisher that may wait; its newest message always may."""
 TURN = 0.001
 """Seconds for which arrivals are handled before others have their turn."""
+
+_Arrival: TypeAlias = tuple[int, Callable[..., object], tuple[Any, ...], int]
+"""Its number, what to call with which arguments, and its size."""
 
 
 async def open_session(
@@ -215,14 +218,18 @@ class Inbox:
     """Hands calls from zenoh's threads to the event loop, in order.
 
     Args:
-        limit: most bytes of messages that wait for the event loop; the oldest are dropped.
+        limit: most bytes of messages that wait for the event loop; the oldest are dropped, and the
+            newest always may wait.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, limit: int) -> None:
         self._loop = loop
         self._limit = limit
         self._lock = threading.Lock()
-        self._calls: deque[tuple[Callable[..., object], tuple[Any, ...], int]] = deque()
+        self._numbers = count()
+        self._messages: deque[_Arrival] = deque()
+        self._calls: deque[_Arrival] = deque()
+        """What is no message."""
         self._bytes = 0
         self._is_due = False
         self._is_closed = False
@@ -232,16 +239,17 @@ class Inbox:
         """Call a function in the event loop soon.
 
         Args:
-            size: bytes of a message, which is dropped if too much waits; 0 for other calls.
+            size: bytes of a message, which may be dropped; 0 for other calls.
         """
         with self._lock:
             if self._is_closed:
                 return
-            if size and self._bytes + size > self._limit:
-                self.dropped += 1
-                return
-            self._calls.append((function, arguments, size))
+            arrival = next(self._numbers), function, arguments, size
+            (self._messages if size else self._calls).append(arrival)
             self._bytes += size
+            while self._bytes > self._limit and len(self._messages) > 1:
+                self._bytes -= self._messages.popleft()[3]
+                self.dropped += 1
             if not self._is_due:
                 self._is_due = True
                 self._loop.call_soon_threadsafe(self._run)
@@ -250,17 +258,23 @@ class Inbox:
         """Call nothing more."""
         with self._lock:
             self._is_closed = True
+            self._messages.clear()
             self._calls.clear()
+
+    def _next(self) -> _Arrival | None:
+        with self._lock:
+            found = [queue for queue in (self._messages, self._calls) if queue]
+            if not found:
+                self._is_due = False
+                return None
+            arrival = min(found, key=lambda queue: queue[0][0]).popleft()
+            self._bytes -= arrival[3]
+            return arrival
 
     def _run(self) -> None:
         until = time.perf_counter() + TURN
-        while True:
-            with self._lock:
-                if not self._calls:
-                    self._is_due = False
-                    return
-                function, arguments, size = self._calls.popleft()
-                self._bytes -= size
+        while (arrival := self._next()) is not None:
+            _, function, arguments, _ = arrival
             try:
                 function(*arguments)
             except Exception:
