@@ -11,7 +11,6 @@ import logging
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from itertools import count
 from typing import Any, Protocol
 
 from fibws.errors import FibwsError, LimitReached
@@ -21,7 +20,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Conflict, LatchQuota, SinkReport, Source, Topic
 from fibws.hub.log_text import printable
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
-from fibws.hub.ros2.network import Declared, Network
+from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
 from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
 from fibws.hub.ros2.types import Ros2Message, Ros2Types, check_hash
@@ -112,7 +111,6 @@ class OwnPublisher:
     """A publisher of this hub as ROS 2 sees it.
 
     Args:
-        lane: its number among all.
         matched: called once messages of another type reach a subscriber.
 
     Attributes:
@@ -125,7 +123,6 @@ class OwnPublisher:
         "_matched",
         "_network",
         "declared",
-        "lane",
         "matching",
         "message",
         "own",
@@ -139,15 +136,13 @@ class OwnPublisher:
         message: Ros2Message,
         own: OwnEntity,
         network: Network,
-        lane: int,
         matched: Callable[[], object],
     ) -> None:
         self.source = source
         self.message = message
         self.own = own
-        self.lane = lane
         self.sequence = 0
-        self.declared: dict[tuple[str, str], tuple[Declared, Ros2Message]] = {}
+        self.declared: dict[tuple[str, str], tuple[DeclaredPublisher, Ros2Message]] = {}
         self.matching: set[tuple[str, str]] = set()
         self._network = network
         self._matched = matched
@@ -178,19 +173,16 @@ class OwnPublisher:
         for declared, message in self.declared.values():
             self._send(publication, declared, message)
 
-    def _send(self, publication: Publication, declared: Declared, message: Ros2Message) -> None:
+    def _send(
+        self, publication: Publication, declared: DeclaredPublisher, message: Ros2Message
+    ) -> None:
         data = publication.ros1()
         self.sequence += 1
         attachment = Attachment(self.sequence, time.time_ns(), self.own.gid).pack()
         convert = message.converter.to_cdr
         queue_size = self.source.queue_size
-        self._network.send(
-            declared,
-            self.lane,
-            len(data),
-            queue_size if queue_size > 0 else UNLIMITED,
-            lambda: (convert(data), attachment),
-        )
+        limit = queue_size if queue_size > 0 else UNLIMITED
+        declared.send(len(data), limit, lambda: (convert(data), attachment))
 
     def close(self) -> None:
         """Undeclare everything."""
@@ -289,7 +281,6 @@ class Ros2Topics:
         self._dirty: dict[str, None] = {}
         self._is_due = False
         self._is_closed = False
-        self._lanes = count(1)
         self._warned: set[str] = set()
         graph.watch_topics(lambda topic: self.changed(topic.name))
 
@@ -667,9 +658,8 @@ class Ros2Topics:
                 own = self._own.declare(
                     "MP", node, links.topic, message.name, message.type_hash, qos
                 )
-                lane = next(self._lanes)
                 matched = partial(self.changed, links.topic)
-                publisher = OwnPublisher(source, message, own, self.network, lane, matched)
+                publisher = OwnPublisher(source, message, own, self.network, matched)
                 links.own_publishers[node] = publisher
             publisher.settle(wanted)
         if topic is not None:
