@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,6 +21,7 @@ from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros2.key_layout import Attachment, tokens_key
 from fibws.hub.zenoh_session import (
     LEASE,
+    QUEUES,
     Calls,
     Inbox,
     Lane,
@@ -36,6 +37,27 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("fibws.hub")
 
+_TX = "transport/link/tx"
+_CLOSE = f"{_TX}/queue/congestion_control/block/wait_before_close"
+SESSION: Mapping[str, Any] = {
+    **QUEUES,
+    "transport/unicast/open_timeout": 60_000,
+    "transport/unicast/accept_timeout": 60_000,
+    "transport/unicast/accept_pending": 10_000,
+    "transport/unicast/max_sessions": 10_000,
+    f"{_TX}/lease": 60_000,
+    f"{_TX}/keep_alive": 2,
+    _CLOSE: 60_000_000,
+    "timestamping/enabled": True,
+}
+"""rmw_zenoh's settings of a node's session, for many nodes that start together: milliseconds, and
+the microseconds after which a receiver that does not read is disconnected."""
+ROUTER: Mapping[str, Any] = {
+    **SESSION,
+    _CLOSE: 5_000_000,
+    "routing/router/peers_failover_brokering": False,
+}
+"""rmw_zenoh's settings of its router."""
 UNREACHED, CHECK_AGAIN = 2.0, 0.02
 """Seconds for which a call waits for the way to its server, and between two looks."""
 HEARTBEAT = 0.5
@@ -189,6 +211,7 @@ class Network:
             self._connect,
             self._config,
             flag="--ros2",
+            defaults=ROUTER if self._listen else SESSION,
         )
         self.session_id = str(self._session.zid())
         self._is_open = True

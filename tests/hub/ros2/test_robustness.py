@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+import zenoh
 from conftest import StartHub
 from patience import PATIENCE
 
@@ -20,6 +23,7 @@ from fibws.msg.std_msgs import Float64MultiArray, String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
+from ..zenoh_endpoints import zenoh_config
 from .conftest import StartRos2Hub
 from .peer import ADD, ADD_HASH, STRING, STRING_HASH, Peer, cdr_string, reaching, text_of
 from .test_services import adder, request
@@ -226,3 +230,71 @@ async def test_ros_2_nodes_cannot_be_ended_from_here(
     assert response.success
     with pytest.raises(ServiceError):
         await node.call("/nothing", AddTwoInts)
+
+
+# zenoh's settings.
+
+UNICAST = {
+    "open_timeout": 60_000,
+    "accept_timeout": 60_000,
+    "accept_pending": 10_000,
+    "max_sessions": 10_000,
+}
+CONGESTION = "transport/link/tx/queue/congestion_control"
+
+
+async def made_config(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch, **settings: Any
+) -> Callable[[str], Any]:
+    """Return what reads the settings with which a hub opens its session."""
+    made: list[zenoh.Config] = []
+
+    def refuse(config: zenoh.Config) -> None:
+        made.append(config)
+        raise OSError("not here")
+
+    monkeypatch.setattr(zenoh, "open", refuse)
+    with pytest.raises(HubError, match="not here"):
+        await start_hub(**settings)
+    return lambda key: json.loads(made[0].get_json(key))
+
+
+async def test_hub_in_place_of_the_router_has_its_settings(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    setting = await made_config(start_hub, monkeypatch, ros2=("tcp/127.0.0.1:0",))
+    unicast = setting("transport/unicast")
+    assert {key: unicast[key] for key in UNICAST} == UNICAST
+    assert setting("transport/link/tx/lease") == 60_000
+    assert setting("transport/link/tx/keep_alive") == 2
+    assert setting("routing/router/peers_failover_brokering") is False
+    assert setting("timestamping/enabled") is True
+    assert setting(f"{CONGESTION}/block/wait_before_close") == 5_000_000
+
+
+async def test_hub_beside_the_router_has_the_settings_of_a_node(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    setting = await made_config(start_hub, monkeypatch, ros2_connect=("tcp/127.0.0.1:1",))
+    unicast = setting("transport/unicast")
+    assert {key: unicast[key] for key in UNICAST} == UNICAST
+    assert setting("transport/link/tx/lease") == 60_000
+    assert setting(f"{CONGESTION}/block/wait_before_close") == 60_000_000
+
+
+async def test_file_of_zenoh_has_precedence(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    path = zenoh_config(
+        tmp_path,
+        unicast={"max_sessions": 50},
+        link={"tx": {"lease": 7000, "queue": {"size": {"data": 3}}}},
+    )
+    setting = await made_config(
+        start_hub, monkeypatch, ros2=("tcp/127.0.0.1:0",), zenoh_config=path
+    )
+    assert setting("transport/unicast/max_sessions") == 50
+    assert setting("transport/unicast/accept_pending") == 10_000
+    assert setting("transport/link/tx/lease") == 7000
+    assert setting("transport/link/tx/queue/size/data") == 3
+    assert setting("transport/link/tx/queue/size/control") == 16
