@@ -34,6 +34,8 @@ LEASE = 4.0
 """Seconds of silence after which a connection counts as lost."""
 RETRY = 1.0
 """Most seconds before an endpoint that does not answer is tried again."""
+CLOSING = 1.0
+"""Most seconds that the end waits for receivers."""
 LARGE = 64 * 1024
 """Bytes of a message from which on it is sent in the thread for large messages."""
 LANE_BYTES = 2 * 1024 * 1024
@@ -83,6 +85,20 @@ async def open_session(
         endpoints = ", ".join((*listen, *connect))
         fault = printable(_fault(error))
         raise HubError(f"{flag}: cannot use {endpoints}: {fault}") from None
+
+
+def close_session(session: zenoh.Session) -> None:
+    """Close a session, in a thread; it ends later if a receiver does not read."""
+
+    def close() -> None:
+        try:
+            session.close()  # type: ignore[no-untyped-call]
+        except Exception as error:  # The receiver still does not read.
+            logger.debug("zenoh: %s", printable(str(error)))
+
+    thread = threading.Thread(target=close, name="zenoh-close", daemon=True)
+    thread.start()
+    thread.join(CLOSING)
 
 
 def direct(

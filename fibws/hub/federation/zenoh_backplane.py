@@ -59,6 +59,7 @@ from fibws.hub.zenoh_session import (
     Inbox,
     Lane,
     Lanes,
+    close_session,
     direct,
     lossless,
     lossy,
@@ -435,7 +436,7 @@ class ZenohBackplane(Backplane):
         _undeclare(*reversed(self._declared))
         self._control.close()
         self._lanes.close()
-        self._session.close()  # type: ignore[no-untyped-call]
+        close_session(self._session)
         self._control.join(LEASE)
         self._lanes.join(LEASE)
 

@@ -26,6 +26,7 @@ from fibws.hub.zenoh_session import (
     Inbox,
     Lane,
     Lanes,
+    close_session,
     direct,
     lossless,
     lossy,
@@ -250,7 +251,7 @@ class Network:
         self._replies.join(LEASE)
         self._lanes.close()
         self._lanes.join(LEASE)
-        self._session.close()  # type: ignore[no-untyped-call]
+        close_session(self._session)
 
     # Declaring.
 

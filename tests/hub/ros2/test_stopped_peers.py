@@ -58,7 +58,9 @@ async def until_line(process: Process, text: str) -> None:
         pass
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="processes cannot be stopped there")
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes cannot be stopped there")
+
+
 async def test_subscriber_that_is_stopped_costs_another_one_no_message(
     hub: Hub, node: fibws.Node, start_reader: StartReader
 ) -> None:
@@ -88,3 +90,18 @@ async def test_subscriber_that_is_stopped_costs_another_one_no_message(
             break
     # zenoh disconnects a receiver that it has waited for in vain.
     assert not lost
+
+
+async def test_hub_ends_while_a_subscriber_is_stopped(
+    hub: Hub, node: fibws.Node, start_reader: StartReader, caplog: pytest.LogCaptureFixture
+) -> None:
+    stopped = await start_reader("/stopped", "/large")
+    large = await node.advertise("/large", String, queue_size=5, peers=True)
+    await reaching(large, "/stopped")
+    stopped.send_signal(signal.SIGSTOP)
+    async with node.subscribe("/large", String, queue_size=5) as own:
+        for _ in range(ROUNDS):
+            await large.publish(data="x" * SIZE)
+            await anext(own)
+    await hub.close()
+    assert "zenoh" not in caplog.text
