@@ -6,7 +6,7 @@ import re
 from itertools import count
 
 from fibws.hub.graph.graph import Graph, NodeOfLink
-from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_legal, is_of_action
+from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_left_out, is_legal
 from fibws.hub.ros2.network import Declared, Network
 from fibws.hub.ros2.nodes import Ros2Node
 
@@ -60,7 +60,7 @@ class OwnNodes:
 
     def may_show(self, name: str) -> bool:
         """Return whether ROS 2 may see a topic or a service."""
-        return is_legal(name) and not is_of_action(name)
+        return is_legal(name) and not is_left_out(name)
 
     def declare(
         self, kind: Kind, node: str, name: str, type_: str, type_hash: str, qos: Qos

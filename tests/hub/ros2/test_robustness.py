@@ -84,6 +84,32 @@ async def test_invalid_tokens_are_counted_and_the_next_ones_are_read(
     assert "invalid token" in caplog.text
 
 
+async def test_actions_and_service_introspection_are_left_out_and_faults_are_warned_of(
+    hub: Hub, peer: Peer, caplog: pytest.LogCaptureFixture
+) -> None:
+    fibonacci = "example_interfaces::action::dds_::Fibonacci_"
+    for kind, name, type_ in (
+        ("MP", "/fib/_action/feedback", f"{fibonacci}FeedbackMessage_"),
+        ("MP", "/fib/_action/status", "action_msgs::msg::dds_::GoalStatusArray_"),
+        ("SS", "/fib/_action/send_goal", f"{fibonacci}SendGoal_"),
+        ("SC", "/fib/_action/get_result", f"{fibonacci}GetResult_"),
+        ("SS", "/fib/_action/cancel_goal", "action_msgs::srv::dds_::CancelGoal_"),
+        ("MP", "/fib/_action/send_goal/_service_event", f"{fibonacci}SendGoal_Event_"),
+        ("MP", "/add/_service_event", "example_interfaces::srv::dds_::AddTwoInts_Event_"),
+    ):
+        await peer.declare(kind, "/server", name, type_, STRING_HASH)
+    await peer.declare("NN", "/last")
+    await until(lambda: ros2_nodes(hub) == {"/server", "/last"}, hub)
+    assert "token" not in caplog.text
+    assert not [name for name in hub.graph.topics if "/_" in name]
+    assert not [name for name in hub.graph.services if "/_" in name]
+    await peer.declare("MP", "/server", "/fault", ADD, ADD_HASH)
+    await peer.declare("NN", "/later")
+    await until(lambda: "/later" in ros2_nodes(hub), hub)
+    assert "1 invalid tokens so far" in caplog.text
+    assert "/fault" in caplog.text
+
+
 async def test_tokens_beyond_the_limit_are_left_out(
     hub: Hub, peer: Peer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
