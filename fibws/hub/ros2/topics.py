@@ -22,7 +22,7 @@ from fibws.hub.log_text import printable
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
-from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
+from fibws.hub.ros2.own_nodes import HUB, OwnEntity, OwnNodes
 from fibws.hub.ros2.types import Ros2Message, Ros2Types, check_hash
 from fibws.interfaces.catalogue import Definitions
 
@@ -215,9 +215,10 @@ class Inlet:
         learned: the nodes of gids that are in no token.
         proven: the nodes whose gids are those of their tokens.
         is_ready: whether messages arrive.
+        token: by which ROS 2 sees it, unless that of a node of the graph does.
     """
 
-    __slots__ = ("declared", "history", "is_ready", "learned", "proven")
+    __slots__ = ("declared", "history", "is_ready", "learned", "proven", "token")
 
     def __init__(self, history: int) -> None:
         self.declared: Declared
@@ -225,6 +226,18 @@ class Inlet:
         self.learned: dict[bytes, str] = {}
         self.proven: set[str] = set()
         self.is_ready = False
+        self.token: OwnEntity | None = None
+
+    def hide(self) -> None:
+        """Undeclare the token."""
+        if self.token is not None:
+            self.token.close()
+            self.token = None
+
+    def close(self) -> None:
+        """Undeclare the subscription and its token."""
+        self.hide()
+        self.declared.close()
 
 
 class Links:
@@ -551,7 +564,7 @@ class Ros2Topics:
             self._close_inlet(links, type_)
 
     def _close_inlet(self, links: Links, type_: tuple[str, str]) -> None:
-        links.inlets.pop(type_).declared.close()
+        links.inlets.pop(type_).close()
         for publisher in links.publishers.values():
             if publisher.type == type_ and publisher.source is not None:
                 publisher.source.forget_latched()
@@ -674,16 +687,31 @@ class Ros2Topics:
     ) -> None:
         may_subscribe = self._graph.is_allowed(CLIENT, "publish", links.topic)
         nodes = set(topic.subscribers()) if topic is not None and may_subscribe else set()
-        nodes = {node for node in nodes if self._own.is_shown(node)}
-        for node, old in list(links.own_subscribers.items()):
-            is_same = message is not None and old.entity.type_hash == message.type_hash
-            if node not in nodes or not is_same:
-                links.own_subscribers.pop(node).close()
-        if message is None:
-            return
-        type_ = message.name, message.type_hash
-        for node in nodes - links.own_subscribers.keys():
-            links.own_subscribers[node] = self._own.declare("MS", node, links.topic, *type_, Qos())
+        nodes = (
+            {node for node in nodes if self._own.is_shown(node)} if message is not None else set()
+        )
+        gone = [
+            links.own_subscribers.pop(node)
+            for node, old in list(links.own_subscribers.items())
+            if node not in nodes or message is None or old.entity.type_hash != message.type_hash
+        ]
+        if message is not None:
+            type_ = message.name, message.type_hash
+            for node in nodes - links.own_subscribers.keys():
+                own = self._own.declare("MS", node, links.topic, *type_, Qos())
+                links.own_subscribers[node] = own
+        self._settle_inlet_tokens(links)
+        for old in gone:
+            old.close()
+
+    def _settle_inlet_tokens(self, links: Links) -> None:
+        """Show each subscription to ROS 2, whose publishers may send only what tokens ask for."""
+        shown = {(own.entity.type, own.entity.type_hash) for own in links.own_subscribers.values()}
+        for type_, inlet in links.inlets.items():
+            if type_ in shown:
+                inlet.hide()
+            elif inlet.token is None:
+                inlet.token = self._own.declare("MS", HUB, links.topic, *type_, Qos())
 
     def _own_message(self, topic: Topic | None) -> Ros2Message | None:
         """Return the type of a topic in ROS 2, if the topic can be shown there."""
