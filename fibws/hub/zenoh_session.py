@@ -45,10 +45,13 @@ TURN = 0.001
 
 
 QUEUES: Mapping[str, Any] = {
-    f"transport/link/tx/queue/size/{priority}": 16
-    for priority in ("control", "interactive_low", "data")
+    "transport/link/tx/queue/size/control": 16,
+    "transport/link/tx/queue/size/interactive_low": 16,
+    "transport/link/tx/queue/size/data": 16,
+    "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": 150_000,
 }
-"""Batches of 64 KiB that wait for a receiver, of each priority: zenoh's most, made when needed."""
+"""Batches of 64 KiB that wait for a receiver, of each priority: zenoh's most, made when needed; and
+the microseconds for which the rest of a large message waits for it."""
 
 _Arrival: TypeAlias = tuple[int, Callable[..., object], tuple[Any, ...], int]
 """Its number, what to call with which arguments, and its size."""
@@ -164,8 +167,8 @@ def session_config(
 def lossy() -> dict[str, Any]:
     """Return the arguments of publishers: messages for receivers that do not read are dropped.
 
-    zenoh waits for a receiver 1 ms for a small message and 50 ms for a large one, and then drops
-    all for it at once until it reads again.
+    zenoh waits for a receiver 1 ms for a small message and 150 ms for a large one (`QUEUES`), and
+    then drops all for it at once until it reads again.
     """
     import zenoh
 
