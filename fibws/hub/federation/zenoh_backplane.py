@@ -55,10 +55,15 @@ from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.zenoh_session import (
     LEASE,
     RETRY,
+    Calls,
     Inbox,
-    Sender,
+    Lane,
+    Lanes,
     call_in_thread,
+    close_session,
     direct,
+    lossless,
+    lossy,
     open_session,
 )
 
@@ -76,8 +81,6 @@ FIRST_RETRY = 0.02
 """Seconds until a hub that did not tell is asked again; they double up to `RETRY`."""
 REQUEST_TIMEOUT = 24 * 3600.0
 """Seconds, which zenoh needs to know; the hub of the caller ends calls much earlier."""
-LARGE = 64 * 1024
-"""Bytes of a message from which on its publisher has the thread for large messages."""
 BUSY = 256 * 1024
 """Bytes of announcements that wait, from which on no more are made."""
 MOST_USERS = 10_000
@@ -107,12 +110,13 @@ class _State(BaseModel):
 class _Publisher:
     """A publisher of this hub that was announced."""
 
-    __slots__ = ("is_large", "listener", "md5sum", "node", "publisher", "users")
+    __slots__ = ("key", "lane", "listener", "md5sum", "node", "publisher", "users")
 
-    def __init__(self, node: str, md5sum: str) -> None:
+    def __init__(self, key: str, node: str, md5sum: str) -> None:
+        self.key = key
+        self.lane = Lane()
         self.node = node.encode()
         self.md5sum = bytes.fromhex(md5sum) if len(md5sum) == 32 else bytes(16)
-        self.is_large = False
         self.users: set[str] = set()
         """The ids of the hubs that have subscribed; some may not be known yet."""
         self.publisher: Any = None
@@ -161,8 +165,8 @@ class ZenohBackplane(Backplane):
         self._config = config
         self._session: zenoh.Session
         self._inbox = Inbox(loop, max_queued)
-        self._small = Sender("zenoh-small", max_queued, self._count_dropped)
-        self._large = Sender("zenoh-large", max_queued, self._count_dropped)
+        self._control = Calls("zenoh-control")
+        self._lanes = Lanes("zenoh", max_queued, self._count_dropped)
         self._peers: dict[str, Peer] = {}
         """By the ids of the hubs."""
         self._alive: set[str] = set()
@@ -181,7 +185,7 @@ class ZenohBackplane(Backplane):
         self._wanted: set[tuple[str, int]] = set()
         """The publishers of other hubs, by hub and number, whose messages are asked for."""
         self._subscribers: dict[tuple[str, int], Any] = {}
-        """The subscribers for messages of other hubs; used in the thread for small messages."""
+        """The subscribers for messages of other hubs; used in the thread for control."""
         self._declared: list[Any] = []
         self._ids = count(1)
         self._requests: dict[int, tuple[str, OnReply, Any]] = {}
@@ -207,8 +211,8 @@ class ZenohBackplane(Backplane):
         self._session = await open_session(
             self._listen, self._connect, self._config, flags=("--zenoh-listen", "--zenoh")
         )
-        self._small.start()
-        self._large.start()
+        self._control.start()
+        self._lanes.start()
         self._is_open = True
         self._network.attach(self)
         await call_in_thread(self._declare)
@@ -274,7 +278,7 @@ class ZenohBackplane(Backplane):
     @property
     def is_busy(self) -> bool:
         """Whether announcements would wait."""
-        return self._small.control_bytes > BUSY
+        return self._control.bytes > BUSY
 
     def announce(self, announcement: Announcement) -> None:
         """Send changes, and declare the publishers in them."""
@@ -291,11 +295,11 @@ class ZenohBackplane(Backplane):
         key = f"{self._base}/{self._hub.id}/state"
 
         def send() -> None:
-            self._session.put(key, data, attachment=counter, **_control())
-            if self._small.control_bytes <= BUSY:
+            self._session.put(key, data, attachment=counter, **_in_order())
+            if self._control.bytes <= BUSY:
                 self._inbox.put(self._network.idle, self)
 
-        self._small.call(send, len(data))
+        self._control.call(send, len(data))
 
     def _update_publishers(self, topic: str, older: Any, newer: Any) -> None:
         """Declare the publishers of a topic that are new, and undeclare those that are gone."""
@@ -303,20 +307,25 @@ class ZenohBackplane(Backplane):
         for each in newer.publishers if newer is not None else ():
             before.discard(each.number)
             if each.number not in self._publishers:
-                found = self._publishers[each.number] = _Publisher(each.node, newer.md5sum)
-                self._small.call(partial(self._open, topic, each.number, found))
+                key = _data_key(self._base, self._hub.id, each.number, topic)
+                found = self._publishers[each.number] = _Publisher(key, each.node, newer.md5sum)
+                self._control.call(partial(self._open, each.number, found))
         for number in before:
             gone = self._publishers.pop(number, None)
             if gone is not None:
-                self._small.call(partial(_undeclare, gone.listener, gone.publisher))
+                self._control.call(partial(self._close_publisher, gone))
                 self._network.interested(self, number, wanted=False)
 
-    def _open(self, topic: str, number: int, publisher: _Publisher) -> None:
-        key = _data_key(self._base, self._hub.id, number, topic)
-        publisher.publisher = self._session.declare_publisher(key, **_control())
+    def _open(self, number: int, publisher: _Publisher) -> None:
+        publisher.publisher = self._session.declare_publisher(publisher.key, **lossy())
         publisher.listener = publisher.publisher.declare_matching_listener(
             direct(lambda status: self._inbox.put(self._matched, number))
         )
+        self._lanes.open(publisher.lane)
+
+    def _close_publisher(self, publisher: _Publisher) -> None:
+        self._lanes.drain(publisher.lane)
+        _undeclare(publisher.listener, publisher.publisher)
 
     def publish(self, message: Message, *, limit: int) -> None:
         """Send a message; see `Backplane`."""
@@ -327,15 +336,8 @@ class ZenohBackplane(Backplane):
         data, size = message.data, len(message.data)
         if isinstance(data, memoryview):
             data = bytes(data)
-        if size >= LARGE and not found.is_large and not self._small.has(message.number):
-            found.is_large = True
-
-        def send() -> None:
-            if found.publisher is not None:
-                found.publisher.put(data, attachment=attachment)
-
-        sender = self._large if found.is_large else self._small
-        sender.send(message.number, send, size, max(1, limit))
+        put = partial(self._put, found, data, attachment)
+        self._lanes.send(found.lane, put, size, max(1, limit))
         for hub in found.users:
             if peer := self._peers.get(hub):
                 peer.traffic.messages_sent += 1
@@ -345,12 +347,11 @@ class ZenohBackplane(Backplane):
         """Report that messages of a publisher pass."""
         found = self._publishers.get(number)
         if found is not None:
-            sender = self._large if found.is_large else self._small
-            sender.call(
-                lambda: (
-                    found.publisher is not None and found.publisher.put(b"", attachment=_FLOWING)
-                )
-            )
+            put = partial(self._session.put, found.key, b"", attachment=_FLOWING, **_in_order())
+            self._control.call(put)
+
+    def _put(self, publisher: _Publisher, data: bytes | bytearray, attachment: bytes) -> None:
+        publisher.publisher.put(data, attachment=attachment)
 
     def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
         """Subscribe to the messages of a publisher, or end that."""
@@ -372,13 +373,13 @@ class ZenohBackplane(Backplane):
                 self._subscribers[hub, number] = found
             if is_wanted is wanted:
                 report = _INTEREST.pack(number, wanted) + self._hub.id.encode()
-                self._session.put(f"{self._base}/{hub}/interest", report, **_control())
+                self._session.put(f"{self._base}/{hub}/interest", report, **lossless())
 
         if wanted:
             self._wanted.add((hub, number))
         else:
             self._wanted.discard((hub, number))
-        self._small.call(subscribe)
+        self._control.call(subscribe)
 
     def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
         """Query another hub; see `Backplane`."""
@@ -404,17 +405,17 @@ class ZenohBackplane(Backplane):
                 timeout=REQUEST_TIMEOUT,
                 consolidation=zenoh.ConsolidationMode.NONE,
                 cancellation_token=token,
-                congestion_control=zenoh.CongestionControl.BLOCK,
+                **lossless(),
             )
 
-        self._small.call(get)
+        self._control.call(get)
 
         def cancel() -> None:
             if self._requests.pop(id_, None) is not None:
                 key = f"{self._base}/{peer.hub.id}/cancel"
                 data = f"{self._hub.id} {id_}".encode()
-                self._small.call(lambda: self._session.put(key, data, **_control()))
-                self._small.call(token.cancel)
+                self._control.call(lambda: self._session.put(key, data, **lossless()))
+                self._control.call(token.cancel)
 
         return cancel
 
@@ -438,11 +439,11 @@ class ZenohBackplane(Backplane):
 
     def _close_session(self) -> None:
         _undeclare(*reversed(self._declared))
-        self._small.close()
-        self._large.close()
-        self._session.close()  # type: ignore[no-untyped-call]
-        self._small.join(LEASE)
-        self._large.join(LEASE)
+        self._control.close()
+        self._lanes.close()
+        close_session(self._session)
+        self._control.join(LEASE)
+        self._lanes.join(LEASE)
 
     # Other hubs.
 
@@ -477,9 +478,10 @@ class ZenohBackplane(Backplane):
                 f"{self._base}/{hub}/state",
                 direct(replied, ended),
                 timeout=STATE_TIMEOUT,
+                **lossless(),
             )
 
-        self._small.call(get)
+        self._control.call(get)
 
     def _join(self, hub: str, answers: list[bytes], times: list[int]) -> None:
         """Take everything that a hub has, or ask again.
@@ -530,7 +532,7 @@ class ZenohBackplane(Backplane):
         self._wanted = {each for each in self._wanted if each[0] != hub}
         for number, publisher in self._publishers.items():
             self._forget_user(number, publisher, hub)
-        self._small.call(lambda: self._forget_subscribers(hub))
+        self._control.call(lambda: self._forget_subscribers(hub))
         if peer is not None:
             self._network.lost(peer, reason)
 
@@ -581,7 +583,7 @@ class ZenohBackplane(Backplane):
             query.reply(key, data)
             query.drop()  # type: ignore[no-untyped-call]
 
-        self._small.call(reply)
+        self._control.call(reply)
 
     # Messages.
 
@@ -661,7 +663,7 @@ class ZenohBackplane(Backplane):
                 if found.is_final:
                     query.drop()  # type: ignore[no-untyped-call]
 
-            self._small.call(send)
+            self._control.call(send)
 
         if peer is None:
             waiting = self._early_queries.setdefault(hub, [])
@@ -711,7 +713,7 @@ class ZenohBackplane(Backplane):
         interval = max(PING_INTERVAL, len(self._peers) / 10)
         self._timer = self._loop.call_later(interval, self._ping)
         for hub, peer in self._peers.items():
-            self._small.call(partial(self._ping_one, hub, peer))
+            self._control.call(partial(self._ping_one, hub, peer))
 
     def _ping_one(self, hub: str, peer: Peer) -> None:
         sent = time.time_ns()
@@ -722,7 +724,7 @@ class ZenohBackplane(Backplane):
                 (theirs,) = _TIME.unpack(reply.ok.payload.to_bytes())
                 self._inbox.put(peer.measured, sent, theirs, now)
 
-        self._session.get(f"{self._base}/{hub}/ping", replied, timeout=PING_INTERVAL)
+        self._session.get(f"{self._base}/{hub}/ping", replied, timeout=PING_INTERVAL, **lossless())
 
     def _count_dropped(self) -> None:
         self.dropped += 1
@@ -735,8 +737,8 @@ class ZenohBackplane(Backplane):
             logger.warning(text, hub or "?", self._faults, printable(str(error)))
 
 
-def _control() -> dict[str, Any]:
-    """Return the arguments of what must not be lost."""
+def _in_order() -> dict[str, Any]:
+    """Return the arguments of what must not be lost, nor overtake or be overtaken by messages."""
     import zenoh
 
     return {"congestion_control": zenoh.CongestionControl.BLOCK}

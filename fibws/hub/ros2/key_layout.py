@@ -39,6 +39,7 @@ _TYPE: Final = re.compile(
     r"([A-Za-z]\w{0,99})::(msg|srv|action)::dds_::([A-Za-z]\w{0,99})_", re.ASCII
 )
 _HASH: Final = re.compile(rf"RIHS01_[0-9a-f]{{64}}|{NO_HASH}")
+_TOO_OLD: Final = "rmw_zenoh before 0.2.4, or before 0.1.2 of Humble, is not supported"
 _ATTACHMENT: Final = Struct(f"<qqB{GID_SIZE}s")
 _PARTS_OF_NODE: Final = 9
 _PARTS: Final = 13
@@ -155,7 +156,8 @@ class Entity:
         name = _demangled(name)
         _check_name(name)
         type_kind, type_name = parse_dds_type(type_)
-        if type_kind != ("msg" if kind in TOPIC_KINDS else "srv"):
+        is_right = type_kind == ("msg" if kind in TOPIC_KINDS else "srv")
+        if not is_right and not is_left_out(name):
             raise Ros2Error(f"{name}: {type_} is not a type of a {_WORDS[kind]}")
         if not _HASH.fullmatch(type_hash):
             raise Ros2Error(f"{name}: invalid type hash {type_hash[:100]}")
@@ -191,7 +193,7 @@ class Attachment(NamedTuple):
             Ros2Error: they are not those of an attachment.
         """
         if len(data) != _ATTACHMENT.size:
-            hint = "; rmw_zenoh before 0.2.4 is not supported" if len(data) == 77 else ""
+            hint = f"; {_TOO_OLD}" if len(data) == 77 else ""
             expected = f"expected {_ATTACHMENT.size} bytes, got {len(data)}"
             raise Ros2Error(f"invalid attachment: {expected}{hint}")
         sequence, stamp, size, gid = _ATTACHMENT.unpack(data)
@@ -236,9 +238,9 @@ def is_legal(name: str) -> bool:
     return len(name) < 256 and _NAME.fullmatch(name) is not None
 
 
-def is_of_action(name: str) -> bool:
-    """Return whether a topic or a service is a part of an action."""
-    return "/_action/" in name
+def is_left_out(name: str) -> bool:
+    """Return whether a topic or a service is a part of an action or of service introspection."""
+    return "/_action/" in name or name.endswith("/_service_event")
 
 
 def _check_name(name: str) -> None:

@@ -1,17 +1,16 @@
 """A zenoh network with ROS 2 nodes: what this hub declares there, and what arrives.
 
-All calls are made in threads, in order; results arrive in the event loop (`zenoh_session`).
-Messages are converted in these threads, too: in the one that sends, and in the one in which zenoh
-delivers, so that large ones do not delay the event loop.
+All calls are made in threads (`zenoh_session`); results arrive in the event loop. Messages are
+converted in these threads, too: in the one that sends, and in the one in which zenoh delivers, so
+that large ones do not delay the event loop.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
-import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,15 +19,46 @@ from typing import TYPE_CHECKING, Any
 from fibws.errors import FibwsError, HubError, Ros2Error
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros2.key_layout import Attachment, tokens_key
-from fibws.hub.zenoh_session import LEASE, Inbox, Sender, direct, open_session
+from fibws.hub.zenoh_session import (
+    LEASE,
+    QUEUES,
+    Calls,
+    Inbox,
+    Lane,
+    Lanes,
+    close_session,
+    direct,
+    lossless,
+    lossy,
+    open_session,
+)
 
 if TYPE_CHECKING:
     import zenoh
 
 logger = logging.getLogger("fibws.hub")
 
-LARGE = 64 * 1024
-"""Bytes of a message from which on its publisher has the thread for large messages."""
+_TX = "transport/link/tx"
+_CLOSE = f"{_TX}/queue/congestion_control/block/wait_before_close"
+SESSION: Mapping[str, Any] = {
+    **QUEUES,
+    "transport/unicast/open_timeout": 60_000,
+    "transport/unicast/accept_timeout": 60_000,
+    "transport/unicast/accept_pending": 10_000,
+    "transport/unicast/max_sessions": 10_000,
+    f"{_TX}/lease": 60_000,
+    f"{_TX}/keep_alive": 2,
+    _CLOSE: 60_000_000,
+    "timestamping/enabled": True,
+}
+"""rmw_zenoh's settings of a node's session, for many nodes that start together: milliseconds, and
+the microseconds after which a receiver that does not read is disconnected."""
+ROUTER: Mapping[str, Any] = {
+    **SESSION,
+    _CLOSE: 5_000_000,
+    "routing/router/peers_failover_brokering": False,
+}
+"""rmw_zenoh's settings of its router."""
 UNREACHED, CHECK_AGAIN = 2.0, 0.02
 """Seconds for which a call waits for the way to its server, and between two looks."""
 HEARTBEAT = 0.5
@@ -42,31 +72,69 @@ class Declared:
         make: declares it, in the thread for control; it returns what has ``undeclare``.
     """
 
-    def __init__(self, sender: Sender, make: Callable[[], Any]) -> None:
-        self._found: Any = None
-        self._is_made = threading.Event()
-        self._sender = sender
-        sender.call(partial(self._declare, make))
+    def __init__(self, control: Calls, make: Callable[[], Any]) -> None:
+        self.found: Any = None
+        """What was declared, for the thread for control; None if that failed, or it is closed."""
+        self._control = control
+        control.call(partial(self._declare, make))
 
     def _declare(self, make: Callable[[], Any]) -> None:
-        try:
-            self._found = make()
-        finally:
-            self._is_made.set()
-
-    def get(self) -> Any:
-        """Return what was declared, in a thread; None if that failed, or it is closed."""
-        self._is_made.wait(LEASE)
-        return self._found
+        self.found = make()
 
     def close(self) -> None:
         """Undeclare it."""
-        self._sender.call(self._undeclare)
+        self._control.call(self._undeclare)
 
     def _undeclare(self) -> None:
-        found, self._found = self._found, None
+        found, self.found = self.found, None
         if found is not None:
             found.undeclare()
+
+
+class DeclaredPublisher(Declared):
+    """A publisher that was declared, with its messages that wait.
+
+    Args:
+        report: called, in a thread, with the error of a message that cannot be converted.
+    """
+
+    def __init__(
+        self, control: Calls, lanes: Lanes, make: Callable[[], Any], report: Callable[[str], object]
+    ) -> None:
+        self._lanes = lanes
+        self._lane = Lane()
+        self._report = report
+        super().__init__(control, make)
+
+    def send(self, size: int, limit: int, make: Callable[[], tuple[bytes, bytes]]) -> None:
+        """Send a message.
+
+        Args:
+            size: its bytes, more or less.
+            limit: most messages that wait; the oldest are dropped.
+            make: returns the message and its attachment; called in a thread.
+        """
+        self._lanes.send(self._lane, partial(self._send, make), size, max(1, limit))
+
+    def _send(self, make: Callable[[], tuple[bytes, bytes]]) -> None:
+        try:
+            data, attachment = make()
+        except FibwsError as error:
+            self._report(str(error))
+            return
+        found = self.found
+        if found is not None:
+            found.put(data, attachment=attachment)
+
+    def _declare(self, make: Callable[[], Any]) -> None:
+        try:
+            super()._declare(make)
+        finally:
+            self._lanes.open(self._lane)
+
+    def _undeclare(self) -> None:
+        self._lanes.drain(self._lane)
+        super()._undeclare()
 
 
 class _Publisher:
@@ -128,8 +196,10 @@ class Network:
         self._max_message_size = max_message_size
         self._session: zenoh.Session
         self.inbox = Inbox(loop, max_queued)
-        self._sender = Sender("ros2-small", max_queued, self._count_dropped)
-        self._large = Sender("ros2-large", max_queued, self._count_dropped)
+        self._control = Calls("ros2-control")
+        self._replies = Calls("ros2-replies")
+        """For responses to clients, each of which may wait for a client that does not read."""
+        self._lanes = Lanes("ros2", max_queued, self._count_dropped)
         self._tokens: Declared
         self._is_open = False
 
@@ -137,12 +207,18 @@ class Network:
         """Connect; raises `HubError` if that is impossible, or a package is missing."""
         if find_spec("xxhash") is None:
             raise HubError("--ros2 requires xxhash: pip install 'fibws[zenoh]'")
-        flags = "--ros2", "--ros2-connect"
-        self._session = await open_session(self._listen, self._connect, self._config, flags=flags)
+        self._session = await open_session(
+            self._listen,
+            self._connect,
+            self._config,
+            flags=("--ros2", "--ros2-connect"),
+            defaults=ROUTER if self._listen else SESSION,
+        )
         self.session_id = str(self._session.zid())
         self._is_open = True
-        self._sender.start()
-        self._large.start()
+        self._control.start()
+        self._replies.start()
+        self._lanes.start()
 
     def watch_tokens(self) -> None:
         """Report tokens from now on; those that exist, too."""
@@ -154,7 +230,7 @@ class Network:
 
         key = tokens_key(self.domain)
         self._tokens = Declared(
-            self._sender,
+            self._control,
             lambda: self._session.liveliness().declare_subscriber(
                 key, direct(arrived), history=True
             ),
@@ -169,19 +245,23 @@ class Network:
         await asyncio.to_thread(self._close_session)
 
     def _close_session(self) -> None:
-        self._sender.close()
-        self._large.close()
-        self._large.join(LEASE)
-        self._sender.join(LEASE)
-        self._session.close()  # type: ignore[no-untyped-call]
+        self._control.close()
+        self._replies.close()
+        self._control.join(LEASE)
+        self._replies.join(LEASE)
+        self._lanes.close()
+        self._lanes.join(LEASE)
+        close_session(self._session)
 
     # Declaring.
 
     def declare_token(self, token: str) -> Declared:
         """Declare a token."""
-        return Declared(self._sender, lambda: self._session.liveliness().declare_token(token))
+        return Declared(self._control, lambda: self._session.liveliness().declare_token(token))
 
-    def declare_publisher(self, key: str, history: int, matched: Callable[[], object]) -> Declared:
+    def declare_publisher(
+        self, key: str, history: int, matched: Callable[[], object]
+    ) -> DeclaredPublisher:
         """Declare a publisher.
 
         Args:
@@ -195,10 +275,8 @@ class Network:
         def declare() -> Any:
             import zenoh
 
-            options: dict[str, Any] = {
-                "congestion_control": zenoh.CongestionControl.BLOCK,
-                "allowed_destination": zenoh.Locality.REMOTE,
-            }
+            # rmw_zenoh waits for receivers only with history KEEP_ALL, which nodes here have not.
+            options = {**lossy(), "allowed_destination": zenoh.Locality.REMOTE}
             if not history:
                 return _Publisher(self._session.declare_publisher(key, **options), report)
             from zenoh import ext
@@ -215,7 +293,8 @@ class Network:
                 publisher_detection=True,
             )
 
-        return Declared(self._sender, declare)
+        failed = partial(self.inbox.put, self.report)
+        return DeclaredPublisher(self._control, self._lanes, declare, failed)
 
     def subscribe(
         self,
@@ -260,7 +339,7 @@ class Network:
             self.inbox.put(ready)
             return found
 
-        return Declared(self._sender, declare)
+        return Declared(self._control, declare)
 
     def _arrived(
         self,
@@ -276,34 +355,6 @@ class Network:
             self.inbox.put(self.report, f"{sample.key_expr}: {error}")
             return
         self.inbox.put(received, attachment, values, size=max(1, len(data)))
-
-    def send(
-        self, publisher: Declared, lane: int, size: int, limit: int, make: Callable[[], Any]
-    ) -> None:
-        """Send a message.
-
-        Args:
-            lane: stands for the publisher; its oldest messages are dropped if too many wait.
-            size: its bytes, more or less.
-            limit: most messages that wait.
-            make: returns the message and its attachment; called in a thread.
-        """
-
-        def job() -> None:
-            found = publisher.get()
-            if found is None:
-                return
-            try:
-                data, attachment = make()
-            except FibwsError as error:
-                self.inbox.put(self.report, str(error))
-                return
-            found.put(data, attachment=attachment)
-
-        # One thread for each publisher, so that its messages stay in order.
-        is_large = size >= LARGE and not self._sender.has(lane)
-        sender = self._large if is_large or self._large.has(lane) else self._sender
-        sender.send(lane, job, size, max(1, limit))
 
     def serve(
         self,
@@ -339,7 +390,7 @@ class Network:
                             fault = str(found)
                     self._reply(query, key, data, head, fault)
 
-                self._sender.call(job)
+                self._replies.call(job)
 
             self.inbox.put(requested, attachment, values, respond)
 
@@ -350,7 +401,7 @@ class Network:
                 key, direct(arrived), complete=True, allowed_origin=zenoh.Locality.REMOTE
             )
 
-        return Declared(self._sender, declare)
+        return Declared(self._control, declare)
 
     def _reply(self, query: Any, key: str, data: bytes, head: bytes | None, error: str) -> None:
         """Answer a query; all responses have an attachment."""
@@ -375,11 +426,11 @@ class Network:
                 timeout=timeout,
                 target=zenoh.QueryTarget.ALL_COMPLETE,
                 consolidation=zenoh.ConsolidationMode.NONE,
-                congestion_control=zenoh.CongestionControl.BLOCK,
                 allowed_destination=zenoh.Locality.REMOTE,
+                **lossless(),
             )
 
-        return Declared(self._sender, declare)
+        return Declared(self._control, declare)
 
     def call(
         self,
@@ -417,13 +468,13 @@ class Network:
             self.inbox.put(responded, values, fault)
 
         def job() -> None:
-            querier = client.get()
+            querier = client.found
             if querier is None or token.is_cancelled:
                 self.inbox.put(responded, None, "it has left")
                 return
             if not querier.matching_status.matching and time.monotonic() < until:
                 # The token of a server may arrive before the network knows the way to it.
-                again = partial(self._loop.call_later, CHECK_AGAIN, self._sender.call, job)
+                again = partial(self._loop.call_later, CHECK_AGAIN, self._control.call, job)
                 self._loop.call_soon_threadsafe(again)
                 return
             try:
@@ -438,8 +489,8 @@ class Network:
                 cancellation_token=token,
             )
 
-        self._sender.call(job)
-        return lambda: self._sender.call(token.cancel)
+        self._control.call(job)
+        return lambda: self._control.call(token.cancel)
 
     # Checking what arrives.
 

@@ -11,7 +11,7 @@ from fibws.access.rights import Principal
 from fibws.errors import NotAllowed, Ros2Error
 from fibws.hub.graph.graph import DistantNode, Graph
 from fibws.hub.log_text import is_power_of_ten, printable
-from fibws.hub.ros2.key_layout import TOPIC_KINDS, Entity, gid_of, is_of_action
+from fibws.hub.ros2.key_layout import TOPIC_KINDS, Entity, gid_of, is_left_out
 
 logger = logging.getLogger("fibws.hub")
 
@@ -148,7 +148,7 @@ class Ros2Nodes:
             return
         self._entities[text] = entity
         self._by_node.setdefault(entity.node, {})[text] = entity
-        if entity.name:
+        if entity.name and not is_left_out(entity.name):
             key = entity.kind in TOPIC_KINDS, entity.name
             self._by_name.setdefault(key, {})[text] = entity
         if entity.kind in ("MP", "SC"):
@@ -170,7 +170,7 @@ class Ros2Nodes:
         self._settle(entity.node)
 
     def _changed(self, entity: Entity) -> None:
-        if not entity.name or is_of_action(entity.name):
+        if not entity.name or is_left_out(entity.name):
             return
         if entity.kind in TOPIC_KINDS:
             self.topics.changed(entity.name)

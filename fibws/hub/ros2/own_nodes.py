@@ -6,10 +6,12 @@ import re
 from itertools import count
 
 from fibws.hub.graph.graph import Graph, NodeOfLink
-from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_legal, is_of_action
+from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_left_out, is_legal
 from fibws.hub.ros2.network import Declared, Network
 from fibws.hub.ros2.nodes import Ros2Node
 
+HUB = "/fibws_hub"
+"""The node that has the subscriptions of the hub's own nodes, which ROS 2 does not see."""
 _ILLEGAL = re.compile(r"\W", re.ASCII)
 
 
@@ -36,7 +38,8 @@ class OwnEntity:
 class OwnNodes:
     """The nodes of the graph that are not ROS 2's, as ROS 2 sees them.
 
-    The hub's own nodes are left out, as are topics and services whose names ROS 2 does not allow.
+    The hub's own nodes are left out, but for `HUB`, as are topics and services whose names ROS 2
+    does not allow.
     """
 
     def __init__(self, graph: Graph, network: Network) -> None:
@@ -60,7 +63,7 @@ class OwnNodes:
 
     def may_show(self, name: str) -> bool:
         """Return whether ROS 2 may see a topic or a service."""
-        return is_legal(name) and not is_of_action(name)
+        return is_legal(name) and not is_left_out(name)
 
     def declare(
         self, kind: Kind, node: str, name: str, type_: str, type_hash: str, qos: Qos
@@ -79,7 +82,7 @@ class OwnNodes:
 
     def _changed(self, name: str) -> None:
         if not self.is_shown(name):
-            if name in self._tokens:
+            if name in self._tokens and name != HUB:
                 self._tokens.pop(name).close()
         elif self._graph.policy.allows_all:
             self._token(name)  # Otherwise once it has something that ROS 2 may see.

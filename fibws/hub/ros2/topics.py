@@ -11,7 +11,6 @@ import logging
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from itertools import count
 from typing import Any, Protocol
 
 from fibws.errors import FibwsError, LimitReached
@@ -21,9 +20,9 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Conflict, LatchQuota, SinkReport, Source, Topic
 from fibws.hub.log_text import printable
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
-from fibws.hub.ros2.network import Declared, Network
+from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
-from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
+from fibws.hub.ros2.own_nodes import HUB, OwnEntity, OwnNodes
 from fibws.hub.ros2.types import Ros2Message, Ros2Types, check_hash
 from fibws.interfaces.catalogue import Definitions
 
@@ -112,7 +111,6 @@ class OwnPublisher:
     """A publisher of this hub as ROS 2 sees it.
 
     Args:
-        lane: its number among all.
         matched: called once messages of another type reach a subscriber.
 
     Attributes:
@@ -125,7 +123,6 @@ class OwnPublisher:
         "_matched",
         "_network",
         "declared",
-        "lane",
         "matching",
         "message",
         "own",
@@ -139,15 +136,13 @@ class OwnPublisher:
         message: Ros2Message,
         own: OwnEntity,
         network: Network,
-        lane: int,
         matched: Callable[[], object],
     ) -> None:
         self.source = source
         self.message = message
         self.own = own
-        self.lane = lane
         self.sequence = 0
-        self.declared: dict[tuple[str, str], tuple[Declared, Ros2Message]] = {}
+        self.declared: dict[tuple[str, str], tuple[DeclaredPublisher, Ros2Message]] = {}
         self.matching: set[tuple[str, str]] = set()
         self._network = network
         self._matched = matched
@@ -178,19 +173,16 @@ class OwnPublisher:
         for declared, message in self.declared.values():
             self._send(publication, declared, message)
 
-    def _send(self, publication: Publication, declared: Declared, message: Ros2Message) -> None:
+    def _send(
+        self, publication: Publication, declared: DeclaredPublisher, message: Ros2Message
+    ) -> None:
         data = publication.ros1()
         self.sequence += 1
         attachment = Attachment(self.sequence, time.time_ns(), self.own.gid).pack()
         convert = message.converter.to_cdr
         queue_size = self.source.queue_size
-        self._network.send(
-            declared,
-            self.lane,
-            len(data),
-            queue_size if queue_size > 0 else UNLIMITED,
-            lambda: (convert(data), attachment),
-        )
+        limit = queue_size if queue_size > 0 else UNLIMITED
+        declared.send(len(data), limit, lambda: (convert(data), attachment))
 
     def close(self) -> None:
         """Undeclare everything."""
@@ -223,9 +215,10 @@ class Inlet:
         learned: the nodes of gids that are in no token.
         proven: the nodes whose gids are those of their tokens.
         is_ready: whether messages arrive.
+        token: by which ROS 2 sees it, unless that of a node of the graph does.
     """
 
-    __slots__ = ("declared", "history", "is_ready", "learned", "proven")
+    __slots__ = ("declared", "history", "is_ready", "learned", "proven", "token")
 
     def __init__(self, history: int) -> None:
         self.declared: Declared
@@ -233,6 +226,18 @@ class Inlet:
         self.learned: dict[bytes, str] = {}
         self.proven: set[str] = set()
         self.is_ready = False
+        self.token: OwnEntity | None = None
+
+    def hide(self) -> None:
+        """Undeclare the token."""
+        if self.token is not None:
+            self.token.close()
+            self.token = None
+
+    def close(self) -> None:
+        """Undeclare the subscription and its token."""
+        self.hide()
+        self.declared.close()
 
 
 class Links:
@@ -289,7 +294,6 @@ class Ros2Topics:
         self._dirty: dict[str, None] = {}
         self._is_due = False
         self._is_closed = False
-        self._lanes = count(1)
         self._warned: set[str] = set()
         graph.watch_topics(lambda topic: self.changed(topic.name))
 
@@ -560,7 +564,7 @@ class Ros2Topics:
             self._close_inlet(links, type_)
 
     def _close_inlet(self, links: Links, type_: tuple[str, str]) -> None:
-        links.inlets.pop(type_).declared.close()
+        links.inlets.pop(type_).close()
         for publisher in links.publishers.values():
             if publisher.type == type_ and publisher.source is not None:
                 publisher.source.forget_latched()
@@ -667,9 +671,8 @@ class Ros2Topics:
                 own = self._own.declare(
                     "MP", node, links.topic, message.name, message.type_hash, qos
                 )
-                lane = next(self._lanes)
                 matched = partial(self.changed, links.topic)
-                publisher = OwnPublisher(source, message, own, self.network, lane, matched)
+                publisher = OwnPublisher(source, message, own, self.network, matched)
                 links.own_publishers[node] = publisher
             publisher.settle(wanted)
         if topic is not None:
@@ -684,16 +687,31 @@ class Ros2Topics:
     ) -> None:
         may_subscribe = self._graph.is_allowed(CLIENT, "publish", links.topic)
         nodes = set(topic.subscribers()) if topic is not None and may_subscribe else set()
-        nodes = {node for node in nodes if self._own.is_shown(node)}
-        for node, old in list(links.own_subscribers.items()):
-            is_same = message is not None and old.entity.type_hash == message.type_hash
-            if node not in nodes or not is_same:
-                links.own_subscribers.pop(node).close()
-        if message is None:
-            return
-        type_ = message.name, message.type_hash
-        for node in nodes - links.own_subscribers.keys():
-            links.own_subscribers[node] = self._own.declare("MS", node, links.topic, *type_, Qos())
+        nodes = (
+            {node for node in nodes if self._own.is_shown(node)} if message is not None else set()
+        )
+        gone = [
+            links.own_subscribers.pop(node)
+            for node, old in list(links.own_subscribers.items())
+            if node not in nodes or message is None or old.entity.type_hash != message.type_hash
+        ]
+        if message is not None:
+            type_ = message.name, message.type_hash
+            for node in nodes - links.own_subscribers.keys():
+                own = self._own.declare("MS", node, links.topic, *type_, Qos())
+                links.own_subscribers[node] = own
+        self._settle_inlet_tokens(links)
+        for old in gone:
+            old.close()
+
+    def _settle_inlet_tokens(self, links: Links) -> None:
+        """Show each subscription to ROS 2, whose publishers may send only what tokens ask for."""
+        shown = {(own.entity.type, own.entity.type_hash) for own in links.own_subscribers.values()}
+        for type_, inlet in links.inlets.items():
+            if type_ in shown:
+                inlet.hide()
+            elif inlet.token is None:
+                inlet.token = self._own.declare("MS", HUB, links.topic, *type_, Qos())
 
     def _own_message(self, topic: Topic | None) -> Ros2Message | None:
         """Return the type of a topic in ROS 2, if the topic can be shown there."""

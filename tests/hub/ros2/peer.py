@@ -112,15 +112,17 @@ class Peer:
 
     Args:
         endpoint: that of the hub.
+        lease: seconds of silence after which the hub takes it for lost.
     """
 
-    def __init__(self, endpoint: str, domain: int = 0) -> None:
+    def __init__(self, endpoint: str, domain: int = 0, lease: float = 10.0) -> None:
         config = zenoh.Config()
         for key, value in {
             "mode": "client",
             "connect/endpoints": [endpoint],
             "scouting/multicast/enabled": False,
             "timestamping/enabled": True,
+            "transport/link/tx/lease": round(lease * 1000),
         }.items():
             config.insert_json5(key, json.dumps(value))
         self.domain = domain

@@ -14,8 +14,8 @@ from fibws.hub.ros2.key_layout import (
     data_key,
     dds_type,
     gid_of,
+    is_left_out,
     is_legal,
-    is_of_action,
     parse_dds_type,
     tokens_key,
 )
@@ -162,5 +162,7 @@ def test_names() -> None:
     assert not is_legal("/a-b")
     assert not is_legal("chatter")
     assert not is_legal("/" + "a" * 300)
-    assert is_of_action("/walk/_action/feedback")
-    assert not is_of_action("/walk/action")
+    assert is_left_out("/walk/_action/feedback")
+    assert is_left_out("/add/_service_event")
+    assert not is_left_out("/walk/action")
+    assert not is_left_out("/service_event")

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+import zenoh
 from conftest import StartHub
 from patience import PATIENCE
 
@@ -20,6 +23,7 @@ from fibws.msg.std_msgs import Float64MultiArray, String
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
+from ..zenoh_endpoints import zenoh_config
 from .conftest import StartRos2Hub
 from .peer import ADD, ADD_HASH, STRING, STRING_HASH, Peer, cdr_string, reaching, text_of
 from .test_services import adder, request
@@ -80,6 +84,32 @@ async def test_invalid_tokens_are_counted_and_the_next_ones_are_read(
     assert "invalid token" in caplog.text
 
 
+async def test_actions_and_service_introspection_are_left_out_and_faults_are_warned_of(
+    hub: Hub, peer: Peer, caplog: pytest.LogCaptureFixture
+) -> None:
+    fibonacci = "example_interfaces::action::dds_::Fibonacci_"
+    for kind, name, type_ in (
+        ("MP", "/fib/_action/feedback", f"{fibonacci}FeedbackMessage_"),
+        ("MP", "/fib/_action/status", "action_msgs::msg::dds_::GoalStatusArray_"),
+        ("SS", "/fib/_action/send_goal", f"{fibonacci}SendGoal_"),
+        ("SC", "/fib/_action/get_result", f"{fibonacci}GetResult_"),
+        ("SS", "/fib/_action/cancel_goal", "action_msgs::srv::dds_::CancelGoal_"),
+        ("MP", "/fib/_action/send_goal/_service_event", f"{fibonacci}SendGoal_Event_"),
+        ("MP", "/add/_service_event", "example_interfaces::srv::dds_::AddTwoInts_Event_"),
+    ):
+        await peer.declare(kind, "/server", name, type_, STRING_HASH)
+    await peer.declare("NN", "/last")
+    await until(lambda: ros2_nodes(hub) == {"/server", "/last"}, hub)
+    assert "token" not in caplog.text
+    assert not [name for name in hub.graph.topics if "/_" in name]
+    assert not [name for name in hub.graph.services if "/_" in name]
+    await peer.declare("MP", "/server", "/fault", ADD, ADD_HASH)
+    await peer.declare("NN", "/later")
+    await until(lambda: "/later" in ros2_nodes(hub), hub)
+    assert "1 invalid tokens so far" in caplog.text
+    assert "/fault" in caplog.text
+
+
 async def test_tokens_beyond_the_limit_are_left_out(
     hub: Hub, peer: Peer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -124,15 +154,17 @@ async def test_large_and_small_messages_of_one_publisher_stay_in_order(
     _, queue = await peer.subscriber("/listener", "/numbers", type_, type_hash)
     publisher = await node.advertise("/numbers", Float64MultiArray, queue_size=100, peers=True)
     await reaching(publisher, "/listener")
-    sizes = [10, 20_000, 5, 30_000, 1, 0, 9000] * 3
-    for size in sizes:
-        await publisher.publish(Float64MultiArray(data=[1.5] * size))
-    async with asyncio.timeout(PATIENCE):
-        received = [await queue.get() for _ in sizes]
+    sizes = [10, 20_000, 5, 30_000, 1, 0, 9000]
+    received = []
+    for _ in range(3):  # zenoh's queue has room for each of them, however late it is sent.
+        for size in sizes:
+            await publisher.publish(Float64MultiArray(data=[1.5] * size))
+        async with asyncio.timeout(PATIENCE):
+            received += [await queue.get() for _ in sizes]
     decoded = [
         store.deserialize_cdr(each.data, "std_msgs/msg/Float64MultiArray") for each in received
     ]
-    assert [len(each.data) for each in decoded] == sizes
+    assert [len(each.data) for each in decoded] == sizes * 3
 
 
 async def test_hub_needs_an_endpoint_that_it_can_use(start_hub: StartHub) -> None:
@@ -226,3 +258,71 @@ async def test_ros_2_nodes_cannot_be_ended_from_here(
     assert response.success
     with pytest.raises(ServiceError):
         await node.call("/nothing", AddTwoInts)
+
+
+# zenoh's settings.
+
+UNICAST = {
+    "open_timeout": 60_000,
+    "accept_timeout": 60_000,
+    "accept_pending": 10_000,
+    "max_sessions": 10_000,
+}
+CONGESTION = "transport/link/tx/queue/congestion_control"
+
+
+async def made_config(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch, **settings: Any
+) -> Callable[[str], Any]:
+    """Return what reads the settings with which a hub opens its session."""
+    made: list[zenoh.Config] = []
+
+    def refuse(config: zenoh.Config) -> None:
+        made.append(config)
+        raise OSError("not here")
+
+    monkeypatch.setattr(zenoh, "open", refuse)
+    with pytest.raises(HubError, match="not here"):
+        await start_hub(**settings)
+    return lambda key: json.loads(made[0].get_json(key))
+
+
+async def test_hub_in_place_of_the_router_has_its_settings(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    setting = await made_config(start_hub, monkeypatch, ros2=("tcp/127.0.0.1:0",))
+    unicast = setting("transport/unicast")
+    assert {key: unicast[key] for key in UNICAST} == UNICAST
+    assert setting("transport/link/tx/lease") == 60_000
+    assert setting("transport/link/tx/keep_alive") == 2
+    assert setting("routing/router/peers_failover_brokering") is False
+    assert setting("timestamping/enabled") is True
+    assert setting(f"{CONGESTION}/block/wait_before_close") == 5_000_000
+
+
+async def test_hub_beside_the_router_has_the_settings_of_a_node(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    setting = await made_config(start_hub, monkeypatch, ros2_connect=("tcp/127.0.0.1:1",))
+    unicast = setting("transport/unicast")
+    assert {key: unicast[key] for key in UNICAST} == UNICAST
+    assert setting("transport/link/tx/lease") == 60_000
+    assert setting(f"{CONGESTION}/block/wait_before_close") == 60_000_000
+
+
+async def test_file_of_zenoh_has_precedence(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    path = zenoh_config(
+        tmp_path,
+        unicast={"max_sessions": 50},
+        link={"tx": {"lease": 7000, "queue": {"size": {"data": 3}}}},
+    )
+    setting = await made_config(
+        start_hub, monkeypatch, ros2=("tcp/127.0.0.1:0",), zenoh_config=path
+    )
+    assert setting("transport/unicast/max_sessions") == 50
+    assert setting("transport/unicast/accept_pending") == 10_000
+    assert setting("transport/link/tx/lease") == 7000
+    assert setting("transport/link/tx/queue/size/data") == 3
+    assert setting("transport/link/tx/queue/size/control") == 16

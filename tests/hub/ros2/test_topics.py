@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -368,6 +369,34 @@ async def test_ros_2_sees_the_nodes_of_the_hub(hub: Hub, peer: Peer) -> None:
                 changed, lambda: any(t.startswith(f"MS/{owner}/{chatter}/::") for t in tokens)
             )
     await until_tokens(changed, lambda: not tokens)
+
+
+async def test_ros_2_sees_a_subscription_of_the_hub_alone_while_it_lasts(
+    start_ros2_hub: StartRos2Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rosbags.typesys import Stores, get_typestore
+
+    monkeypatch.setattr("fibws.hub.ros2.topics.LINGER", 0.05)
+    type_ = "sensor_msgs::msg::dds_::Image_"
+    type_hash = get_typestore(Stores.ROS2_JAZZY).hash_rihs01("sensor_msgs/msg/Image")
+    hub, endpoint = await start_ros2_hub(record=tmp_path, record_min_space=0)
+    async with Peer(endpoint) as peer, fibws.Node("ours", hub=hub.url) as node:
+        tokens, changed = await tokens_of(peer, hub)
+
+        def seen() -> list[str]:
+            """Return the nodes that subscribe to the images."""
+            key = f"/%image/{type_}/{type_hash}/"
+            return [t.split("/")[3] for t in tokens if t.startswith("MS/") and key in t]
+
+        camera = await peer.publisher("/camera", "/image", type_, type_hash)
+        await flowing(camera)  # For `--record`.
+        await until_tokens(changed, lambda: seen() == ["fibws_hub"])
+        assert "NN/%/%/fibws_hub" in tokens
+        async with node.subscribe("/image", Image):
+            await until_tokens(changed, lambda: seen() == ["ours"])
+        await until_tokens(changed, lambda: seen() == ["fibws_hub"])
+        await camera.close()
+        await until_tokens(changed, lambda: not seen())
 
 
 @pytest.mark.parametrize("domain", [0, 7])
