@@ -37,7 +37,7 @@ CALL = operation("call_service", service="/rosapi/get_time", args={})
 CALL_INTERVAL = 0.001
 
 PAIR_HZ = 200
-LIMIT_PAIR_MS = 20.0
+LIMIT_PAIR_MS = 10.0
 FLOOD_LIMIT = 5000
 """Messages per second that a client may send in the measurement of limits."""
 LIMIT_FLOOD_RATIO = 2.0

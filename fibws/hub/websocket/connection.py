@@ -347,6 +347,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         if self._request:
             request, self._request = self._request, b""
+            self._busy = False  # A handshake takes long, but does not make a client a busy one.
             self._shake_hands(request)
         elif self._is_held():
             self._reader.resume(self._shared.turns.began)

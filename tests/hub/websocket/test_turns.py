@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import math
 import time
 from collections.abc import Callable
 from contextlib import AsyncExitStack
+from typing import Any
 
 import pytest
 from conftest import Faults, StartHub
@@ -365,3 +367,26 @@ async def test_without_fast_framing_turns_end_too(start_hub: StartHub) -> None:
         assert len(endpoint.received) < 100
         await client.is_processed()
     assert numbers(endpoint) == list(range(300))
+
+
+@both_loops
+async def test_client_that_has_just_connected_waits_for_nobody(
+    hub: Hub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its handshake took a turn; its messages are served at once, however many others wait."""
+    waits = 0
+    wait = Turns.wait
+
+    def count(turns: Turns, reader: Any) -> None:
+        nonlocal waits
+        waits += 1
+        wait(turns, reader)
+
+    monkeypatch.setattr(Turns, "wait", count)
+    monkeypatch.setattr(Turns, "is_spent", lambda turns: True)
+    monkeypatch.setattr("fibws.hub.websocket.connection.TURN", math.inf)  # The real clock's.
+    async with connected(hub.port) as client:
+        handshakes = waits
+        for _ in range(5):
+            await client.is_processed()
+    assert (handshakes, waits) == (1, 1)
