@@ -7,7 +7,7 @@ rule of its own: float32's rounding, byte strings, and times that are relative t
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import nan
 from struct import Struct, pack, unpack
 from struct import error as StructError
@@ -35,10 +35,11 @@ _FLOAT32 = Struct("<f")
 _pack, _unpack = _FLOAT32.pack, _FLOAT32.unpack
 
 
-def scalar_schema(field: Field, *, lenient: bool) -> core_schema.CoreSchema:
+def scalar_schema(field: Field, *, lenient: bool, rounded: bool = True) -> core_schema.CoreSchema:
     """The schema of one value of a field that is neither a time nor a message.
 
     Args:
+        rounded: whether to round a float32, which `rounded_columns` does otherwise.
         lenient: whether to take numbers as clients write them whose language has one kind of
             number: 5.0 for an integer, "NaN" and "Infinity", and decimal strings for int64 and
             uint64, of which JavaScript's numbers hold but a part.
@@ -53,7 +54,7 @@ def scalar_schema(field: Field, *, lenient: bool) -> core_schema.CoreSchema:
     if field.type == "bool":
         return core_schema.bool_schema(strict=True)
     schema: core_schema.CoreSchema = core_schema.float_schema(strict=True)
-    if field.type == "float32":
+    if field.type == "float32" and rounded:
         schema = core_schema.no_info_after_validator_function(_round, schema)
     schema = core_schema.nullable_schema(schema)
     return _before(_number, schema) if lenient else schema
@@ -76,6 +77,36 @@ def array_schema(
             _round_all, _list_of(floats, field.array)
         )
     return _list_of(element, field.array)
+
+
+def rounded_columns(
+    names: Sequence[str], elements: core_schema.CoreSchema, exact: core_schema.CoreSchema
+) -> core_schema.CoreSchema:
+    """The schema of an array of messages whose float32 fields are rounded together.
+
+    To round the coordinates of a cloud one by one would take most of its time.
+
+    Args:
+        names: the float32 fields.
+        elements: the schema of the array without rounding.
+        exact: the schema with it, which names a value that does not fit.
+    """
+    one_by_one = SchemaValidator(exact)
+
+    def round_(messages: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        layout = f"<{len(messages)}f"
+        for name in names:
+            column = [message[name] for message in messages]
+            try:
+                rounded = unpack(layout, pack(layout, *column))
+            except (StructError, OverflowError):  # null, or a value that is too large
+                valid: list[dict[str, Any]] = one_by_one.validate_python(messages)
+                return valid
+            for message, value in zip(messages, rounded, strict=True):
+                message[name] = value
+        return messages
+
+    return core_schema.no_info_after_validator_function(round_, elements)
 
 
 def time_schema(

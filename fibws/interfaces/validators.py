@@ -18,7 +18,13 @@ from fibws.errors import InvalidMessage
 from fibws.interfaces import base64text, builtin
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.definition import Array, Field, MessageDefinition
-from fibws.interfaces.schema import array_schema, scalar_schema, time_schema, zero_time
+from fibws.interfaces.schema import (
+    array_schema,
+    rounded_columns,
+    scalar_schema,
+    time_schema,
+    zero_time,
+)
 from fibws.interfaces.validation_errors import MOST_EXPLAINED, explain
 
 MOST_ABSENT = 2**16
@@ -84,9 +90,20 @@ class _Schemas:
             default_factory=now_parts,
         )
 
-    def message(self, definition: MessageDefinition) -> core_schema.CoreSchema:
-        """The schema of an object in which all fields are optional, and no others are allowed."""
-        fields = {field.name: self._field(field) for field in definition.fields}
+    def message(
+        self, definition: MessageDefinition, *, rounded: bool = True
+    ) -> core_schema.CoreSchema:
+        """The schema of an object in which all fields are optional, and no others are allowed.
+
+        Args:
+            rounded: whether the object's own float32 values are rounded.
+        """
+        fields = {
+            field.name: self._field(field)
+            if rounded or not _is_float32(field)
+            else _with_default(field, scalar_schema(field, lenient=self._lenient, rounded=False))
+            for field in definition.fields
+        }
         if definition.type == builtin.HEADER:
             fields["stamp"] = self._stamp
         return core_schema.typed_dict_schema(
@@ -114,7 +131,20 @@ class _Schemas:
         schema = self._element(field)
         if field.array is not None:
             schema = array_schema(field, schema, lenient=self._lenient)
+            if field.is_nested:
+                schema = self._rounding_columns(field, schema)
         return _with_default(field, schema)
+
+    def _rounding_columns(
+        self, field: Field, exact: core_schema.CoreSchema
+    ) -> core_schema.CoreSchema:
+        """The schema of an array of messages, which rounds their float32 values together."""
+        definition = self._interfaces.message(field.type)
+        names = [each.name for each in definition.fields if _is_float32(each)]
+        if not names:
+            return exact
+        plain = self.message(definition, rounded=False)
+        return rounded_columns(names, array_schema(field, plain, lenient=self._lenient), exact)
 
     def _element(self, field: Field) -> core_schema.CoreSchema:
         if not field.is_nested and field.type not in builtin.TIMES:
@@ -122,6 +152,10 @@ class _Schemas:
         if field.type not in self._by_type:
             self._by_type[field.type] = self.message(self._interfaces.message(field.type))
         return self._by_type[field.type]
+
+
+def _is_float32(field: Field) -> bool:
+    return field.type == "float32" and field.array is None
 
 
 def _now_parts(now: Callable[[], int]) -> dict[str, int]:
@@ -256,13 +290,13 @@ class _Shape(NamedTuple):
     """A type, as `_count` needs it.
 
     ``values`` are those of a message with empty arrays; ``fields`` have for each field its name,
-    the values that it has if it is left out, and the shape of messages in it; ``names`` are those
-    of all fields if none of them holds messages.
+    the values that it has if it is left out, and the shape of messages in it; ``is_flat`` says that
+    there are no such messages.
     """
 
     values: int
     fields: tuple[tuple[str, int, _Shape | None], ...]
-    names: tuple[str, ...] | None
+    is_flat: bool
 
 
 def _shape(definition: MessageDefinition, interfaces: Definitions) -> _Shape:
@@ -274,8 +308,7 @@ def _shape(definition: MessageDefinition, interfaces: Definitions) -> _Shape:
         count = 1 if field.array is None else field.fixed_size
         fields.append((field.name, max(1, count * each), inner))
     is_flat = all(inner is None for _, _, inner in fields)
-    names = tuple(name for name, _, _ in fields) if is_flat else None
-    return _Shape(sum(values for _, values, _ in fields), tuple(fields), names)
+    return _Shape(sum(values for _, values, _ in fields), tuple(fields), is_flat)
 
 
 def _count(shape: _Shape, msg: dict[str, Any]) -> tuple[int, int]:
@@ -289,18 +322,28 @@ def _count(shape: _Shape, msg: dict[str, Any]) -> tuple[int, int]:
         present += 1
         if inner is None:
             continue
+        if inner.is_flat and type(value) is list and _are_complete(value, inner):
+            present += len(value) * len(inner.fields)
+            continue
         for element in value if type(value) is list else (value,):
             if not element:
                 absent += inner.values
             elif type(element) is dict:
-                # A cloud has thousands of complete points.
-                if tuple(element) == inner.names and None not in element.values():
-                    present += len(element)
-                    continue
                 counts = _count(inner, element)
                 present += counts[0]
                 absent += counts[1]
     return present, absent
+
+
+def _are_complete(elements: list[Any], shape: _Shape) -> bool:
+    """Return whether messages have as many members as fields, as the points of a cloud do.
+
+    If they are others than the fields, or no messages, they are refused later.
+    """
+    try:
+        return set(map(len, elements)) == {len(shape.fields)}
+    except TypeError:
+        return False
 
 
 def _most_values(fields: tuple[_Nested, ...], msg: dict[str, Any]) -> int:

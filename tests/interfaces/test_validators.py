@@ -1,6 +1,7 @@
 """How JSON becomes a message: each row of the table that the real server was seen to keep."""
 
 import json
+import struct
 import tracemalloc
 from base64 import b64encode
 from math import inf, isnan, nan
@@ -577,3 +578,36 @@ def test_search_for_missing_fields_is_bounded() -> None:
     points = [{"x": 1, "y": 2, "z": 3}] * 100_000
     found = VALIDATORS.of("sensor_msgs/PointCloud").missing({"points": [*points, {}]})
     assert found == ["header", "channels"]
+
+
+def float32(value: float) -> float:
+    rounded: float = struct.unpack("<f", struct.pack("<f", value))[0]
+    return rounded
+
+
+@pytest.mark.parametrize(
+    ("points", "expected"),
+    [
+        ([{"x": 0.1, "y": 1, "z": -2.5}, {"z": 0.3}], [[0.1, 1, -2.5], [0, 0, 0.3]]),
+        ([{"x": None, "y": 0.1}, {"x": 0.1}], [[None, 0.1, 0], [0.1, 0, 0]]),
+        ([], []),
+    ],
+)
+def test_float32_values_of_many_messages_are_rounded(
+    points: list[dict[str, Any]], expected: list[list[float | None]]
+) -> None:
+    found = validate("geometry_msgs/Polygon", {"points": points})["points"]
+    rounded = [
+        [
+            None if value is None else struct.unpack("<f", struct.pack("<f", value))[0]
+            for value in each
+        ]
+        for each in expected
+    ]
+    assert [[point[name] for name in "xyz"] for point in found] == rounded
+
+
+def test_value_that_is_no_float32_is_named() -> None:
+    points = [{"x": 1.0}, {"y": 1e300}]
+    with pytest.raises(InvalidMessage, match=r"points\[1\].y"):
+        validate("geometry_msgs/Polygon", {"points": points})
