@@ -53,7 +53,7 @@ function move(name: string, secs: number): void {
 }
 
 /** An entry of the scene, whose layer takes messages from the test. */
-function started(kind: LayerKind): Promise<Entry> {
+function started(kind: LayerKind, isStream = false): Promise<Entry> {
   return new Promise((made) => {
     const surroundings = {
       hub: { url: "ws://robot:9090/", second: () => ({ token: "" }) } as Hub,
@@ -61,7 +61,7 @@ function started(kind: LayerKind): Promise<Entry> {
       transforms,
       redraw: () => made(entry),
     };
-    const own = { ...kind, isOwn: true, isStream: false };
+    const own = { ...kind, isOwn: true, isStream };
     const entry = new Entry(surroundings, own, "/topic", "");
     entry.start();
   });
@@ -179,6 +179,17 @@ describe("The state of a layer", () => {
     }
     move("base_link", 106);
     expect(state(entry)).toContain("good: 1 points");
+  });
+
+  it("has what came last, and for how long nothing has come since", async () => {
+    const entry = await started(kindOf("sensor_msgs/LaserScan"), true);
+    entry.layer?.receive?.(message("sensor_msgs/LaserScan", "base_link", 100), Date.now());
+    const later = Date.now() + 64_500;
+    const { level, text } = entry.state(later, true, new Places("map", transforms, known));
+    expect([level, text]).toEqual([
+      "warn",
+      expect.stringMatching(/^1 points.*, no message for \d+ s$/),
+    ]);
   });
 
   it("has why settings cannot be used, until they can", async () => {

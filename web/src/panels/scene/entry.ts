@@ -255,11 +255,13 @@ export class Entry {
     }
     const silence = now - this.#arrived;
     if (problems.warning !== "") return { level: "warn", text: problems.warning };
+    const facts = this.layer?.facts(places) ?? "";
     if (isStream && silence > SILENT) {
-      return { level: "warn", text: `no message for ${Math.floor(silence / 1000)} s` };
+      const silent = `no message for ${Math.floor(silence / 1000)} s`;
+      return { level: "warn", text: facts === "" ? silent : `${facts}, ${silent}` };
     }
     const age = now - this.#since;
     const aged = this.kind.isEvent === true && age > AGED ? `, ${ago(age / 1000)}` : "";
-    return { level: "good", text: `${this.layer?.facts(places) ?? ""}${aged}` };
+    return { level: "good", text: `${facts}${aged}` };
   }
 }
