@@ -29,6 +29,7 @@ from fibws.errors import (
 )
 from fibws.hub import Settings
 from fibws.protocol.serialized import SUBPROTOCOL, deliver_head
+from fibws.protocol.websocket import TEXT, server_frame
 
 
 @pytest.mark.parametrize(
@@ -92,8 +93,10 @@ def test_operations_received_during_a_call_stay_in_order() -> None:
     def handle(connection: ServerConnection) -> None:
         call = json.loads(connection.recv())
         response = {"op": "service_response", "id": call["id"], "values": {}, "result": True}
-        for operation in ({"op": "1"}, {"op": "2"}, response, {"op": "3"}):
-            connection.send(json.dumps(operation))
+        operations = ({"op": "1"}, {"op": "2"}, response, {"op": "3"})
+        # At once, so that the last one is there when the call ends.
+        frames = [server_frame(TEXT, json.dumps(operation).encode()) for operation in operations]
+        connection.socket.sendall(b"".join(frames))
         connection.recv()
 
     with websocket_server(handle) as url, HubClient("test", url) as client:
