@@ -36,6 +36,12 @@ KUBERNETES: dict[str, dict[str, Any]] = {
     for each in yaml.safe_load_all((DEPLOY / "kubernetes" / "fibws.yaml").read_text("utf-8"))
 }
 UNIT = DEPLOY / "fibws-hub.service"
+COMPOSE_FILES = {
+    path.relative_to(ROOT).as_posix(): yaml.safe_load(path.read_text("utf-8"))
+    for path in (DEPLOY / "compose" / "compose.yaml", ROOT / "docker-compose.yml")
+}
+ALERTS = DEPLOY / "compose" / "prometheus" / "alerts.yml"
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 SHELL_VARIABLE = re.compile(r"\$\{\w+:-(\w+)\}")
 
 
@@ -56,16 +62,46 @@ def checked(*command: str, **environment: str) -> str:
     return output
 
 
-def files_in(value: object, kind: str) -> Iterator[str]:
+def strings_in(value: object, kind: str) -> Iterator[str]:
     """Yield all strings of some kind in a document."""
     if isinstance(value, Mapping):
         for key, each in value.items():
             if key == kind:
                 yield str(each)
-            yield from files_in(each, kind)
+            yield from strings_in(each, kind)
     elif isinstance(value, list):
         for each in value:
-            yield from files_in(each, kind)
+            yield from strings_in(each, kind)
+
+
+class TestMounts:
+    """Programs that replace a file make another one; a mount of the former one keeps that."""
+
+    @pytest.mark.parametrize("name", COMPOSE_FILES)
+    def test_compose_mounts_folders_and_volumes(self, name: str) -> None:
+        document = COMPOSE_FILES[name]
+        assert not {"secrets", "configs"} & document.keys(), "these mount single files"
+        for service in document["services"].values():
+            for mount in service.get("volumes", ()):
+                source = mount.partition(":")[0]
+                if source.startswith("."):
+                    assert (ROOT / name).parent.joinpath(source).is_dir(), mount
+                else:
+                    assert source in document["volumes"], mount
+
+    def test_kubernetes_mounts_whole_volumes(self) -> None:
+        assert not list(strings_in(list(KUBERNETES.values()), "subPath"))
+
+    def test_systemd_passes_no_copies(self) -> None:
+        """systemd copies credentials when the service starts, and never again."""
+        text = UNIT.read_text("utf-8")
+        assert not re.search(r"^(LoadCredential|SetCredential|Bind\w*Paths)", text, re.M)
+
+    @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+    def test_pages_mount_no_files(self, page: Path) -> None:
+        code = "".join(re.findall(r"^```\w*\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S))
+        assert not re.search(r"(-v|--volume|source=)[ =]?\S+\.(toml|pem|key|token|json)\b", code)
+        assert not re.search("subPath|LoadCredential", code)
 
 
 class TestSystemd:
@@ -87,6 +123,12 @@ class TestSystemd:
         assert settings["Type"] == "notify" and float(settings["WatchdogSec"]) > 2
 
 
+def mounts(service: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a service of Compose mounts, by the path in the container."""
+    parts = [volume.split(":") for volume in service["volumes"]]
+    return {part[1]: part[0] for part in parts}
+
+
 class TestCompose:
     def test_hub_accepts_its_command(self) -> None:
         hub = COMPOSE["services"]["hub"]
@@ -98,21 +140,37 @@ class TestCompose:
         grace = float(hub["stop_grace_period"].removesuffix("s"))
         assert grace > settings.drain + settings.close_timeout
 
-    def test_files_of_containers_are_there_or_made_by_the_steps(self) -> None:
+    def test_tokens_are_made_where_they_are_read(self) -> None:
+        services = COMPOSE["services"]
+        made = mounts(services["token"])
+        variables = services["token"]["environment"]
+        hub = environment_settings(
+            [SHELL_VARIABLE.sub(r"\1", flag) for flag in services["hub"]["command"][3:]]
+        )
+        assert hub.tokens is not None and str(hub.tokens) == variables["FIBWS_TOKENS"]
+        folder = str(hub.tokens.parent)
+        assert made[folder] == mounts(services["hub"])[folder]
         steps = (DEPLOY / "compose" / "compose.yaml").read_text("utf-8").partition("services:")[0]
-        for service in COMPOSE["services"].values():
-            for volume in service["volumes"]:
-                source = volume.partition(":")[0]
-                if source.startswith("./"):
-                    path = DEPLOY / "compose" / source
-                    assert path.exists() or path.name in steps, source
-                else:
-                    assert source in COMPOSE["volumes"]
+        config = yaml.safe_load((DEPLOY / "compose" / "prometheus" / "prometheus.yml").read_text())
+        (token,) = strings_in(config, "credentials_file")
+        assert f"> {token}'" in steps
+        folder = token.rpartition("/")[0]
+        assert made[folder] == mounts(services["prometheus"])[folder]
+
+    def test_folders_of_tokens_belong_to_the_user_of_the_image(self) -> None:
+        """A new volume takes them from the image; nobody else on the machine may read it."""
+        image = (ROOT / "Dockerfile").read_text("utf-8")
+        found = re.search(r"install --directory --owner fibws --group fibws --mode 750 (.*)", image)
+        assert found is not None
+        assert set(found[1].split()) == set(mounts(COMPOSE["services"]["token"]))
+        (user,) = re.findall(r"^USER (\d+)$", image, re.M)
+        assert f"--uid {user} fibws" in image
+        assert COMPOSE["services"]["prometheus"]["group_add"] == [user]
 
     @needs("caddy")
     @pytest.mark.parametrize("variables", [{}, {"FIBWS_SITE": "robot.example"}])
     def test_caddy_accepts_its_file(self, tmp_path: Path, variables: dict[str, str]) -> None:
-        path = str(DEPLOY / "compose" / "Caddyfile")
+        path = str(DEPLOY / "compose" / "caddy" / "Caddyfile")
         home = {"HOME": str(tmp_path), **variables}
         checked("caddy", "validate", "--config", path, "--adapter", "caddyfile", **home)
         adapted = json.loads(
@@ -123,7 +181,7 @@ class TestCompose:
                 env={"PATH": "/usr/bin:/usr/local/bin", **home},
             ).stdout
         )
-        assert list(files_in(adapted, "dial")) == ["hub:9090"]
+        assert list(strings_in(adapted, "dial")) == ["hub:9090"]
         assert variables.get("FIBWS_SITE", "localhost") in json.dumps(adapted)
 
 
@@ -131,13 +189,13 @@ def prometheus_files(folder: Path, token: str = "one", **replaced: str) -> Path:
     """Copy the files of Prometheus with a token of its own; return the path of the first one."""
     credentials = folder / "prometheus.token"
     credentials.write_text(token)
-    text = (DEPLOY / "compose" / "prometheus.yml").read_text("utf-8")
-    for old, new in {"/run/secrets/prometheus.token": str(credentials), **replaced}.items():
+    text = (DEPLOY / "compose" / "prometheus" / "prometheus.yml").read_text("utf-8")
+    for old, new in {"/etc/fibws/prometheus/token": str(credentials), **replaced}.items():
         assert old in text
         text = text.replace(old, new)
     path = folder / "prometheus.yml"
     path.write_text(text)
-    shutil.copy(DEPLOY / "compose" / "alerts.yml", folder)
+    shutil.copy(ALERTS, folder)
     return path
 
 
@@ -149,9 +207,7 @@ class TestPrometheus:
 
     async def test_alerts_name_metrics_of_the_hub(self, hub: Hub) -> None:
         known = {sample for family in families(hub) for sample in family}
-        for expression in files_in(
-            yaml.safe_load((DEPLOY / "compose" / "alerts.yml").read_text("utf-8")), "expr"
-        ):
+        for expression in strings_in(yaml.safe_load(ALERTS.read_text("utf-8")), "expr"):
             for name in re.findall(r"\b(?:fibws|process)_\w+", expression):
                 assert name in known, expression
 
@@ -258,12 +314,12 @@ class TestKubernetes:
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         volumes = {volume["name"]: volume for volume in self.pod["volumes"]}
-        mounts = {mount["name"]: mount["mountPath"] for mount in self.container["volumeMounts"]}
-        assert volumes.keys() == mounts.keys()
+        mounted = {mount["name"]: mount["mountPath"] for mount in self.container["volumeMounts"]}
+        assert volumes.keys() == mounted.keys()
         assert volumes["config"]["configMap"]["name"] == KUBERNETES["ConfigMap"]["metadata"]["name"]
-        assert mounts["config"] == self.container["command"][4]
+        assert f"{mounted['config']}/hub.toml" == self.container["command"][4]
         tokens = self.settings(tmp_path, monkeypatch).tokens
-        assert tokens is not None and str(tokens.parent) == mounts["tokens"]
+        assert tokens is not None and str(tokens.parent) == mounted["tokens"]
         steps = (DEPLOY / "kubernetes" / "fibws.yaml").read_text("utf-8")
         name = volumes["tokens"]["secret"]["secretName"]
         assert f"kubectl create secret generic {name} --from-file={tokens.name}" in steps
