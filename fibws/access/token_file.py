@@ -119,6 +119,18 @@ class Tokens:
         }
         return cls(tokens, certificates, anonymous, {**_UNLIMITED, **networks})
 
+    def changes(self, old: Self) -> list[str]:
+        """Return what differs from an older content, as in ``token teleop revoked``."""
+        return [
+            *_differences("token", _by_name(old.tokens), _by_name(self.tokens), gone="revoked"),
+            *_differences("certificate", old.certificates, self.certificates),
+            *_differences("section", old._sections(), self._sections()),
+        ]
+
+    def _sections(self) -> dict[str, Principal]:
+        found = {name: each for name, each in self.networks.items() if each != _UNLIMITED[name]}
+        return found if self.anonymous is None else {ANONYMOUS: self.anonymous, **found}
+
     def find(self, token: str) -> Principal | None:
         """Return the principal of a token, which may have expired; None if it is unknown."""
         digest = digest_of(token)
@@ -196,6 +208,19 @@ class TokenFile:
 def digest_of(token: str) -> str:
     """Return the digest by which the file knows a token."""
     return hashlib.sha256(token.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _by_name(tokens: Mapping[str, Principal]) -> dict[str, tuple[str, Principal]]:
+    return {each.name: (digest, each) for digest, each in tokens.items()}
+
+
+def _differences(
+    kind: str, old: Mapping[str, object], new: Mapping[str, object], gone: str = "removed"
+) -> Iterator[str]:
+    for name in {**old, **new}:
+        if old.get(name) != new.get(name):
+            did = "added" if name not in old else gone if name not in new else "changed"
+            yield f"{kind} {name} {did}"
 
 
 def _read(path: Path) -> str:

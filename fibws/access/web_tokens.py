@@ -61,10 +61,15 @@ class WebTokens:
         self._audience = audience
         self._leeway = leeway
         self._keys: list[tuple[str | None, Any]] = []
+        self._data = b""
         self.reload()
 
-    def reload(self) -> None:
-        """Read the key again; raise `AccessError` and keep the old one if that fails."""
+    def reload(self) -> bool:
+        """Read the key again, and return whether it is another one.
+
+        Raises:
+            AccessError: it cannot be used; the old one is kept.
+        """
         try:
             data = self._path.read_bytes()
         except OSError as error:
@@ -75,6 +80,8 @@ class WebTokens:
             self._keys = self._key_set(data)
         else:
             self._keys = [(None, self._public_key(data))]
+        old, self._data = self._data, data
+        return old != data
 
     def principal(self, token: str) -> Principal:
         """Return the principal of a token.

@@ -211,11 +211,11 @@ async def _drain(hub: Hub, signals: asyncio.Queue[int]) -> None:
 def _reload(hub: Hub, manager: ServiceManager) -> None:
     manager.reloading()
     try:
-        hub.reload()
+        changes = hub.reload()
     except FibwsError as error:
         hub.audit.reload_failed("certificates, tokens and keys", str(error))
     else:
-        hub.audit.reloaded("certificates, tokens and keys")
+        hub.audit.reloaded("certificates, tokens and keys", changes, hub.files)
     finally:
         manager.ready()
 

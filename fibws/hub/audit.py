@@ -18,7 +18,8 @@ second does not fill the disk.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
 from fibws.hub.log_text import LineLimit, printable
@@ -165,9 +166,21 @@ class Audit:
         fields = {"hub": hub, "node": node, "why": reason}
         self._record(logging.WARNING, "hub_lost", text, fields)
 
-    def reloaded(self, what: str) -> None:
-        """Record that something was read again, such as ``tokens`` or ``certificates``."""
-        self._record(logging.INFO, "reloaded", f"Reloaded {what}", {"what": what})
+    def reloaded(self, what: str, changes: Sequence[str], files: Sequence[Path]) -> None:
+        """Record that something was read again, such as ``tokens`` or ``certificates``.
+
+        Args:
+            changes: what is different now. Without any there is a warning, since somebody has
+                changed another file than the hub reads.
+            files: what was read.
+        """
+        level, text = logging.INFO, f"Reloaded: {printable(', '.join(changes))}"
+        if not changes:
+            level, text = logging.WARNING, "Reloaded, but the hub has no files to read again"
+            if files:
+                names = printable(", ".join(map(str, files)))
+                text = f"Reloaded, but nothing has changed in {names}"
+        self._record(level, "reloaded", text, {"what": what, "changes": ", ".join(changes)})
 
     def reload_failed(self, what: str, error: str) -> None:
         """Record that something could not be read again, so that the older one is still used."""

@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import AsyncExitStack, ExitStack, suppress
 from functools import cache, partial
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
@@ -512,10 +513,13 @@ class Hub:
         if loop.get_exception_handler() == self._on_exception:
             loop.set_exception_handler(self._handle_exception)
 
-    def reload(self) -> None:
+    def reload(self) -> list[str]:
         """Read the files of certificates, tokens and keys again.
 
         New connections get the new certificate. Clients lose what they may not do any more.
+
+        Returns:
+            What has changed, as in ``token teleop revoked``; empty if nothing has.
 
         Raises:
             HubError: a certificate or its key cannot be used; nothing has changed.
@@ -523,27 +527,40 @@ class Hub:
         """
         if self.settings.self_signed:
             ensure_certificate(machine_addresses())
-        use_certificate = self._tls.read() if self._tls is not None else None
+        use_certificate = self._tls.read() if self._tls is not None else list
+        changes, closed = [], 0
         if self._authentication is not None:
-            self._authentication.reload()
+            changes = self._authentication.reload()
             if self.ros1 is not None:
                 self.ros1.set_principal(self._authentication.network("ros1"))
             if self.ros2 is not None:
                 self.ros2.set_principal(self._authentication.network("ros2"))
-            self._check_logins(self._authentication)
-        if use_certificate is not None:
-            use_certificate()
+            closed = self._check_logins(self._authentication)
+        changes += use_certificate()
+        if closed:
+            changes.append(f"{closed} client{'s' if closed > 1 else ''} closed")
+        return changes
 
-    def _check_logins(self, authentication: Authentication) -> None:
+    @property
+    def files(self) -> list[Path]:
+        """The files that `reload` reads."""
+        own = (self.settings.tokens, self.settings.jwt_key)
+        return [*filter(None, own), *(self._tls.files if self._tls is not None else ())]
+
+    def _check_logins(self, authentication: Authentication) -> int:
+        """Check the rights of all clients, and return how many are closed."""
+        closed = 0
         if isinstance(self.graph.policy, AccessPolicy):
             self.graph.policy.keep_names(authentication.known())
         for connection in list(self._connections):
             try:
-                connection.check_login()
+                closed += not connection.check_login()
             except Exception:
                 # A fault at one client must not leave the others their old rights, nor itself.
                 logger.exception("%s: its login cannot be checked.", connection.name)
                 connection.abort()
+                closed += 1
+        return closed
 
     def status(self) -> str:
         """Return one line about the hub, for the service manager."""

@@ -44,6 +44,35 @@ def test_principals_are_read() -> None:
     assert tokens.anonymous.rights.allows("subscribe", "/map")
 
 
+def test_changes_are_named() -> None:
+    def entry(name: str, digit: str, rest: str = "admin = true") -> str:
+        return f'[tokens.{name}]\nsha256 = "{digit * 64}"\n{rest}\n'
+
+    old = Tokens.parse(
+        entry("same", "0") + entry("gone", "1") + entry("new_token", "2") + entry("rights", "3")
+        + "[certificates.arm]\nadmin = true\n[anonymous]\nadmin = true\n[ros1]\nadmin = true",
+        "old",
+    )  # fmt: skip
+    new = Tokens.parse(
+        "[certificates.leg]\nadmin = true\n[ros1]\nallow = {}\n[ros2]\nallow = {}\n"
+        + entry("added", "4") + entry("rights", "3", 'allow = {call = ["/a"]}')
+        + entry("new_token", "5") + entry("same", "0"),
+        "new",
+    )  # fmt: skip
+    assert sorted(new.changes(old)) == [
+        "certificate arm removed",
+        "certificate leg added",
+        "section anonymous removed",
+        "section ros1 changed",
+        "section ros2 added",
+        "token added added",
+        "token gone revoked",
+        "token new_token changed",
+        "token rights changed",
+    ]
+    assert new.changes(new) == []
+
+
 @pytest.mark.parametrize("token", ["", "Secret", "secret ", digest_of("secret"), "é", "\udc80"])
 def test_other_tokens_are_unknown(token: str) -> None:
     assert Tokens.parse(FILE, "tokens.toml").find(token) is None

@@ -135,7 +135,7 @@ def test_changes_are_recorded_with_their_author(
     audit.name_taken(node="/camera", principal="robot", ip="10.0.0.9")
     audit.hub_joined("cloud", "wss://cloud", node="/hub")
     audit.hub_lost("cloud", "the connection was closed", node="/hub")
-    audit.reloaded("tokens")
+    audit.reloaded("tokens", ["token guest revoked", "1 client closed"], [])
     audit.reload_failed("certificates", "file not found")
     joystick = {"node": "/joystick", "principal": "guest", "ip": "10.0.0.7"}
     assert events(caplog) == [
@@ -147,9 +147,24 @@ def test_changes_are_recorded_with_their_author(
         {"event": "name_taken", "node": "/camera", "principal": "robot", "ip": "10.0.0.9"},
         {"event": "hub_joined", "hub": "cloud", "node": "/hub"},
         {"event": "hub_lost", "hub": "cloud", "node": "/hub", "why": "the connection was closed"},
-        {"event": "reloaded", "what": "tokens"},
+        {
+            "event": "reloaded",
+            "what": "tokens",
+            "changes": "token guest revoked, 1 client closed",
+        },
         {"event": "reload_failed", "what": "certificates", "error": "file not found"},
     ]
+
+
+@pytest.mark.parametrize("files", [["/etc/tokens.toml"], []])
+def test_reload_that_changes_nothing_is_a_warning(
+    audit: Audit, caplog: pytest.LogCaptureFixture, files: list[str]
+) -> None:
+    audit.reloaded("tokens", [], [Path(each) for each in files])
+    (record,) = caplog.records
+    assert record.levelno == logging.WARNING
+    assert all(each in record.getMessage() for each in ["Reloaded", *files])
+    assert events(caplog) == [{"event": "reloaded", "what": "tokens"}]
 
 
 def test_text_of_a_client_stays_on_one_line(audit: Audit, caplog: pytest.LogCaptureFixture) -> None:

@@ -87,7 +87,7 @@ def test_hangup_reads_the_certificate_again(authority: Authority) -> None:
         hub.process.send_signal(signal.SIGHUP)
         assert hub.process.stderr is not None
         line = hub.process.stderr.readline()
-        assert "Reloaded" in line
+        assert "Reloaded: certificate replaced, valid until" in line
         port = int(url.rpartition(":")[2])
         with (
             socket.create_connection(("127.0.0.1", port)) as plain,

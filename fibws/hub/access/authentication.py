@@ -88,12 +88,18 @@ class Authentication:
         except AccessError as error:
             raise HubError(f"{option}: {error}") from None
 
-    def reload(self) -> None:
-        """Read all files again; raise `AccessError` and keep the old content on a fault."""
+    def reload(self) -> list[str]:
+        """Read all files again, and return what has changed, as in ``token teleop revoked``.
+
+        Raises:
+            AccessError: a file is invalid; the old content is kept.
+        """
         tokens = self._tokens if self._path is None else Tokens.load(self._path)
-        if self._web_tokens is not None:
-            self._web_tokens.reload()
+        changes = tokens.changes(self._tokens)
+        if self._web_tokens is not None and self._web_tokens.reload():
+            changes.append("key of JSON web tokens changed")
         self._tokens = tokens
+        return changes
 
     def network(self, name: str) -> Principal:
         """Return the principal of what joins without a token; see `token_file.NETWORKS`."""

@@ -481,10 +481,14 @@ class Connection(asyncio.BufferedProtocol):
         self._log.logged_in(self, login.principal)
         return login.principal
 
-    def check_login(self) -> None:
-        """Check the client's login and rights again after the tokens have changed."""
+    def check_login(self) -> bool:
+        """Check the client's login and rights again after the tokens have changed.
+
+        Returns:
+            Whether the client stays.
+        """
         if self._again is None or self.endpoint is None:
-            return
+            return True
         try:
             principal = self._again()
             if principal != self.principal:
@@ -493,6 +497,8 @@ class Connection(asyncio.BufferedProtocol):
                 self.endpoint.authorize(principal)
         except REFUSED as error:
             self.fail(_refusal(error, "after a reload: "))
+            return False
+        return True
 
     def _join(self, principal: Principal) -> None:
         """Count the client of a principal from now on, whose limits may be other ones.

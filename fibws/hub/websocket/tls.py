@@ -12,6 +12,7 @@ import logging
 import re
 import ssl
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -45,10 +46,14 @@ class ServerTls:
 
     def __init__(self, certificate: Path, key: Path, client_ca: Path | None = None) -> None:
         self._files = (certificate, key, client_ca)
+        self.files = list(dict.fromkeys(filter(None, self._files)))
+        """Those that are read."""
         self.context: ssl.SSLContext
         """The context for the event loop."""
         self._newest: ssl.SSLContext
         self._names: list[str]
+        self._contents: list[bytes] = []
+        """Of the files."""
         self.read()()
         self.context = self._newest
         self.context.sni_callback = self._select
@@ -62,21 +67,30 @@ class ServerTls:
             return address
         return next((name for name in self._names if "*" not in name), address)
 
-    def read(self) -> Callable[[], None]:
+    def read(self) -> Callable[[], list[str]]:
         """Read the files again, and return a function that has new connections use them.
 
-        A certificate that clients will refuse, such as an expired one, is logged.
+        That function returns what has changed, as in ``certificate replaced``. A certificate that
+        clients will refuse, such as an expired one, is logged.
 
         Raises:
             HubError: a file cannot be used.
         """
         context = _context(*self._files)
-        names, fault = _inspect(context, self._files[0])
+        contents = [each.read_bytes() for each in self._files if each is not None]
+        names, end, fault = _inspect(context, self._files[0])
         if fault:
             logger.warning("Clients will refuse the certificate in %s: %s.", self._files[0], fault)
 
-        def use() -> None:
+        def use() -> list[str]:
+            old, self._contents = self._contents, contents
             self._newest, self._names = context, names
+            changes = []
+            if old[:2] != contents[:2]:
+                changes.append(f"certificate replaced{end and f', valid until {end}'}")
+            if old[2:] != contents[2:]:
+                changes.append("authorities of client certificates changed")
+            return changes
 
         return use
 
@@ -189,8 +203,10 @@ def _context(certificate: Path, key: Path, client_ca: Path | None) -> ssl.SSLCon
     return context
 
 
-def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], str]:
-    """Return the names and addresses in a certificate, and why clients will refuse it, if they do.
+def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], str, str]:
+    """Return the names and addresses in a certificate, its last day, and its fault.
+
+    The fault is why clients will refuse it; the last day is empty if it is not known.
 
     Python's ssl has no function that decodes a certificate, but a client knows its server's. This
     one trusts the certificate's issuer.
@@ -208,10 +224,11 @@ def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], str
         except ssl.SSLWantReadError:
             pass
         except ssl.SSLError as error:
-            return [], getattr(error, "verify_message", "") or str(error)
+            return [], "", getattr(error, "verify_message", "") or str(error)
     found: dict[str, Any] = client.getpeercert() or {}
     names = [name for kind, name in found.get("subjectAltName", ()) if kind in _KINDS]
-    return names, "" if names else "it holds no names"
+    end = datetime.fromtimestamp(ssl.cert_time_to_seconds(found["notAfter"]), UTC)
+    return names, f"{end:%Y-%m-%d}", "" if names else "it holds no names"
 
 
 def _check_readable(option: str, file: Path) -> None:

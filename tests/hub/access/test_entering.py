@@ -275,9 +275,17 @@ async def test_revoked_token_ends_its_clients(start: Hubs) -> None:
         start.path.write_text(
             FILE.replace("tokens.ann", "tokens.eve").replace(digest_of("one"), digest_of("x"))
         )
-        hub.reload()
+        assert hub.reload() == ["token ann revoked", "token eve added", "1 client closed"]
         assert (await closing(ann))[0] == 4401
         assert await nodes(bob)
+
+
+async def test_reload_without_a_change_says_so(start: Hubs) -> None:
+    hub = await start()
+    async with entered(hub, **bearer("one")) as ann:
+        assert hub.reload() == []
+        assert hub.files == [start.path]
+        assert await nodes(ann)
 
 
 async def test_reload_takes_back_what_is_no_longer_allowed(start: Hubs) -> None:

@@ -306,6 +306,14 @@ class TestReload:
         async with connect(hub.url, ssl=authority.client()) as client:
             assert common_name(client) == "hub"
 
+    async def test_reload_names_the_last_day_of_a_new_certificate(
+        self, hub: Hub, authority: Authority
+    ) -> None:
+        assert hub.reload() == []
+        authority.issue(expires=datetime.now(UTC) + timedelta(days=100))
+        last = (datetime.now(UTC) + timedelta(days=100)).date()
+        assert hub.reload() == [f"certificate replaced, valid until {last}"]
+
     async def test_expired_certificate_is_logged(
         self, hub: Hub, authority: Authority, caplog: pytest.LogCaptureFixture
     ) -> None:
@@ -324,7 +332,7 @@ class TestReload:
         async with connect(hub.url, ssl=context) as old:
             (tmp_path / "other").mkdir()
             known.write_bytes(Authority(tmp_path / "other").file.read_bytes())
-            hub.reload()
+            assert hub.reload() == ["authorities of client certificates changed"]
             with pytest.raises((OSError, InvalidMessage)):
                 await connect(hub.url, ssl=context)
             await processed(old)
