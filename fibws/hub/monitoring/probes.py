@@ -22,10 +22,11 @@ from fibws.hub.audit import Audit, Reason
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.http import Get, HttpRequests, response, text_response
+from fibws.hub.websocket.proxies import FOR, FORWARDED
 
 LONGEST_LAG = 1.0
 """Seconds by which the event loop of a hub that lives may be late."""
-FORWARDED = ("X-Forwarded-For", "Forwarded", "X-Real-IP", "Via")
+PROXIED = (FOR, FORWARDED, "X-Real-IP", "Via")
 """Headers that a proxy adds: the client is not the machine that the request comes from."""
 JSON = "application/json"
 
@@ -165,7 +166,7 @@ def _is_of_this_machine(get: Get) -> bool:
         is_loopback = ipaddress.ip_address(get.address).is_loopback
     except ValueError:
         return False
-    return is_loopback and not any(name in get.headers for name in FORWARDED)
+    return is_loopback and not any(name in get.headers for name in PROXIED)
 
 
 def _respond(fields: Mapping[str, object], *, is_good: bool = True) -> Response:

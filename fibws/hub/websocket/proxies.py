@@ -6,14 +6,16 @@ values, each proxy has appended its own on the right.
 
 `TrustedProxies.resolve` puts the facts into the request's headers, where everything else finds
 them: ``Host`` is the name in the browser's address bar, as far as it is known, and
-``X-Forwarded-Proto`` is how the browser's connection is secured. Headers of strangers are removed.
+``X-Forwarded-Proto`` is how the browser's connection is secured. Headers of strangers are removed,
+except ``X-Forwarded-For``: while it is there, nobody knows which machine the client is.
 """
 
 from __future__ import annotations
 
 import ipaddress
+import logging
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from websockets.datastructures import Headers
@@ -23,7 +25,10 @@ from fibws.errors import HubError
 Address: TypeAlias = ipaddress.IPv4Address | ipaddress.IPv6Address
 Network: TypeAlias = ipaddress.IPv4Network | ipaddress.IPv6Network
 
-FOR, PROTO, HOST = "X-Forwarded-For", "X-Forwarded-Proto", "X-Forwarded-Host"
+logger = logging.getLogger("fibws.hub")
+
+FORWARDED, FOR = "Forwarded", "X-Forwarded-For"
+PROTO, HOST = "X-Forwarded-Proto", "X-Forwarded-Host"
 _WITH_PORT = re.compile(r"\[([^\]]*)\](?::\d+)?|([\d.]+):\d+")
 
 
@@ -39,6 +44,7 @@ class TrustedProxies:
 
     def __init__(self, networks: Iterable[str]) -> None:
         self._networks = [parse_network(each, "--trusted-proxy") for each in networks]
+        self._has_warned = False
 
     def resolve(self, peer: str, headers: Headers, *, tls: bool) -> str:
         """Return the client's address, and put the facts into the request's headers.
@@ -50,11 +56,15 @@ class TrustedProxies:
         address, scheme, host = peer, "https" if tls else "http", None
         used = [PROTO, HOST]
         if self._is_trusted(_parse(peer)):
-            address = self._client(peer, _values(headers, FOR))
-            used.append(FOR)  # Otherwise it stays: it shows that this machine is not the client.
+            hops = [_parse(each) for each in _values(headers, FOR)]
+            address = self._client(peer, hops)
+            if hops and None not in hops:
+                used.append(FOR)
             # Its connection to the hub says nothing about the browser's connection to the proxy.
             scheme = next(_values(headers, PROTO), "http").lower()
             host = next(_values(headers, HOST), None)
+        else:
+            self._warn(peer, headers)
         for name in (*used, *(["Host"] if host is not None else [])):
             if name in headers:
                 del headers[name]
@@ -63,15 +73,27 @@ class TrustedProxies:
             headers["Host"] = host
         return address
 
-    def _client(self, peer: str, hops: Iterator[str]) -> str:
+    def _warn(self, peer: str, headers: Headers) -> None:
+        """Log once that there seems to be a proxy which is not trusted."""
+        name = next((each for each in (FOR, FORWARDED) if each in headers), None)
+        if name is None or self._has_warned:
+            return
+        self._has_warned = True
+        logger.warning(
+            "A request from %s has the header %s, which does not count. If a proxy is there, start "
+            "the hub with --trusted-proxy %s: otherwise all clients behind it share one address "
+            "and its limits.",
+            *(peer, name, peer),
+        )
+
+    def _client(self, peer: str, hops: Sequence[Address | None]) -> str:
         """Return the address of the nearest hop that is not a trusted proxy.
 
         Args:
-            hops: the addresses before ``peer``, the nearest first.
+            hops: the addresses before ``peer``, the nearest first; None for what is no address.
         """
         client = peer
-        for hop in hops:
-            address = _parse(hop)
+        for address in hops:
             if address is None:  # A proxy may hide an address; further ones may be forged.
                 break
             client = str(address)

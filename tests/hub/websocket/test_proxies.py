@@ -16,6 +16,8 @@ from fibws.errors import HubError
 from fibws.hub import Settings
 from fibws.hub.websocket.proxies import FOR, HOST, PROTO, TrustedProxies, is_secure
 
+from ..raw_client import dialled
+
 CLIENT, OTHER, INNER, PROXY = "203.0.113.9", "198.51.100.7", "10.0.0.5", "127.0.0.1"
 
 
@@ -68,6 +70,49 @@ def test_headers_of_strangers_count_for_nothing(peer: str) -> None:
     assert headers["Host"] == "hub:9090"
     assert HOST not in headers
     assert FOR in headers  # It shows that there is a proxy.
+
+
+@pytest.mark.parametrize(
+    "forwarded",
+    [
+        *("unknown", "unix:", "_hidden", "", ",", f"{CLIENT}, unknown", f"unknown, {PROXY}"),
+        f"{CLIENT}%eth0",
+    ],
+)
+def test_unknown_client_is_not_this_machine(forwarded: str) -> None:
+    """The header stays, which is the sign that another machine may be the client."""
+    address, headers = resolved(forwarded)
+    assert address == PROXY
+    assert FOR in headers
+    assert FOR not in resolved(CLIENT)[1]
+
+
+@pytest.mark.parametrize("name", [FOR, "Forwarded"])
+def test_proxy_that_is_not_trusted_is_logged_once(
+    name: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    proxies = TrustedProxies([PROXY])
+    proxies.resolve(OTHER, Headers({"Host": "hub"}), tls=False)
+    proxies.resolve(PROXY, Headers({name: CLIENT}), tls=False)
+    assert not caplog.records
+    for _ in range(3):
+        proxies.resolve(OTHER, Headers({name: CLIENT}), tls=False)
+    (record,) = caplog.records
+    assert f"--trusted-proxy {OTHER}" in record.getMessage() and name in record.getMessage()
+
+
+@pytest.mark.parametrize(
+    ("forwarded", "status"), [("127.0.0.1", 200), (CLIENT, 403), ("unix:", 403), ("unknown", 403)]
+)
+async def test_metrics_are_for_clients_whose_address_is_known(
+    start_hub: StartHub, forwarded: str, status: int
+) -> None:
+    hub = await start_hub(trusted_proxy=("127.0.0.1",))
+    async with dialled(hub.port) as client:
+        await client.send(
+            f"GET /metrics HTTP/1.1\r\nHost: localhost\r\n{FOR}: {forwarded}\r\n\r\n".encode()
+        )
+        assert (await client.response())[0] == status
 
 
 def test_proxy_may_be_an_ipv4_address_on_a_socket_of_ipv6() -> None:
