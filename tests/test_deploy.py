@@ -42,7 +42,7 @@ COMPOSE_FILES = {
 }
 ALERTS = DEPLOY / "compose" / "prometheus" / "alerts.yml"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-SHELL_VARIABLE = re.compile(r"\$\{\w+:-(\w+)\}")
+SHELL_VARIABLE = re.compile(r"\$\{\w+:-([^}]+)\}")
 
 
 def needs(program: str) -> pytest.MarkDecorator:
@@ -137,6 +137,9 @@ class TestCompose:
         settings = environment_settings(flags)
         assert settings.host == "0.0.0.0"
         assert settings.allow_origin == ("https://localhost",)
+        assert "proxy" in COMPOSE["services"]
+        (network,) = COMPOSE["networks"]["default"]["ipam"]["config"]
+        assert settings.trusted_proxy == (SHELL_VARIABLE.sub(r"\1", network["subnet"]),)
         grace = float(hub["stop_grace_period"].removesuffix("s"))
         assert grace > settings.drain + settings.close_timeout
 
@@ -307,6 +310,7 @@ class TestKubernetes:
     ) -> None:
         settings = self.settings(tmp_path, monkeypatch)
         assert settings.host == "0.0.0.0"
+        assert "Ingress" in KUBERNETES and settings.trusted_proxy
         grace = self.pod["terminationGracePeriodSeconds"]
         assert grace > settings.drain + settings.close_timeout
 
