@@ -9,7 +9,7 @@ https://github.com/prometheus/OpenMetrics/blob/main/specification/OpenMetrics.md
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal, NamedTuple, TypeAlias
 
 from fibws.hub.graph.totals import Histogram
@@ -84,7 +84,7 @@ class Exposition:
         )
 
     def counter_table(
-        self, columns: Iterable[Column], label: str, rows: Mapping[str, Iterable[Number]]
+        self, columns: Sequence[Column], label: str, rows: Mapping[str, Iterable[Number]]
     ) -> None:
         """Add several counters that have the same label.
 
@@ -92,7 +92,8 @@ class Exposition:
             rows: the value of each column, by the label's value.
         """
         labels = [f'{{{label}="{escaped(value)}"}}' for value in rows]
-        for column, counts in zip(columns, zip(*rows.values(), strict=True), strict=True):
+        table = [*zip(*rows.values(), strict=True)] or [()] * len(columns)
+        for column, counts in zip(columns, table, strict=True):
             self._describe(column.name, "counter", column.help)
             start, shows_zero = f"{column.name}_total", not column.is_mostly_zero
             self._lines += [

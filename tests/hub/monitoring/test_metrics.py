@@ -384,6 +384,12 @@ class TestNamesWithoutEnd:
                 everything = total.messages
 
 
+async def test_hub_whose_links_are_all_down_has_metrics(start_hub: StartHub) -> None:
+    robot = await start_hub(hub_name="robot", join=("ws://127.0.0.1:1",))
+    assert value(robot, "fibws_links") == 0
+    assert value(robot, "fibws_links_down") == 1
+
+
 async def test_links_to_other_hubs_have_metrics(start_hub: StartHub) -> None:
     cloud = await start_hub(hub_name="cloud")
     robot = await start_hub(hub_name="robot", join=(cloud.url, "ws://127.0.0.1:1"))
