@@ -202,13 +202,95 @@ def prometheus_files(folder: Path, token: str = "one", **replaced: str) -> Path:
     return path
 
 
+def samples(metric: str, **labels: str) -> str:
+    pairs = {"job": "fibws", "instance": "hub:9090", **labels}
+    values = ",".join(f'{name}="{value}"' for name, value in pairs.items())
+    return f"{metric}{{{values}}}"
+
+
+def lag(seconds: str) -> str:
+    return samples("fibws_loop_lag_seconds_bucket", le=seconds)
+
+
+HEALTHY = {
+    samples("up"): "1x80",
+    samples("process_start_time_seconds"): "1769850000x80",
+    samples("process_open_fds"): "60x80",
+    samples("process_max_fds"): "10256x80",
+    samples("fibws_clients"): "40x80",
+    samples("fibws_clients_limit"): "10000x80",
+    samples("fibws_send_queue_bytes"): "4096x80",
+    samples("fibws_send_queue_bytes_limit"): "536870912x80",
+    samples("fibws_dropped_messages_total"): "0+1x80",
+    samples("fibws_refusals_total", reason="authentication"): "0x20 3x60",
+    samples("fibws_refusals_total", reason="limit"): "0x80",
+    samples("fibws_service_failures_total", service="/dock", code="timeout"): "0x30 1x50",
+    samples("fibws_links_down"): "0x10 1x4 0x80",
+    samples("fibws_recording_dropped_messages_total"): "0x80",
+    lag("0.005"): "0+74x80",
+    lag("0.5"): "0+75x80",
+    lag("+Inf"): "0+75x80",
+}
+"""What Prometheus sees of a hub that is well, every 15 s for 20 minutes: an error now and then."""
+INCIDENTS = {
+    "HubDown": {samples("up"): "1x70 0x10"},
+    "HubRestarted": {samples("process_start_time_seconds"): "1769850000x40 1769850600x40"},
+    # A blocking callback: one of ten timers is late.
+    "HubLate": {lag("0.005"): "0+67x80", lag("0.25"): "0+67x80"},
+    "MessagesDropped": {samples("fibws_dropped_messages_total"): "0+300x80"},
+    "QueuesFull": {samples("fibws_send_queue_bytes"): "4096x60 500000000x20"},
+    "ManyClients": {samples("fibws_clients"): "9000x80"},
+    "ManyOpenFiles": {samples("process_open_fds"): "900x80", samples("process_max_fds"): "1024x80"},
+    # One address that tries ten tokens a second: all but one of them are refused for the limit.
+    "WrongTokens": {
+        samples("fibws_refusals_total", reason="authentication"): "0x20 20+15x60",
+        samples("fibws_refusals_total", reason="limit"): "0x20 0+135x60",
+    },
+    "ServiceFailing": {
+        samples("fibws_service_failures_total", service="/dock", code="timeout"): "0+6x80"
+    },
+    "LinkDown": {samples("fibws_links_down"): "0x60 1x20"},
+    "RecordingDrops": {samples("fibws_recording_dropped_messages_total"): "0x70 40x10"},
+}
+"""What is different in the incident of each alert."""
+
+
 class TestPrometheus:
     @needs("promtool")
     def test_it_accepts_its_configuration_and_the_alerts(self, tmp_path: Path) -> None:
         output = checked("promtool", "check", "config", str(prometheus_files(tmp_path)))
         assert "rules found" in output
 
-    async def test_alerts_name_metrics_of_the_hub(self, hub: Hub) -> None:
+    @needs("promtool")
+    @pytest.mark.parametrize("alert", [None, *INCIDENTS], ids=str)
+    def test_alert_fires_in_its_incident_alone(self, tmp_path: Path, alert: str | None) -> None:
+        series = HEALTHY if alert is None else HEALTHY | INCIDENTS[alert]
+        firing = [] if alert is None else [{"labels": f'{{alertname="{alert}"}}', "value": 1}]
+        test = {
+            "interval": "15s",
+            "input_series": [{"series": name, "values": values} for name, values in series.items()],
+            "promql_expr_test": [
+                {
+                    "expr": 'count by (alertname) (ALERTS{alertstate="firing"})',
+                    "eval_time": "20m",
+                    "exp_samples": firing,
+                }
+            ],
+        }
+        path = tmp_path / "incident.yml"
+        document = {"rule_files": [str(ALERTS)], "evaluation_interval": "15s", "tests": [test]}
+        path.write_text(yaml.safe_dump(document))
+        assert "SUCCESS" in checked("promtool", "test", "rules", str(path))
+
+    def test_each_alert_has_an_incident(self) -> None:
+        alerts = list(strings_in(yaml.safe_load(ALERTS.read_text("utf-8")), "alert"))
+        assert sorted(alerts) == sorted(INCIDENTS)
+
+    async def test_alerts_name_metrics_of_the_hub(
+        self, start_hub: StartHub, tmp_path: Path
+    ) -> None:
+        # Some metrics are there only with a recorder, or with another hub, which need not answer.
+        hub = await start_hub(record=tmp_path, join=("ws://127.0.0.1:1",))
         known = {sample for family in families(hub) for sample in family}
         for expression in strings_in(yaml.safe_load(ALERTS.read_text("utf-8")), "expr"):
             for name in re.findall(r"\b(?:fibws|process)_\w+", expression):
