@@ -1,4 +1,4 @@
-"""Files that several programs use at once: replacement in one step, and locks."""
+"""Files that are kept: where they are, replacement in one step, and locks."""
 
 from __future__ import annotations
 
@@ -39,6 +39,17 @@ def replace_file(path: Path, content: bytes, mode: int = 0o666, *, keep: bool = 
         with suppress(OSError):
             new.unlink(missing_ok=True)
         raise
+
+
+def state_folder() -> Path:
+    """Return the folder for files that a program keeps: systemd's $STATE_DIRECTORY, or the user's.
+
+    The user's is ``fibws`` in $XDG_STATE_HOME or ``~/.local/state``.
+    """
+    if folder := os.environ.get("STATE_DIRECTORY", "").partition(":")[0]:
+        return Path(folder)
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(state) / "fibws"
 
 
 def check_writable(folder: Path) -> None:

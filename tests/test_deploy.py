@@ -26,6 +26,8 @@ from websockets.http11 import Request
 from fibws.access.token_file import digest_of
 from fibws.hub import Hub, Settings
 from fibws.hub.__main__ import environment_settings
+from fibws.hub.ros1.server import default_state_file
+from fibws.hub.websocket import self_signed
 
 ROOT = Path(__file__).parents[1]
 DEPLOY = ROOT / "deploy"
@@ -113,6 +115,17 @@ class TestSystemd:
         output = checked("systemd-analyze", "security", "--offline=true", "--no-pager", str(UNIT))
         found = re.search(r"exposure level for \S+: ([\d.]+)", output)
         assert found is not None and float(found[1]) < 2.0, output
+
+    def test_hub_keeps_its_files_where_the_unit_lets_it(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (state,) = re.findall(r"^StateDirectory=(.*)$", UNIT.read_text("utf-8"), re.M)
+        # What systemd sets for the service of a dynamic user; ProtectSystem= forbids the rest.
+        monkeypatch.setenv("HOME", "/")
+        monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+        monkeypatch.setenv("STATE_DIRECTORY", f"/var/lib/{state}")
+        for path in (*self_signed.files(), default_state_file(11311)):
+            assert path.is_relative_to(f"/var/lib/{state}")
 
     def test_unit_waits_longer_than_the_hub_takes_to_end(self) -> None:
         settings = dict(

@@ -17,6 +17,7 @@ from typing import Any, Protocol, TypeAlias, cast
 
 from fibws.access.rights import Principal
 from fibws.errors import HubError, NodeUnreachable, XmlRpcError
+from fibws.files import state_folder
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import LatchQuota
@@ -334,9 +335,5 @@ async def own_names() -> set[str]:
 
 
 def default_state_file(port: int) -> Path:
-    """Return the state file of a port: in $STATE_DIRECTORY of systemd, or the user's state."""
-    folder = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
-    if not folder:
-        state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-        folder = str(Path(state) / "fibws")
-    return Path(folder) / f"ros1-{port}.json"
+    """Return the state file of a port."""
+    return state_folder() / f"ros1-{port}.json"

@@ -10,7 +10,6 @@ forges no web site.
 from __future__ import annotations
 
 import ipaddress
-import os
 import re
 import socket
 from collections.abc import Iterable
@@ -20,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from fibws.errors import HubError
-from fibws.files import replace_file
+from fibws.files import replace_file, state_folder
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -51,9 +50,8 @@ class Files(NamedTuple):
 
 
 def files() -> Files:
-    """Return the files' paths, in $XDG_STATE_HOME or ``~/.local/state``."""
-    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    folder = Path(state) / "fibws" / "self-signed"
+    """Return the files' paths, in `state_folder`."""
+    folder = state_folder() / "self-signed"
     return Files(folder / "hub.pem", folder / "ca.pem")
 
 
@@ -73,6 +71,7 @@ def ensure_certificate(addresses: Iterable[str]) -> Files:
     found = files()
     try:
         found.certificate.parent.mkdir(parents=True, exist_ok=True)
+        found.certificate.parent.chmod(0o700)  # Whoever may write to it could replace the keys.
         _Maker(found, _names(), {"127.0.0.1", "::1", *addresses}).ensure()
     except OSError as error:
         raise HubError(

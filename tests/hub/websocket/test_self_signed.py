@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import ssl
 import sys
 from datetime import UTC, datetime, timedelta
@@ -71,6 +72,15 @@ def test_certificate_is_valid_for_about_a_year_and_its_key_is_private() -> None:
     assert timedelta(days=365) < left < timedelta(days=398)
     keys = [path for path in files.certificate.parent.iterdir() if b"PRIVATE" in path.read_bytes()]
     assert len(keys) == 2 and all(path.stat().st_mode & 0o777 == 0o600 for path in keys)
+
+
+def test_folder_of_the_keys_is_private_whatever_the_umask() -> None:
+    old = os.umask(0)
+    try:
+        folder = ensure_certificate([]).certificate.parent
+    finally:
+        os.umask(old)
+    assert folder.stat().st_mode & 0o777 == 0o700
 
 
 @pytest.mark.parametrize("addresses", [[LAN], []])
