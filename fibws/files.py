@@ -116,7 +116,33 @@ def _copy_owner_and_mode(old: Path, new: Path) -> None:
     new.chmod(wanted.st_mode & 0o7777)
 
 
+@contextmanager
+def reserved(path: Path) -> Iterator[None]:
+    """Reserve a file, which need not exist, for this program; a killed program frees it.
+
+    It counts among programs that use this function. What is locked is an empty file beside it,
+    which stays: a program that waited for a lock on a removed one would not exclude others.
+
+    Raises:
+        BlockingIOError: another program has reserved it.
+        OSError: there can be no file beside it.
+    """
+    with path.with_name(f".{path.name}.lock").open("wb") as file:
+        if not _try_lock(file.fileno()):
+            raise BlockingIOError(errno.EAGAIN, "another program uses it", str(path))
+        yield
+
+
 if sys.platform == "win32":
+
+    def _try_lock(descriptor: int) -> bool:
+        import msvcrt
+
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
 
     @contextmanager
     def locked(path: Path) -> Iterator[None]:
@@ -141,6 +167,17 @@ if sys.platform == "win32":
             lock.unlink()
 
 else:
+
+    def _try_lock(descriptor: int) -> bool:
+        import fcntl
+
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError:
+            pass  # Some network file systems have no locks.
+        return True
 
     @contextmanager
     def locked(path: Path) -> Iterator[None]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import stat
+import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
-from fibws.files import locked, replace_file, replacing
+from fibws.files import locked, replace_file, replacing, reserved
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other permissions")
 root = pytest.mark.skipif(
@@ -155,6 +156,38 @@ def test_lock_is_held_by_one_at_a_time(tmp_path: Path) -> None:
         for each in [threads.submit(count) for _ in range(4)]:
             each.result()
     assert counter.read_text() == "200"
+
+
+def test_file_is_used_by_one_at_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "state"
+    with reserved(path):
+        replace_file(path, b"new")
+        with pytest.raises(BlockingIOError):
+            with reserved(path):
+                pass
+        with reserved(tmp_path / "other"):
+            pass
+    with reserved(path):
+        pass
+
+
+@posix
+def test_file_of_a_killed_program_is_free(tmp_path: Path) -> None:
+    path = tmp_path / "state"
+    program = (
+        "import sys, time; from pathlib import Path; from fibws.files import reserved\n"
+        "with reserved(Path(sys.argv[1])): print(flush=True); time.sleep(600)"
+    )
+    command = [sys.executable, "-c", program, str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None and process.stdout.readline()
+        with pytest.raises(BlockingIOError):
+            with reserved(path):
+                pass
+        process.kill()
+        process.wait()
+        with reserved(path):
+            pass
 
 
 @posix

@@ -112,7 +112,9 @@ def _kill(pid: int, number: int, kill: Callable[[int, int], None] = os.kill) -> 
 
 def _msvcrt() -> types.ModuleType:
     module = types.ModuleType("msvcrt")
-    vars(module).update(LK_LOCK=1, LK_UNLCK=0, locking=lambda *_: None, kbhit=lambda: False)
+    vars(module).update(
+        LK_LOCK=1, LK_NBLCK=2, LK_UNLCK=0, locking=lambda *_: None, kbhit=lambda: False
+    )
     return module
 
 

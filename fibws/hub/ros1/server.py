@@ -144,6 +144,7 @@ class Ros1Server:
             state = StateFile(path, self.nodes.saved)
             if settings.ros1_state is not None:
                 state.check()
+            self._end.enter_context(state.reserved())
             for saved in state.read():
                 self.nodes.restore(saved)
             self._end.callback(self._forget_state)

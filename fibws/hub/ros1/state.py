@@ -9,14 +9,14 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from pydantic import TypeAdapter
 
 from fibws.errors import HubError
-from fibws.files import check_writable, replace_file
+from fibws.files import check_writable, replace_file, reserved
 from fibws.hub.ros1.nodes import SavedNode, is_api
 
 logger = logging.getLogger("fibws.hub")
@@ -57,6 +57,24 @@ class StateFile:
         # One that a crash has damaged, or a newer hub has written, is replaced.
         if (known := content.strip(b"\0 \n")) and not known.startswith(b"{"):
             raise HubError(f"--ros1-state: {self._path} is not a state file; choose another path")
+
+    @contextmanager
+    def reserved(self) -> Iterator[None]:
+        """Keep other hubs from using the file.
+
+        Raises:
+            HubError: another hub uses it; each would overwrite what the other one has written.
+        """
+        with ExitStack() as stack:
+            try:
+                self._path.parent.mkdir(parents=True, exist_ok=True)
+                stack.enter_context(reserved(self._path))
+            except BlockingIOError:
+                fault = f"another hub uses {self._path}; choose another file"
+                raise HubError(f"--ros1-state: {fault}") from None
+            except OSError:
+                pass  # Writing fails, too, and says why.
+            yield
 
     def read(self) -> list[SavedNode]:
         """Return the nodes of the file; an empty list if it is missing or invalid."""

@@ -6,6 +6,7 @@ import asyncio
 import errno
 import json
 import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import pytest
 from conftest import StartHub
 
 import fibws
-from fibws.errors import NodeReplaced
+from fibws.errors import HubError, NodeReplaced
 from fibws.files import replace_file
 from fibws.hub import Hub
 from fibws.hub.ros1 import nodes as module
@@ -212,6 +213,7 @@ async def test_nodes_are_back_after_a_restart(
         await gone.advertise("/never")
         await until(lambda: path.exists() and path.read_text().count("/gone") == 1)
         await until(lambda: path.read_text().count(f'"pid": {talker.pid}') == 2)
+        await first.close()
         gone.die()
         del talker.publishes["/count"]
         talker.publishes["/since"] = {"type": "std_msgs/Int32"}
@@ -221,6 +223,16 @@ async def test_nodes_are_back_after_a_restart(
         assert known(second)["/talker"].services == {"/add": "rosrpc://127.0.0.1:1"}
         assert "/gone" in second.graph.topics["/never"].sources
         await until(lambda: known(second)["/gone"].fault)
+
+
+async def test_state_file_belongs_to_one_hub(start_hub: StartHub, tmp_path: Path) -> None:
+    path = tmp_path / "state.json"
+    first = await start_hub(ros1=0, ros1_state=path)
+    with pytest.raises(HubError, match=r"--ros1-state: another hub uses .*state\.json"):
+        await start_hub(ros1=0, ros1_state=path)
+    await start_hub(ros1=0, ros1_state=tmp_path / "other.json")
+    await first.close()
+    await start_hub(ros1=0, ros1_state=path)
 
 
 async def test_another_program_at_the_address_is_not_taken_for_the_node(
@@ -300,7 +312,7 @@ async def test_state_file_that_cannot_be_written_is_reported(
     monkeypatch.setattr(state, "DELAY", 0.0)
     path = tmp_path / "folder" / "state.json"
     hub = await start_hub(ros1=0, ros1_state=path)
-    path.parent.rmdir()
+    shutil.rmtree(path.parent)
     path.parent.touch()
     assert hub.ros1 is not None
     async with Peer("/talker", hub.ros1.uri) as talker, fibws.Node("node", hub=hub.url) as node:
