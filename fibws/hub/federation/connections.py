@@ -36,7 +36,7 @@ from fibws.hub.federation.retries import (
 )
 from fibws.hub.log_text import printable
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening, Registration, limit_unsent
+from fibws.hub.websocket.endpoint import Opening, Registration, Work, limit_unsent
 from fibws.hub_address import hub_url, node_url
 from fibws.protocol.websocket import (
     BINARY,
@@ -99,10 +99,10 @@ class LinkEndpoint:
         """Close the connection: links are binary."""
         self.close(NOT_BINARY)
 
-    def receive_binary(self, data: Payload) -> None:
+    def receive_binary(self, data: Payload) -> Work:
         """Take some records."""
         try:
-            self.link.receive(data)
+            yield from self.link.receive(data)
         except FederationError as error:
             logger.warning("%s: %s", self.node, error)
             self.close(close_reason(1008, str(error)))
@@ -197,10 +197,10 @@ class _OwnWire:
         async for data in self._websocket:
             if isinstance(data, str):
                 raise FederationError("expected binary messages, got a text")
-            link.receive(data)
-            if time.perf_counter() > until:
-                await asyncio.sleep(0)
-                until = time.perf_counter() + TURN
+            for _ in link.receive(data):
+                if time.perf_counter() > until:
+                    await asyncio.sleep(0)
+                    until = time.perf_counter() + TURN
 
 
 class _End(NamedTuple):

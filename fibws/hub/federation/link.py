@@ -54,6 +54,7 @@ from fibws.hub.federation.records import (
     fault,
 )
 from fibws.hub.log_text import printable
+from fibws.hub.websocket.endpoint import Work
 from fibws.protocol.websocket import FORBIDDEN, LIMITED, REPLACED, CloseReason, close_reason
 
 logger = logging.getLogger("fibws.hub")
@@ -186,7 +187,7 @@ class Link(Backplane):
         self._handled: dict[int, Cancel] = {}
         """The other hub's requests that wait for this one's last reply."""
         self._heard = clock.time()
-        self._early: list[tuple[int, bytes]] = []
+        self._early: deque[tuple[int, bytes]] = deque()
         """Records that wait until the other hub's clock is known, which tells ages."""
         self._is_closed = False
         self._is_overfull = False
@@ -357,8 +358,8 @@ class Link(Backplane):
 
     # Receiving.
 
-    def receive(self, data: bytes | bytearray) -> None:
-        """Take a WebSocket message.
+    def receive(self, data: bytes | bytearray) -> Work:
+        """Take a WebSocket message, a record with each step.
 
         A record that cannot be understood is left out, and logged.
 
@@ -381,6 +382,18 @@ class Link(Backplane):
                 raise FederationError(f"invalid record: size {size}, of which not all is there")
             self._receive_record(kind, view[at : at + size - 1])
             at += size - 1
+            yield
+            while self._has_early():
+                early, record = self._early.popleft()
+                self.incomplete_bytes -= len(record) + OVERHEAD
+                self._receive_record(early, memoryview(record))
+                yield
+
+    def _has_early(self) -> bool:
+        """Return whether records that came before the answer to a ping can be handled now."""
+        if self._is_closed or self.peer is None or self.peer.clock_offset is None:
+            return False
+        return bool(self._early)
 
     def _receive_record(self, kind: int, body: memoryview) -> None:
         if self.peer is None:
@@ -564,10 +577,6 @@ class Link(Backplane):
         if is_first:
             self._network.joined(peer)
             self._on_joined(peer)
-            early, self._early = self._early, []
-            for kind, record in early:
-                self.incomplete_bytes -= len(record) + OVERHEAD
-                self._receive_record(kind, memoryview(record))
 
     # The connection.
 

@@ -7,17 +7,18 @@ which JavaScript does not tell from integers, and bytes.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from typing import Any
 
 from pydantic_core import from_json, to_json
 
-from fibws.errors import FibwsError, LimitReached, ParameterError, ParameterNotSet
+from fibws.errors import FibwsError, InvalidName, LimitReached, ParameterError, ParameterNotSet
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.feeds import BATCH
 from fibws.hub.foxglove.messages import GetParameters, Parameter, SetParameters, list_frame
 from fibws.hub.graph.parameters import BINARY, canonical
+from fibws.hub.websocket.endpoint import Work
 from fibws.interfaces import base64text
 
 FLOAT, FLOATS, BYTES = "float64", "float64_array", "byte_array"
@@ -39,29 +40,25 @@ class ParameterAccess:
         self._pending: dict[str, None] = {}
         """Those whose values are still to be sent."""
         self._timer: Timer | None = None
+        self.answer_bytes = 0
+        """The bytes of the values in an answer that is not complete yet."""
 
-    def get(self, request: GetParameters) -> None:
-        """Send the values of parameters: those that are set and may be read."""
+    def get(self, request: GetParameters) -> Work:
+        """Send the values of parameters: those that are set and may be read.
+
+        The answer has each name once, without empty parts.
+        """
         client = self._client
         if client.queue.overfull:
             return
-        items: list[bytes] = []
-        size = 0
-        for name in dict.fromkeys(request.names) or self._readable():
-            try:
-                items.append(self._text(name))
-            except ParameterNotSet:
-                continue
-            except FibwsError as error:
-                client.statuses.error(f"getParameters: {error}", code=error.code)
-                continue
-            size += len(items[-1])
-            if size > self._most_bytes:
-                client.statuses.error("getParameters: too many values, ask for fewer names at once")
-                break
-        client.queue.reply(list_frame("parameterValues", "parameters", items, id=request.id))
+        if request.names:
+            names = yield from _distinct(request.names, _spelled)
+            yield from self._answer(request, names, self._asked)
+        else:
+            names = client.graph.parameters.names()
+            yield from self._answer(request, names, self._readable)
 
-    def set(self, request: SetParameters) -> None:
+    def set(self, request: SetParameters) -> Work:
         """Set or delete parameters; those that fail change nothing and are reported one by one."""
         client = self._client
         for parameter in request.parameters:
@@ -69,31 +66,51 @@ class ParameterAccess:
                 self._set(parameter)
             except FibwsError as error:
                 client.statuses.error(f"setParameters: {error}", code=error.code)
-        if request.id is not None:
-            names = dict.fromkeys(parameter.name for parameter in request.parameters)
-            items, size = [], 0
-            for item in filter(None, map(self._value, names)):
-                items.append(item)
-                size += len(item)
-                if size > self._most_bytes:
-                    break
-            client.queue.reply(list_frame("parameterValues", "parameters", items, id=request.id))
+            yield
+        if request.id is None:
+            return
+        names = yield from _distinct((each.name for each in request.parameters), _spelled)
+        yield from self._answer(request, names, self._value)
 
-    def watch(self, names: Sequence[str]) -> None:
+    def _answer(
+        self,
+        request: GetParameters | SetParameters,
+        names: Iterable[str],
+        value: Callable[[str], bytes | None],
+    ) -> Work:
+        """Reply with what ``value`` returns for some names."""
+        client = self._client
+        items: list[bytes] = []
+        try:
+            for name in names:
+                if item := value(name):
+                    items.append(item)
+                    self.answer_bytes += len(item)
+                if self.answer_bytes > self._most_bytes:
+                    client.statuses.error(f"{request.op}: too many values, name fewer at once")
+                    break
+                yield
+        finally:
+            self.answer_bytes = 0
+        client.queue.reply(list_frame("parameterValues", "parameters", items, id=request.id))
+
+    def watch(self, names: Sequence[str]) -> Work:
         """Send the values of parameters from now on when they change.
 
         Raises:
             LimitReached: they are too many.
             InvalidName: a name is not global.
         """
-        watched = self._watched.union(map(canonical, names))
+        added = yield from _distinct(names, canonical)
+        watched = self._watched.union(added)
         if len(watched) > MOST_WATCHED:
             raise LimitReached(f"too many parameters to follow (limit {MOST_WATCHED})")
         self._watch(watched)
 
-    def unwatch(self, names: Sequence[str]) -> None:
+    def unwatch(self, names: Sequence[str]) -> Work:
         """Send the values of some parameters, or of all if there are no names, no more."""
-        self._watch(self._watched.difference(map(canonical, names)) if names else set())
+        removed = yield from _distinct(names, canonical)
+        self._watch(self._watched.difference(removed) if names else set())
 
     def changed(self, name: str) -> None:
         """Take note that a parameter, or a namespace, was set or deleted."""
@@ -149,6 +166,20 @@ class ParameterAccess:
         """Bytes of the values in one answer: namespaces repeat what is in them."""
         return 2 * self._client.graph.parameters.max_bytes
 
+    def _asked(self, name: str) -> bytes | None:
+        """Return a parameter as JSON if it is set; report why it may not be read."""
+        try:
+            return self._text(name)
+        except ParameterNotSet:
+            return None
+        except FibwsError as error:
+            self._client.statuses.error(f"getParameters: {error}", code=error.code)
+            return None
+
+    def _readable(self, name: str) -> bytes | None:
+        """Return a parameter as JSON if it is set and may be read."""
+        return self._asked(name) if self._is_readable(name) else None
+
     def _value(self, name: str) -> bytes | None:
         """Return a parameter as JSON, without a value if it is not set.
 
@@ -169,13 +200,6 @@ class ParameterAccess:
         below = graph.parameters.below(name) or [name]
         return any(self._client.is_allowed("param_read", each) for each in below)
 
-    def _readable(self) -> list[str]:
-        graph = self._client.graph
-        names = graph.parameters.names()
-        if graph.policy.allows_all:
-            return names
-        return [name for name in names if self._client.is_allowed("param_read", name)]
-
     def _text(self, name: str) -> bytes:
         """Return a parameter as JSON; raises as `Graph.get_parameter` does."""
         text = self._client.graph.get_parameter(self._client.node, name)
@@ -190,6 +214,25 @@ class ParameterAccess:
         else:
             client.graph.set_parameter(client.node, name, _native(parameter))
         client.audit.parameter_written(name, node=client.node, deleted=parameter.value is None)
+
+
+def _distinct(
+    names: Iterable[str], spell: Callable[[str], str]
+) -> Generator[None, None, list[str]]:
+    """Return each of some names once, however it is spelled; takes a step for each."""
+    found: dict[str, None] = {}
+    for name in names:
+        found[spell(name)] = None
+        yield
+    return list(found)
+
+
+def _spelled(name: str) -> str:
+    """Return a parameter's name as `canonical` does, but an invalid one as it is."""
+    try:
+        return canonical(name)
+    except InvalidName:
+        return name
 
 
 def _typed(text: bytes) -> tuple[str, bytes]:

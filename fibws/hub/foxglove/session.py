@@ -57,7 +57,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening, Registration
+from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.protocol.websocket import REPLACED, Payload
 
 CAPABILITIES = (
@@ -176,8 +176,6 @@ class Session:
         "protocol",
     )
 
-    incomplete_bytes = 0
-
     def __init__(self, foxglove: Foxglove, opening: Opening, protocol: str) -> None:
         graph = foxglove.graph
         self.protocol = protocol
@@ -216,14 +214,18 @@ class Session:
 
     # As an endpoint.
 
-    def receive_text(self, data: Payload) -> None:
-        """Perform an operation; reply to errors with a status.
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes that are kept of an answer."""
+        return self.parameters.answer_bytes
 
-        Raises:
-            InvalidUtf8: the bytes are not UTF-8.
+    def receive_text(self, data: Payload) -> Work:
+        """Perform an operation, its items one by one; reply to errors with a status.
+
+        The steps raise `InvalidUtf8` if the bytes are not UTF-8.
         """
         try:
-            self._perform(parse_operation(data))
+            yield from self._perform(parse_operation(data))
         except InvalidUtf8:
             raise
         except FibwsError as error:
@@ -374,24 +376,24 @@ class Session:
     # Operations.
 
     # One case for each operation, all of which mypy demands.
-    def _perform(self, operation: Operation) -> None:  # noqa: C901
+    def _perform(self, operation: Operation) -> Work:  # noqa: C901
         match operation:
             case Subscribe():
-                self._subscribe(operation)
+                yield from self._subscribe(operation)
             case Unsubscribe():
-                self._unsubscribe(operation)
+                yield from self._unsubscribe(operation)
             case Advertise():
-                self._advertise(operation)
+                yield from self._advertise(operation)
             case Unadvertise():
-                self._unadvertise(operation)
+                yield from self._unadvertise(operation)
             case GetParameters():
-                self.parameters.get(operation)
+                yield from self.parameters.get(operation)
             case SetParameters():
-                self.parameters.set(operation)
+                yield from self.parameters.set(operation)
             case SubscribeParameterUpdates():
-                self.parameters.watch(operation.names)
+                yield from self.parameters.watch(operation.names)
             case UnsubscribeParameterUpdates():
-                self.parameters.unwatch(operation.names)
+                yield from self.parameters.unwatch(operation.names)
             case SubscribeConnectionGraph():
                 self._follow_graph()
             case UnsubscribeConnectionGraph():
@@ -401,7 +403,7 @@ class Session:
             case _:
                 assert_never(operation)
 
-    def _subscribe(self, request: Subscribe) -> None:
+    def _subscribe(self, request: Subscribe) -> Work:
         """Subscribe to some channels; one that fails does not affect the others."""
         for each in request.subscriptions:
             try:
@@ -411,12 +413,14 @@ class Session:
                 self._subscriptions.add(each.id, channel)
             except FibwsError as error:
                 self._client.statuses.error(f"subscribe: {error}", code=error.code)
+            yield
 
-    def _unsubscribe(self, request: Unsubscribe) -> None:
+    def _unsubscribe(self, request: Unsubscribe) -> Work:
         for id_ in request.subscriptions:
             self._subscriptions.remove(id_)
+            yield
 
-    def _advertise(self, request: Advertise) -> None:
+    def _advertise(self, request: Advertise) -> Work:
         """Publish some topics; one that fails does not affect the others."""
         for channel in request.channels:
             try:
@@ -424,10 +428,12 @@ class Session:
             except FibwsError as error:
                 text = f"advertise: {channel.topic}: {error}"
                 self._client.statuses.error(text, code=error.code)
+            yield
 
-    def _unadvertise(self, request: Unadvertise) -> None:
+    def _unadvertise(self, request: Unadvertise) -> Work:
         for id_ in request.channels:
             self._publications.remove(id_)
+            yield
 
     def _follow_graph(self) -> None:
         if self._graph_feed is None:

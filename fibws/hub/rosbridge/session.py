@@ -39,7 +39,7 @@ from fibws.hub.rosbridge.statuses import Report, Statuses, ignore
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening, Registration
+from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
@@ -84,7 +84,7 @@ SMALL = 4096
 """Bytes of a text that is decoded to find out what it is, although it is to be dropped."""
 
 MAX_OBJECTS = 1000
-"""Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
+"""Operations in one text."""
 
 
 LONGEST_LOGIN = 64 * 1024
@@ -140,7 +140,7 @@ class TokenWait:
         self._statuses = Statuses("a client without a token", opening.queue, codes=serialized)
         self._refused = 0
 
-    def receive_text(self, data: Payload) -> None:
+    def receive_text(self, data: Payload) -> Work:
         """Open the session if the client proves who it is; otherwise close the connection."""
         if len(data) > LONGEST_LOGIN:
             self._opening.close(MISSING_TOKEN)
@@ -149,8 +149,9 @@ class TokenWait:
             operations = _operations(data)
             for fields in operations:
                 session = self._session(fields)
+                yield
                 if session is not None:
-                    session.perform_all(operations, 0)
+                    yield from session.perform_all(operations, 0)
                 elif self._refused > MOST_REFUSED:
                     return
         except AuthenticationError as error:
@@ -342,11 +343,10 @@ class Session:
         """Bytes that are kept of fragments."""
         return self._reassembly.size if self._reassembly is not None else 0
 
-    def receive_text(self, data: Payload) -> None:
-        """Perform the operations in a text; reply to errors with a status.
+    def receive_text(self, data: Payload) -> Work | None:
+        """Perform the operations in a text, the only one at once; reply to errors with a status.
 
-        Raises:
-            InvalidUtf8: the bytes are not UTF-8.
+        The steps raise `InvalidUtf8` if the bytes are not UTF-8.
         """
         if len(data) <= FEWEST_BYTES:
             # Nearly every text: it is short, and one object.
@@ -355,49 +355,54 @@ class Session:
             except ValueError:
                 fields = None
             if type(fields) is dict:
-                self.perform(fields, len(data))
-                return
+                return self.perform(fields, len(data))
             fields = None  # It may be large, and is decoded once more for the error.
-        self.perform_all(_operations(data), len(data))
+        return self.perform_all(_operations(data), len(data))
 
-    def receive_binary(self, data: Payload) -> None:
-        """Perform the operation of a binary message; reply to errors with a status."""
+    def receive_binary(self, data: Payload) -> Work | None:
+        """Perform the operations of a binary message; reply to errors with a status."""
         if self._client.serialized:
             try:
                 self.topics.publish_serialized(data)
             except Exception as error:
                 self._refuse_serialized(error)
-            return
+            return None
+        if data[:1] < b"\x80":  # No map in CBOR begins with an ASCII character.
+            return self._receive_binary_text(data)
         try:
-            if data[:1] < b"\x80":  # No map in CBOR begins with an ASCII character.
-                self.receive_text(data)
-            else:
-                self.perform(decode_cbor(bytes(data)), len(data))
-        except (OperationError, InvalidUtf8) as error:
-            text = f"Expected JSON text or CBOR: {error}"
-            self._statuses.error(None, text, code=error.code)
+            return self.perform(decode_cbor(bytes(data)), len(data))
+        except OperationError as error:
+            self._refuse_undecoded(error)
+        return None
 
-    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
+    def _receive_binary_text(self, data: Payload) -> Work:
+        """Perform the operations of a JSON text that came as a binary message."""
+        try:
+            yield from self.receive_text(data) or ()
+        except InvalidUtf8 as error:
+            self._refuse_undecoded(error)
+
+    def _refuse_undecoded(self, error: FibwsError) -> None:
+        self._statuses.error(None, f"Expected JSON text or CBOR: {error}", code=error.code)
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> Work | None:
         """Drop what a message publishes; reply to each other operation with an error.
 
-        Of a long text that begins with a publish, nothing more is looked at.
-
-        Raises:
-            InvalidUtf8: it is a text, but not UTF-8.
+        Of a long text that begins with a publish, nothing more is looked at. The steps raise
+        `InvalidUtf8` if it is a text, but not UTF-8.
         """
         if not is_text and self._client.serialized:
             self._drop(reason)
-            return
-        try:
-            if not is_text and data[:1] >= b"\x80":
+        elif not is_text and data[:1] >= b"\x80":
+            try:
                 self._refuse_excess(decode_cbor(bytes(data)), reason)
-            elif PUBLISH.match(data) and (len(data) > SMALL or data.count(b'"op"') == 1):
-                self._drop(reason)
-            else:
-                for fields in _operations(data):
-                    self._refuse_excess(fields, reason)
-        except OperationError as error:
-            self._statuses.error(None, str(error), code=error.code)
+            except OperationError as error:
+                self._statuses.error(None, str(error), code=error.code)
+        elif PUBLISH.match(data) and (len(data) > SMALL or data.count(b'"op"') == 1):
+            self._drop(reason)
+        else:
+            return self._refuse_all(_operations(data), reason)
+        return None
 
     def registrations(self, what: Registration) -> int:
         """Return how many of something the client has registered."""
@@ -445,23 +450,30 @@ class Session:
 
     # Operations.
 
-    def perform_all(self, operations: Iterator[dict[str, Any]], size: int) -> None:
+    def perform_all(self, operations: Iterator[dict[str, Any]], size: int) -> Work:
         """Perform the operations of a text, of which ``size`` bytes have come; reply to errors.
 
         The first one counts as the message itself, unless its bytes have counted before.
         """
         try:
             for fields in operations:
-                self.perform(fields, size)
+                work = self.perform(fields, size)
                 if not size:
                     self._count_operations(1)
                 size = 0  # The bytes count once, however many operations share them.
                 del fields  # Not two at a time: they take many times their text's memory.
+                yield
+                if work is not None:
+                    yield from work
         except OperationError as error:
             self._statuses.error(None, str(error), code=error.code)
 
-    def perform(self, fields: dict[str, Any], size: int) -> None:
-        """Perform one operation, of which ``size`` bytes have come; reply to errors."""
+    def perform(self, fields: dict[str, Any], size: int) -> Work | None:
+        """Perform one operation, of which ``size`` bytes have come; reply to errors.
+
+        Returns:
+            What is left to do: the operations of a text that this was the last fragment of.
+        """
         try:
             if fields.get("op") == "publish" and "to" not in fields:
                 # Nearly every operation is this one. Once advertised it needs no model: apart from
@@ -473,12 +485,23 @@ class Session:
                     source.publish(msg, size)
                     if self._statuses.wants_info:
                         self.topics.report_defaults(source, msg, fields.get("id"))
-                    return
-            self._handle(parse_request(fields))
+                    return None
+            return self._handle(parse_request(fields))
         except FibwsError as error:
             self._refuse(fields, str(error), error.code)
         except Exception as fault:
             self._refuse(fields, INTERNAL_ERROR, "internal_error", fault)
+        return None
+
+    def _refuse_all(self, operations: Iterator[dict[str, Any]], reason: str) -> Work:
+        """Refuse the operations of a text."""
+        try:
+            for fields in operations:
+                self._refuse_excess(fields, reason)
+                del fields
+                yield
+        except OperationError as error:
+            self._statuses.error(None, str(error), code=error.code)
 
     def _refuse_excess(self, fields: dict[str, Any], reason: str) -> None:
         """Refuse an operation of a client that sends too much; messages are only counted."""
@@ -521,7 +544,7 @@ class Session:
                 self.actions.fail_malformed_result(id_, text, code)
 
     # One case for each operation, all of which mypy demands.
-    def _handle(self, request: Request) -> None:  # noqa: C901, PLR0912
+    def _handle(self, request: Request) -> Work | None:  # noqa: C901, PLR0912
         match request:
             case Publish():
                 self.topics.publish(request)
@@ -556,7 +579,7 @@ class Session:
             case UnadvertiseAction():
                 self.actions.unadvertise(request)
             case Fragment():
-                self._reassemble(request)
+                return self._reassemble(request)
             case Auth():
                 self._authenticate(request)
             case SetWill():
@@ -567,6 +590,7 @@ class Session:
                 self._statuses.set_level(request.level)
             case _:
                 assert_never(request)
+        return None
 
     def _authenticate(self, request: Auth) -> None:
         """Change to the principal of a token; a wrong token changes nothing."""
@@ -586,12 +610,14 @@ class Session:
             raise
         self._statuses.info(request.id, f"auth: this client is {principal.name}")
 
-    def _reassemble(self, fragment: Fragment) -> None:
+    def _reassemble(self, fragment: Fragment) -> Work | None:
+        """Add a fragment; return what is left to do if its text is complete."""
         client = self._client
         if self._reassembly is None:
             self._reassembly = Reassembly(max_size=client.settings.max_fragment_bytes)
         text = self._reassembly.add(fragment, client.clock.time())
-        if text is not None:
-            data = text.encode()
-            del text
-            self.perform_all(_without_fragments(_operations(data)), len(data))
+        if text is None:
+            return None
+        data = text.encode()
+        del text
+        return self.perform_all(_without_fragments(_operations(data)), len(data))

@@ -341,7 +341,7 @@ class Connection(asyncio.BufferedProtocol):
                 turns.wait(self)
 
     def take_turn(self) -> None:
-        """Handle the data read before; continue reading once it is used up."""
+        """Handle the messages read before; continue reading once nothing is left of them."""
         self._waiting = False
         if self._transport.is_closing():
             return
@@ -578,6 +578,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._on_frame(event)
         if self._protocol.state is not State.OPEN and self._head is None:
             self._reader.give_up()
+            self._reader.finish()
             self._leave()
         self._send()
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import Literal, Protocol, TypeAlias
@@ -22,6 +22,13 @@ from fibws.protocol.websocket import TOKEN_SUBPROTOCOL, CloseReason, Payload
 
 Registration: TypeAlias = Literal["subscriptions", "advertisements"]
 """A kind of registration: topics subscribed to; topics, services and actions advertised."""
+
+Work: TypeAlias = Iterator[None]
+"""What is left to do of a message that asks for many things; each step does one of them.
+
+The connection takes the steps in its turns, the first ones at once, and passes on no other message
+before the end. It takes no further step once it is closed.
+"""
 
 
 class Endpoint(Protocol):
@@ -39,14 +46,18 @@ class Endpoint(Protocol):
     def incomplete_bytes(self) -> int:
         """Bytes that are kept of messages that the endpoint puts together."""
 
-    def receive_text(self, data: Payload) -> None:
-        """Take a text message; raise `InvalidUtf8` to have the connection closed."""
+    def receive_text(self, data: Payload) -> Work | None:
+        """Take a text message, and return what is left to do.
 
-    def receive_binary(self, data: Payload) -> None:
-        """Take a binary message, and own its buffer."""
+        Raises:
+            InvalidUtf8: it is not UTF-8, which closes the connection; the steps may raise it, too.
+        """
 
-    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
-        """Drop a message of a client that sends too much, and report that.
+    def receive_binary(self, data: Payload) -> Work | None:
+        """Take a binary message, own its buffer, and return what is left to do."""
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> Work | None:
+        """Drop a message of a client that sends too much, and report that, perhaps in steps.
 
         Raises:
             InvalidUtf8: it is a text, but not UTF-8.

@@ -14,7 +14,7 @@ from websockets.frames import Frame, Opcode
 
 from fibws.errors import InvalidUtf8
 from fibws.hub.settings import KIB, Settings
-from fibws.hub.websocket.endpoint import Endpoint
+from fibws.hub.websocket.endpoint import Endpoint, Work
 from fibws.hub.websocket.quotas import CHARGED_BYTES, ClientQuotas, Meter
 from fibws.hub.websocket.turns import Turns
 from fibws.protocol.websocket import (
@@ -75,10 +75,14 @@ class MessageReader:
         "_client",
         "_exempt",
         "_fragments",
+        "_frames",
         "_others",
         "_parser",
         "_quotas",
         "_stopped",
+        "_turns",
+        "_work",
+        "_work_bytes",
         "dropped",
         "endpoint",
     )
@@ -98,6 +102,13 @@ class MessageReader:
         self._client = client
         self._quotas = quotas
         self._buffers = buffers
+        self._turns = turns
+        self._work: Work | None = None
+        """What is left to do of a message; all that follows waits."""
+        self._work_bytes = 0
+        """The bytes of that message."""
+        self._frames: list[Frame] = []
+        """Frames that the library has read behind it."""
         self._fragments: list[bytes] = []
         self._binary = False
         self._stopped = False
@@ -124,8 +135,8 @@ class MessageReader:
 
     @property
     def kept_bytes(self) -> int:
-        """Bytes that are kept of messages that came in part."""
-        return self._parser.kept_bytes + sum(map(len, self._fragments))
+        """Bytes that are kept of messages that came in part, or are handled in part."""
+        return self._parser.kept_bytes + self._work_bytes + sum(map(len, self._fragments))
 
     @property
     def is_paused(self) -> bool:
@@ -184,11 +195,12 @@ class MessageReader:
         self._parser.pause()
 
     def resume(self, now: float) -> None:
-        """Process the bytes that were kept, for one turn."""
+        """Continue with the message and the bytes that were kept, for one turn."""
         meter = self._quotas.meter
         if meter is not None and meter.refusal is not None:
             self._continue_dropping(meter, now)
-        self._parser.resume()
+        if self._take_steps():
+            self._parser.resume()
         meter = self._quotas.meter  # A login in these bytes may have changed it.
         if meter is not None:
             self._measure(meter, now)
@@ -207,18 +219,31 @@ class MessageReader:
         The library reads on behind a close frame, and behind an error.
         """
         self._stopped = True
-        self._fragments = []
+        self._free()
+
+    def finish(self) -> None:
+        """Do at once what is left of messages: the client has closed behind them."""
+        while not self._take_steps(to_the_end=True):
+            pass
 
     def release(self) -> None:
         """Free the memory of incomplete messages, and references that would keep the client."""
-        self._fragments = []
+        self._free()
         self.endpoint = None
         del self._parser, self._client
+
+    def _free(self) -> None:
+        self._fragments = []
+        self._frames = []
+        self._work, self._work_bytes = None, 0
 
     # Messages.
 
     def add(self, frame: Frame) -> None:
         """Process a frame that the library has read: of control, or part of a message."""
+        if self._work is not None:
+            self._frames.append(frame)  # Without fast framing the library reads several at once.
+            return
         self._others += 1
         if frame.opcode is Opcode.PING:
             self.dropped += self.is_dropping
@@ -248,19 +273,53 @@ class MessageReader:
     def _on_text(self, text: Payload) -> None:
         assert self.endpoint is not None
         try:
-            self.endpoint.receive_text(text)
+            work = self.endpoint.receive_text(text)
         except InvalidUtf8:
             self._client.fail(INVALID_UTF8)
         except Exception:
             # An exception here would end the connection of a client that did nothing wrong.
             logger.exception("%s: an operation failed.", self._client.name)
+        else:
+            if work is not None:
+                self._begin(work, len(text))
 
     def _on_binary(self, data: Payload) -> None:
         assert self.endpoint is not None
         try:
-            self.endpoint.receive_binary(data)
+            work = self.endpoint.receive_binary(data)
         except Exception:
             logger.exception("%s: an operation failed.", self._client.name)
+        else:
+            if work is not None:
+                self._begin(work, len(data))
+
+    def _begin(self, work: Work, size: int) -> None:
+        """Do what is left of a message of some bytes; in further turns if it takes long."""
+        if self._stopped:
+            return
+        self._work, self._work_bytes = work, size
+        if not self._take_steps():
+            self._parser.pause()
+
+    def _take_steps(self, *, to_the_end: bool = False) -> bool:
+        """Continue with a message until the turn is over; return whether nothing is left of it."""
+        work = self._work
+        if work is None:
+            return True
+        try:
+            for _ in work:
+                if self._work is not work:
+                    return True  # The connection is closed.
+                if not to_the_end and self._turns.is_over():
+                    return False
+        except InvalidUtf8:
+            self._client.fail(INVALID_UTF8)
+        except Exception:
+            logger.exception("%s: an operation failed.", self._client.name)
+        self._work, self._work_bytes = None, 0
+        while self._frames and self._work is None:
+            self.add(self._frames.pop(0))
+        return self._work is None
 
     # How much the client sends.
 
@@ -303,8 +362,11 @@ class MessageReader:
         assert self.endpoint is not None
         self.dropped += 1
         try:
-            self.endpoint.refuse(data, meter.reason, is_text=is_text)
+            work = self.endpoint.refuse(data, meter.reason, is_text=is_text)
         except InvalidUtf8:
             self._client.fail(INVALID_UTF8)
         except Exception:
             logger.exception("%s: an operation could not be refused.", self._client.name)
+        else:
+            if work is not None:
+                self._begin(work, len(data))

@@ -3,7 +3,8 @@
 A connection with little to read is served at once. One with more than fits its turn waits in a
 queue with the others of its kind, and its socket is not read meanwhile. Each iteration of the loop
 spends a few milliseconds on that queue, so that all other connections are served in between,
-regardless of how many wait and what their operations cost.
+regardless of how many wait and what their operations cost. A message that asks for many things is
+handled item by item, and the clock is looked at after each.
 """
 
 from __future__ import annotations
@@ -77,6 +78,10 @@ class Turns:
         # As many as fit at the pace so far; few at first, as the next ones may cost more.
         fitting = int(passed * left / (taken + 1e-9))
         return max(1, min(passed, fitting, MOST_FRAMES))
+
+    def is_over(self) -> bool:
+        """Return whether the current turn has taken its time."""
+        return self.clock() - self.began >= self._length
 
     def is_spent(self) -> bool:
         """Return whether a connection with more to do must wait for a later iteration."""

@@ -15,7 +15,7 @@ from fibws.hub.federation.names import NameView
 from fibws.hub.federation.records import Announcement, HubInfo, Message, Reply, Request
 from fibws.protocol.websocket import CloseReason
 
-from ..fakes import FakeClock
+from ..fakes import FakeClock, finish
 
 MIB = 1024 * 1024
 MAX_QUEUED = 16 * MIB
@@ -87,7 +87,7 @@ class SlowLink:
         assert list(self.records())
 
     def receive(self, kind: int, body: bytes) -> None:
-        self.link.receive(record(kind, body))
+        finish(self.link.receive(record(kind, body)))
 
     def publish(self, number: int, sequence: int, size: int, limit: int = 100) -> None:
         self.link.publish(Message(number, sequence, 0, bytes(size)), limit=limit)

@@ -16,7 +16,7 @@ from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.websocket.endpoint import Opening
 from fibws.protocol.websocket import CloseReason
 
-from ..fakes import BINARY, TEXT, FakeHub, frames
+from ..fakes import BINARY, TEXT, FakeHub, finish, frames
 
 
 class FoxgloveHub(FakeHub):
@@ -73,7 +73,7 @@ class FoxgloveClient:
 
     def send(self, op: str, **fields: Any) -> None:
         """Send an operation."""
-        self.session.receive_text(json.dumps({"op": op, **fields}).encode())
+        finish(self.session.receive_text(json.dumps({"op": op, **fields}).encode()))
 
     def send_binary(self, data: bytes) -> None:
         self.session.receive_binary(data)

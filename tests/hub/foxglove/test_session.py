@@ -21,7 +21,7 @@ from fibws.hub.foxglove.messages import (
 )
 from fibws.hub.websocket.endpoint import Opening
 
-from ..fakes import ADD, INT32, STRING, number
+from ..fakes import ADD, INT32, STRING, finish, number
 from .foxglove_client import FoxgloveHub
 
 OPS = (
@@ -59,7 +59,7 @@ def test_any_operations_are_answered_and_leave_nothing(
     hub = FoxgloveHub()
     client = hub.foxglove_client()
     for op, fields in operations:
-        client.session.receive_text(json.dumps({"op": op, **fields}).encode())
+        finish(client.session.receive_text(json.dumps({"op": op, **fields}).encode()))
         client.receive()
     client.send("getParameters", parameterNames=["/nothing"], id="alive")
     assert client.receive_one("parameterValues")["id"] == "alive"
@@ -72,7 +72,7 @@ def test_any_text_is_answered(text: bytes) -> None:
     client = FoxgloveHub().foxglove_client()
     client.receive()
     try:
-        client.session.receive_text(text)
+        finish(client.session.receive_text(text))
     except InvalidUtf8:
         with pytest.raises(UnicodeDecodeError):
             text.decode()
@@ -134,7 +134,7 @@ def test_binary_messages_are_read(service: int, call: int, encoding: str, data: 
 def test_error_names_what_is_wrong(text: str, fault: str) -> None:
     hub = FoxgloveHub()
     client = hub.foxglove_client()
-    client.session.receive_text(text.encode())
+    finish(client.session.receive_text(text.encode()))
     [status] = client.receive_statuses()
     assert fault in status
     assert hub.reported == [("/foxglove", status)]
@@ -143,7 +143,7 @@ def test_error_names_what_is_wrong(text: str, fault: str) -> None:
 def test_text_with_too_many_values_is_refused_unread() -> None:
     client = FoxgloveHub().foxglove_client()
     text = '{"op": "unsubscribe", "subscriptionIds": [' + "[]," * 300_000 + "1]}"
-    client.session.receive_text(text.encode())
+    finish(client.session.receive_text(text.encode()))
     [status] = client.receive_statuses()
     assert "too many" in status
 
@@ -154,7 +154,7 @@ def test_operation_with_many_invalid_parts_takes_little_memory() -> None:
     text = b'{"op": "unsubscribe", "subscriptionIds": [%b]}' % ids
     tracemalloc.start()
     try:
-        client.session.receive_text(text)
+        finish(client.session.receive_text(text))
         most = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

@@ -18,6 +18,7 @@ from ..fakes import (
     Client,
     FakeClock,
     FakeHub,
+    finish,
     fragment,
     number,
     payloads,
@@ -221,7 +222,7 @@ def test_status_text_is_shortened(fields: dict[str, Any]) -> None:
 def test_text_that_is_not_utf8_raises() -> None:
     client = FakeHub().client()
     with pytest.raises(InvalidUtf8):
-        client.session.receive_text(b"\xff")
+        finish(client.session.receive_text(b"\xff"))
 
 
 # The object by itself.

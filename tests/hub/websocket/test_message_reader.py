@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from conftest import Faults
+from websockets.frames import Frame, Opcode
+
 from fibws.hub.rosbridge.session import Session
 from fibws.hub.settings import Settings
+from fibws.hub.websocket.endpoint import Work
 from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
 from fibws.hub.websocket.quotas import (
     CHARGED_BYTES,
@@ -14,11 +18,11 @@ from fibws.hub.websocket.quotas import (
     ClientQuotas,
     Quotas,
 )
-from fibws.hub.websocket.turns import Turns
-from fibws.protocol.websocket import CloseReason
+from fibws.hub.websocket.turns import ITERATION, Turns
+from fibws.protocol.websocket import CloseReason, Payload
 
 from ..fakes import FakeHub
-from ..raw_client import TEXT, frame
+from ..raw_client import BINARY, TEXT, frame
 
 NOTHING = frame(TEXT, b" ")
 """A message with which the hub does nothing."""
@@ -97,3 +101,121 @@ def test_accepted_message_whose_end_comes_while_others_are_dropped_is_charged() 
     client.now = debt / 1000 + 1
     client.send(NOTHING)
     assert client.accepted == 2
+
+
+# Messages that are handled in steps.
+
+
+class Steps:
+    """An endpoint that takes a step for each character of a text; a ``!`` fails."""
+
+    incomplete_bytes = 0
+
+    def __init__(self, seconds: float) -> None:
+        self.now = 0.0
+        self.done = ""
+        self._seconds = seconds
+
+    def receive_text(self, data: Payload) -> Work:
+        for character in data.decode():
+            self.now += self._seconds
+            self.done += character
+            if character == "!":
+                raise ZeroDivisionError("injected")
+            yield
+
+    receive_binary = receive_text
+
+
+class SteppedConnection(FakeConnection):
+    """A client's connection, whose messages are handled in steps of some seconds."""
+
+    def __init__(self, seconds: float = ITERATION) -> None:
+        super().__init__()
+        self.endpoint: Any
+        self.endpoint = Steps(seconds)
+        self.turns = Turns(lambda seconds, call: None, lambda: None, lambda: self.endpoint.now)
+        quotas = ClientQuotas(Quotas(Settings()))
+        self.reader = MessageReader(self, quotas, Settings(), self.turns, ReadBuffers())
+        self.reader.endpoint = self.endpoint
+
+    def turn(self) -> str:
+        """Take a turn; return what it has done."""
+        before = len(self.endpoint.done)
+        self.turns.began = self.endpoint.now
+        self.reader.resume(0.0)
+        done: str = self.endpoint.done[before:]
+        return done
+
+
+def test_message_goes_on_in_the_next_turn_and_all_behind_it_waits() -> None:
+    client = SteppedConnection(0.6 * ITERATION)
+    client.send(frame(TEXT, b"abcde") + frame(BINARY, b"fg") + frame(TEXT, b"h"))
+    assert client.endpoint.done == "ab"
+    assert [client.turn() for _ in range(3)] == ["cd", "ef", "gh"]
+    client.turn()
+    assert not client.reader.is_paused
+
+
+def test_short_message_waits_for_no_turn() -> None:
+    client = SteppedConnection(0.1 * ITERATION)
+    client.send(frame(TEXT, b"abc"))
+    assert client.endpoint.done == "abc"
+    assert not client.reader.is_paused
+
+
+def test_message_counts_as_incoming_until_its_end() -> None:
+    client = SteppedConnection()
+    client.send(frame(TEXT, b"abc"))
+    assert client.reader.kept_bytes == 3
+    while client.reader.is_paused:
+        client.turn()
+    assert client.reader.kept_bytes == 0
+
+
+def test_rest_of_a_message_is_dropped_when_the_client_has_left() -> None:
+    client = SteppedConnection()
+    client.send(frame(TEXT, b"abc"))
+    client.reader.stop()
+    assert client.turn() == ""
+    assert client.reader.kept_bytes == 0
+
+
+def test_client_may_be_closed_within_a_step() -> None:
+    client = SteppedConnection(0.0)
+    steps = client.endpoint.receive_text
+
+    def closing(data: Payload) -> Work:
+        for _ in steps(data):
+            client.reader.stop()
+            yield
+
+    client.endpoint.receive_text = closing
+    client.send(frame(TEXT, b"abc"))
+    assert client.endpoint.done == "a"
+
+
+def test_fault_in_a_step_ends_only_its_message(faults: Faults) -> None:
+    client = SteppedConnection()
+    client.send(frame(TEXT, b"a!b") + frame(TEXT, b"c"))
+    while client.reader.is_paused:
+        client.turn()
+    assert client.endpoint.done == "a!c"
+    faults.expect("injected")
+
+
+def test_frames_that_the_library_has_read_keep_their_order() -> None:
+    client = SteppedConnection()
+    for text in (b"ab", b"cd", b"ef"):
+        client.reader.add(Frame(Opcode.TEXT, text))
+    while client.reader.is_paused:
+        client.turn()
+    assert client.endpoint.done == "abcdef"
+
+
+def test_all_is_done_at_once_when_the_client_has_closed_behind_it() -> None:
+    client = SteppedConnection()
+    for text in (b"ab", b"cd", b"ef"):
+        client.reader.add(Frame(Opcode.TEXT, text))
+    client.reader.finish()
+    assert client.endpoint.done == "abcdef"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import json
 import math
 import time
 from collections.abc import Callable
@@ -390,3 +391,21 @@ async def test_client_that_has_just_connected_waits_for_nobody(
         for _ in range(5):
             await client.is_processed()
     assert (handshakes, waits) == (1, 1)
+
+
+@both_loops
+@pytest.mark.parametrize("fast_framing", [True, False])
+async def test_client_that_closes_behind_many_operations_has_them_all_performed(
+    start_hub: StartHub, monkeypatch: pytest.MonkeyPatch, fast_framing: bool
+) -> None:
+    hub = await start_hub(fast_framing=fast_framing)
+    monkeypatch.setattr(Turns, "is_over", lambda turns: True)
+    async with connected(hub.port) as listener, connected(hub.port) as client:
+        advertise = json.dumps({"op": "advertise", "topic": "/t", "type": "std_msgs/Int32"})
+        publish = json.dumps({"op": "publish", "topic": "/t", "msg": {"data": 1}})
+        await listener.send(frame(TEXT, b'{"op":"subscribe","topic":"/t"}'))
+        await listener.is_processed()
+        text = advertise + 10 * publish
+        await client.send(frame(TEXT, text.encode()) + frame(CLOSE))
+        received = [await listener.frame() for _ in range(10)]
+    assert all(b'"data":1' in payload for _, payload in received)
