@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping
+from hashlib import sha256
 from itertools import islice
 from typing import NamedTuple, TypeAlias
 
@@ -166,6 +167,69 @@ class Usage:
                 del self._types[key]
 
 
+class _Refusal(NamedTuple):
+    """Why a definition was refused.
+
+    ``revision`` is that of the definitions which were kept then; None for a fault of the text.
+    """
+
+    error: InterfaceError
+    revision: int | None
+
+
+class Refusals:
+    """The definitions that one client brought and that were refused: none is read twice.
+
+    To read one takes as long as to read one that is kept, and so they have the same limits.
+    """
+
+    def __init__(self) -> None:
+        self._refusals: dict[bytes, _Refusal] = {}
+        """By the digest of the definition."""
+        self._characters = 0
+
+    def __len__(self) -> int:
+        return len(self._refusals)
+
+    def check(self, digest: bytes, revision: int) -> None:
+        """Raise the error with which a definition was refused, if nothing has changed since."""
+        found = self._refusals.get(digest)
+        if found is not None and found.revision in (None, revision):
+            raise _copied(found.error)
+
+    def check_room(self, digest: bytes, name: str, text: str, limits: Limits, whose: str) -> None:
+        """Raise `DefinitionLimit` if so many were refused that no others are read."""
+        if digest in self._refusals:
+            return
+        for what, count, limit in (
+            ("definitions", len(self._refusals) + 1, limits.types),
+            ("characters in definitions", self._characters + len(text), limits.characters),
+        ):
+            if count > limit:
+                raise DefinitionLimit(
+                    f"too many {what} from {whose} were refused to read {name} (limit is {limit})"
+                )
+
+    def add(self, digest: bytes, text: str, error: InterfaceError, revision: int | None) -> None:
+        """Remember a refused definition."""
+        if digest not in self._refusals:
+            self._characters += len(text)
+        self._refusals[digest] = _Refusal(_copied(error), revision)
+
+    def remove(self, digest: bytes, text: str) -> None:
+        """Forget a definition that was refused and fits now, if it was."""
+        if self._refusals.pop(digest, None) is not None:
+            self._characters -= len(text)
+
+
+def _copied(error: InterfaceError) -> InterfaceError:
+    """Return an error without its traceback, which would keep all that was read of a text."""
+    copied = type(error).__new__(type(error), *error.args)
+    copied.args = error.args
+    vars(copied).update(vars(error))
+    return copied
+
+
 class ClientDefinitions:
     """The definitions that clients brought, each kept while someone holds it.
 
@@ -182,6 +246,10 @@ class ClientDefinitions:
         self._usage: dict[str, Usage] = {}
         """By client."""
         self._usage_of_all = Usage()
+        self._refusals: dict[str, Refusals] = {}
+        """By client."""
+        self._revision = 0
+        """Changes with the definitions that are kept."""
         self._watchers: list[Callable[[str], None]] = []
 
     def find(self, kind: Kind, name: str) -> ClientDefinition | None:
@@ -216,7 +284,8 @@ class ClientDefinitions:
     def read(self, kind: Kind, name: str, text: str, client: str) -> ClientDefinition | None:
         """Return the definition that a client sent, or None if the folders have the type.
 
-        It is kept, and known to others, only once it is held.
+        It is kept, and known to others, only once it is held. One that is refused is remembered
+        until `forget_refusals`, or until too many are.
 
         Args:
             kind: msg, srv or action.
@@ -237,7 +306,32 @@ class ClientDefinitions:
             raise InterfaceError(
                 f"The definition of {name} is too long (limit is {LONGEST_TEXT} characters)"
             )
-        draft = _Draft(self, kind, name, text)
+        refusals = self._refusals.get(client, Refusals())
+        digest = sha256(f"{kind} {name} {text}".encode("utf-8", "surrogatepass")).digest()
+        refusals.check(digest, self._revision)
+        refusals.check_room(digest, name, text, PER_CLIENT, client or "one client")
+        revision = None
+        try:
+            parsed = _parse(kind, name, text)
+            revision = self._revision
+            found = self._compare(kind, name, text, client, parsed)
+        except InterfaceError as error:
+            if sum(map(len, self._refusals.values())) >= OF_ALL.types:
+                self._refusals.clear()
+            self._refusals.setdefault(client, refusals).add(digest, text, error, revision)
+            raise
+        refusals.remove(digest, text)
+        return found
+
+    def forget_refusals(self, client: str) -> None:
+        """Take note that a client has left."""
+        self._refusals.pop(client, None)
+
+    def _compare(
+        self, kind: Kind, name: str, text: str, client: str, parsed: _Parsed
+    ) -> ClientDefinition | None:
+        """Return a definition that does not contradict others, and for which there is room."""
+        draft = _Draft(self, name, parsed)
         if draft.is_known:
             return self.find(kind, name)
         definition = ClientDefinition(
@@ -259,6 +353,7 @@ class ClientDefinitions:
             describe: returns the holder's name for errors.
         """
         if definition not in self._holders:
+            self._revision += 1
             self._holders[definition] = {}
             self._usage.setdefault(definition.client, Usage()).add(definition)
             self._usage_of_all.add(definition)
@@ -275,6 +370,7 @@ class ClientDefinitions:
         if holders.pop(holder, None) is None or holders:
             return False
         del self._holders[definition]
+        self._revision += 1
         usage = self._usage[definition.client]
         usage.remove(definition)
         if not usage:
@@ -301,16 +397,36 @@ class ClientDefinitions:
         return f"{named} and {more} more" if more > 0 else named
 
 
+class _Parsed(NamedTuple):
+    """The types that a text defines: perhaps a service or an action, and messages."""
+
+    service: ServiceDefinition | None
+    action: ActionDefinition | None
+    messages: dict[str, MessageDefinition]
+
+
+def _parse(kind: Kind, name: str, text: str) -> _Parsed:
+    """Return the types that a text defines; raise `DefinitionError` if it is wrong."""
+    match kind:
+        case "msg":
+            return _Parsed(None, None, full_text.read_message(text, name))
+        case "srv":
+            service, nested = full_text.read_service(text, name)
+            return _Parsed(service, None, nested)
+        case "action":
+            action, nested = full_text.read_action(text, name)
+            return _Parsed(None, action, nested)
+
+
 class _Draft:
     """The types that a text defines, compared to those that are known.
 
     Raises:
-        DefinitionError: the text is wrong, or a type is known with other fields.
+        DefinitionError: a type is known with other fields.
     """
 
-    def __init__(self, known: ClientDefinitions, kind: Kind, name: str, text: str) -> None:
-        self.service: ServiceDefinition | None = None
-        self.action: ActionDefinition | None = None
+    def __init__(self, known: ClientDefinitions, name: str, parsed: _Parsed) -> None:
+        self.service, self.action, nested = parsed
         self.is_known = False
         """Whether the type is known with the same fields."""
         self._known = known
@@ -318,20 +434,17 @@ class _Draft:
         self._md5s: dict[str, str] = {}
         self._unknown: dict[str, MessageDefinition] = {}
         self._resolver = Resolver(self._find)
-        match kind:
-            case "msg":
-                self._compare_all(full_text.read_message(text, name))
-                self.is_known = name not in self._unknown
-            case "srv":
-                self.service, nested = full_text.read_service(text, name)
-                self._compare_all(nested)
-                self._compare_service(self.service)
-            case "action":
-                self.action, nested = full_text.read_action(text, name)
-                # Parts come first, so that an error names a part and not a message with it.
-                made = {message.type: message for message in reversed(self.action.messages())}
-                self._compare_all(nested | made)
-                self._compare_action(self.action)
+        if self.service is not None:
+            self._compare_all(nested)
+            self._compare_service(self.service)
+        elif self.action is not None:
+            # Parts come first, so that an error names a part and not a message with it.
+            made = {message.type: message for message in reversed(self.action.messages())}
+            self._compare_all(nested | made)
+            self._compare_action(self.action)
+        else:
+            self._compare_all(nested)
+            self.is_known = name not in self._unknown
 
     def messages(self) -> dict[str, MessageDefinition]:
         """Return the messages that no folder has: those of the text, and known ones in them."""

@@ -386,6 +386,7 @@ def test_services_and_actions_count_towards_the_limit(
         interfaces.learn_action("new_msgs/Go", "---\n---")
     assert interfaces.names() == ["new_msgs/Ask", "new_msgs/Point"]
     limit(monkeypatch, types=10)
+    interfaces.forget_refusals("/client")
     for _ in range(2):
         interfaces.learn_action("new_msgs/Go", "---\n---")
     for learn in (interfaces.learn_service, interfaces.learn_action):
@@ -445,3 +446,110 @@ def test_repeated_definition_is_not_parsed_again(monkeypatch: pytest.MonkeyPatch
             assert learn("new_msgs/Mine", text) == first
         with pytest.raises(DefinitionError, match="is known here with other"):
             learn("new_msgs/Mine", text.replace("int8", "int16"))
+
+
+# Refused definitions.
+
+
+@pytest.fixture
+def texts(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The texts of messages that are parsed."""
+    parsed: list[str] = []
+    read = full_text.read_message
+
+    def count(text: str, name: str) -> dict[str, MessageDefinition]:
+        parsed.append(text)
+        return read(text, name)
+
+    monkeypatch.setattr(full_text, "read_message", count)
+    return parsed
+
+
+def refusal(definitions: Keeper, name: str, text: str, client: str = "/client") -> str:
+    with pytest.raises(InterfaceError) as error:
+        definitions.bring("msg", name, text, client)
+    return str(error.value)
+
+
+def test_refused_definition_is_read_once(texts: list[str]) -> None:
+    definitions = Keeper()
+    first = refusal(definitions, "new_msgs/Mine", "int32 1x")
+    assert refusal(definitions, "new_msgs/Mine", "int32 1x") == first
+    definitions.learn("new_msgs/Other", "int32 x")
+    assert refusal(definitions, "new_msgs/Mine", "int32 1x") == first
+    assert texts == ["int32 1x", "int32 x"]
+
+
+def test_definition_that_contradicts_another_is_read_again_when_that_is_forgotten(
+    texts: list[str],
+) -> None:
+    definitions = Keeper()
+    definitions.bring("msg", "new_msgs/Mine", "int32 x", "/first")
+    texts.clear()
+    for _ in range(3):
+        assert "known here with other fields" in refusal(definitions, "new_msgs/Mine", "int8 x")
+    assert texts == ["int8 x"]
+    definitions.drop("msg", "new_msgs/Mine", "/first")
+    definitions.learn("new_msgs/Mine", "int8 x")
+
+
+def test_definition_without_room_is_read_again_when_there_is_room(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    limit(monkeypatch, types=1)
+    definitions = Keeper()
+    definitions.learn("new_msgs/Mine", "int32 x")
+    for _ in range(2):
+        assert "limit is 1" in refusal(definitions, "new_msgs/Other", "int32 x")
+    definitions.drop("msg", "new_msgs/Mine")
+    definitions.learn("new_msgs/Other", "int32 x")
+
+
+@pytest.mark.parametrize(("what", "most"), [("types", 2), ("characters", 22)])
+def test_refused_definitions_count_like_kept_ones(
+    monkeypatch: pytest.MonkeyPatch, texts: list[str], what: str, most: int
+) -> None:
+    limit(monkeypatch, "PER_CLIENT", **{what: most})
+    definitions = Keeper()
+    for number in range(5):
+        refusal(definitions, "new_msgs/Mine", f"int32 {number}x")
+    assert len(texts) == 2
+    assert f"limit is {most}" in refusal(definitions, "new_msgs/Mine", "int32 x")
+    refusal(definitions, "new_msgs/Mine", "int32 x!", "/other")
+    definitions.forget_refusals("/client")
+    definitions.learn("new_msgs/Mine", "int32 x")
+
+
+def test_every_error_is_remembered_as_it_was() -> None:
+    definitions = Keeper()
+    for name, text in (
+        ("new_msgs/Mine", "int32 1x"),
+        ("new_msgs/Mine", "new_msgs/Unknown x"),
+        ("std_msgs/Mine", "std_msgs/Unknown x"),
+        ("std_msgs/Int32", "int8 data"),
+        ("new_msgs/Mine", "int32[100000] x"),
+    ):
+        found = []
+        for _ in range(2):
+            with pytest.raises(InterfaceError) as error:
+                definitions.bring("msg", name, text)
+            found.append((type(error.value), str(error.value), vars(error.value)))
+        assert found[0] == found[1]
+
+
+def test_remembered_error_keeps_nothing_of_what_was_read() -> None:
+    definitions = Keeper()
+    for _ in range(2):
+        refusal(definitions, "new_msgs/Mine", "int32 1x")
+    [refusals] = definitions._refusals.values()
+    [found] = refusals._refusals.values()
+    assert found.error.__traceback__ is None
+    assert found.error.__context__ is None
+
+
+def test_refused_definitions_of_all_clients_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    limit(monkeypatch, "OF_ALL", types=3)
+    definitions = Keeper()
+    for number in range(10):
+        refusal(definitions, "new_msgs/Mine", f"int32 {number}x", f"/client_{number}")
+        assert sum(map(len, definitions._refusals.values())) <= 3

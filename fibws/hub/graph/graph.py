@@ -332,6 +332,7 @@ class Graph:
             del self.nodes[name]
             self._unnamed.discard(name)
             self.policy.leave(name)
+            self.definitions.forget_refusals(name)
             self._report("node", name)
 
     def authorize(self, node: str, principal: Principal) -> None:

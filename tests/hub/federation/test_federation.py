@@ -17,6 +17,7 @@ from fibws.hub.federation import precedence
 from fibws.hub.federation.connections import Join as Joining
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.graph.publication import Publication
+from fibws.hub.websocket.turns import Turns
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.example_interfaces import AddTwoInts
@@ -413,8 +414,9 @@ async def test_node_of_another_hub_is_pinged_and_killed(join: Join, start_node: 
 
 @pytest.mark.parametrize("verb", ["ping", "kill"])
 async def test_node_behind_a_full_link_is_reported(
-    join: Join, start_node: StartNode, verb: str
+    join: Join, start_node: StartNode, monkeypatch: pytest.MonkeyPatch, verb: str
 ) -> None:
+    monkeypatch.setattr(Turns, "is_over", lambda turns: False)
     limit = 100_000
     cloud = await join("cloud", max_queued_bytes=limit)
     robot = await join("robot", cloud)

@@ -368,3 +368,12 @@ def test_types_of_the_standard_packages_are_kept() -> None:
         client.disconnect()
     assert isinstance(types[0], CheckedType)
     assert types[0] is types[1]
+
+
+def test_refused_definitions_are_forgotten_when_their_client_leaves() -> None:
+    hub = FakeHub()
+    client = hub.client()
+    client.send("advertise", "/a", type="new_msgs/Mine", definition="int32 1x")
+    assert hub.graph.definitions._refusals
+    client.disconnect()
+    assert not hub.graph.definitions._refusals
