@@ -109,6 +109,11 @@ class Rights:
         return not self.admin and self._compiled[right][1].fullmatch(name) is not None
 
     @cached_property
+    def text(self) -> str:
+        """The same text for equal rights of one principal."""
+        return repr(self.table())
+
+    @cached_property
     def _answers(self) -> dict[tuple[Right, str], bool]:
         return {}
 

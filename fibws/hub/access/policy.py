@@ -9,7 +9,7 @@ can be denied.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 
 from fibws.access.rights import Principal, Right, compile_globs
 from fibws.access.token_file import ANONYMOUS
@@ -111,6 +111,13 @@ class AccessPolicy:
         if principal is None or owner is None:
             return False
         return node == other or _is_same(principal, owner)
+
+    def view(self, node: str) -> Hashable:
+        """Return the same for all nodes of a principal, but not for anonymous ones."""
+        principal = self._principals.get(node)
+        if principal is None or principal.name == ANONYMOUS:
+            return node
+        return principal.name, principal.rights.text
 
     def principal_of(self, node: str) -> Principal | None:
         """Return the principal of a node; None for the hub's own nodes and unknown ones."""

@@ -7,6 +7,7 @@ missing from every list, and look unknown.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import Literal, Protocol, TypeAlias
 
 from fibws.access.rights import Principal, Right
@@ -56,6 +57,9 @@ class Policy(Protocol):
     def is_same_owner(self, node: str, other: str) -> bool:
         """Return whether two nodes belong to one principal."""
 
+    def view(self, node: str) -> Hashable:
+        """Return a value that is equal for nodes that may see the same of the graph."""
+
 
 class AllowAll:
     """The policy that lets every node do everything."""
@@ -81,3 +85,7 @@ class AllowAll:
     def is_same_owner(self, node: str, other: str) -> bool:
         """Return True: all clients of the hub trust each other."""
         return True
+
+    def view(self, node: str) -> Hashable:
+        """Return the same for all nodes; a policy that hides something has views of its own."""
+        return None if self.allows_all else node

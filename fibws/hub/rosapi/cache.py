@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Hashable
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 from fibws.hub.graph.graph import Graph
 
@@ -11,11 +11,45 @@ LARGE = 256 * 1024
 """Bytes from which on a response takes so long to make that it is not made for every caller."""
 FRESH_FOR = 1000
 """Nanoseconds for each byte, a second for a megabyte: about ten times what its making takes."""
+OVERHEAD = 1000
+"""Bytes that each response counts for besides its text."""
+MOST_VIEWS = 100
+"""Principals, each of which sees another part of the graph, whose lists of names are kept."""
+MOST_RESPONSE_BYTES = 2**25
+"""Bytes that cached responses of one kind may take: each principal has its own."""
 MOST_TEXT_BYTES = 2**24
 """Bytes that cached texts of types may take: clients bring types, and each may hold all others."""
 
 Make: TypeAlias = Callable[[str], bytes]
 """Makes a response for a caller's node."""
+
+
+T = TypeVar("T")
+
+
+class Views(Generic[T]):
+    """Something about the graph as nodes see it, made once for each view and revision of it.
+
+    Args:
+        make: makes it for a caller's node.
+    """
+
+    def __init__(self, graph: Graph, make: Callable[[str], T]) -> None:
+        self._graph = graph
+        self._make = make
+        self._views: dict[Hashable, tuple[int, T]] = {}
+        """Each with its revision, the one that was used last at the end."""
+
+    def get(self, caller: str) -> T:
+        """Return what the caller's node sees."""
+        view = self._graph.policy.view(caller)
+        kept = self._views.pop(view, None)
+        if kept is None or kept[0] != self._graph.revision:
+            kept = (self._graph.revision, self._make(caller))
+        self._views[view] = kept
+        if len(self._views) > MOST_VIEWS:
+            del self._views[next(iter(self._views))]
+        return kept[1]
 
 
 class CachedResponse(NamedTuple):
@@ -27,44 +61,62 @@ class CachedResponse(NamedTuple):
 
 
 class ResponseCache:
-    """Responses about the graph, each made once for each revision of it.
+    """Responses about the graph, each made once for each revision of it, and for each view.
 
     Large responses that hold their own revision or time may be served a little stale, so that
-    alternating changes and queries cannot keep the hub from everything else. Where a policy hides
-    names from nodes, nothing is cached.
+    alternating changes and queries cannot keep the hub from everything else.
+
+    Args:
+        max_bytes: limit of all responses together; beyond it, those that were made first are
+            dropped, and made again on use.
     """
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, max_bytes: int = MOST_RESPONSE_BYTES) -> None:
         self._graph = graph
-        self._responses: dict[Make, CachedResponse] = {}
+        self._max_bytes = max_bytes
+        self._bytes = 0
+        self._responses: dict[tuple[Make, Hashable], CachedResponse] = {}
+        """The one that was made last at the end."""
 
     def get(self, make: Make, caller: str) -> bytes:
         """Return the result of ``make`` for this revision."""
-        cached = self._responses.get(make)
+        cached = self._cached(make, caller)
         if cached is None or cached.revision != self._graph.revision:
             return self._make(make, caller)
         return cached.text
 
     def get_lately(self, make: Make, caller: str) -> bytes:
         """Return the result of ``make`` for this revision; a large one may be slightly older."""
-        cached = self._responses.get(make)
+        cached = self._cached(make, caller)
         if cached is not None and cached.revision == self._graph.revision:
             return cached.text
         return self.get_recent(make, caller)
 
     def get_recent(self, make: Make, caller: str) -> bytes:
         """Return the result of ``make``; a large one may be slightly older."""
-        cached = self._responses.get(make)
+        cached = self._cached(make, caller)
         # The clock may have been set back.
         if cached is None or not 0 <= self._graph.now() - cached.made < _fresh_for(cached.text):
             return self._make(make, caller)
         return cached.text
 
+    def _cached(self, make: Make, caller: str) -> CachedResponse | None:
+        return self._responses.get((make, self._graph.policy.view(caller)))
+
     def _make(self, make: Make, caller: str) -> bytes:
-        text = make(caller)
-        if self._graph.policy.allows_all:
-            self._responses[make] = CachedResponse(text, self._graph.revision, self._graph.now())
+        graph, text = self._graph, make(caller)
+        key = (make, graph.policy.view(caller))
+        self._forget(key)
+        self._responses[key] = CachedResponse(text, graph.revision, graph.now())
+        self._bytes += len(text) + OVERHEAD
+        while self._bytes > self._max_bytes and len(self._responses) > 1:
+            self._forget(next(iter(self._responses)))
         return text
+
+    def _forget(self, key: tuple[Make, Hashable]) -> None:
+        older = self._responses.pop(key, None)
+        if older is not None:
+            self._bytes -= len(older.text) + OVERHEAD
 
 
 def _fresh_for(text: bytes) -> int:

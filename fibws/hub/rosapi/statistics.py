@@ -15,7 +15,7 @@ from pydantic_core import to_json
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
-from fibws.hub.rosapi.cache import ResponseCache
+from fibws.hub.rosapi.cache import ResponseCache, Views
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 
 
@@ -30,6 +30,8 @@ class Statistics:
         self._graph = graph
         self._clients = clients
         self._cached = ResponseCache(graph).get_recent
+        self._topics = Views(graph, lambda caller: graph.visible(caller, "topic", graph.topics))
+        self._nodes = Views(graph, lambda caller: graph.visible_nodes(caller, graph.nodes))
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """Return the service by its global name, with its type and handler."""
@@ -48,7 +50,7 @@ class Statistics:
                 "stamp": {"secs": secs, "nsecs": nsecs},
                 "topics": [
                     _topic(graph.topics[name], partial(graph.is_user_visible, caller))
-                    for name in graph.visible(caller, "topic", graph.topics)
+                    for name in self._topics.get(caller)
                 ],
                 "clients": self._list(caller),
             }
@@ -57,10 +59,10 @@ class Statistics:
     def _list(self, caller: str) -> list[dict[str, Any]]:
         # A client that was replaced, or is being closed, may still be connected.
         clients = {client.name: (client, since) for client, since in self._clients}
-        names = (name for name in clients if name in self._graph.nodes)
         return [
             _client(name, *clients[name], shown=self._graph.is_address_visible(caller, name))
-            for name in self._graph.visible_nodes(caller, names)
+            for name in self._nodes.get(caller)
+            if name in clients
         ]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Any
 
 import pytest
@@ -33,6 +33,9 @@ class Forbid(AllowAll):
     def may(self, node: str, right: Right, name: str) -> bool:
         self.questions.append((node, right, name))
         return (node, right, name) not in self.forbidden
+
+    def view(self, node: str) -> Hashable:
+        return node, frozenset(self.forbidden)
 
 
 class HideSecrets(AllowAll):
@@ -378,3 +381,29 @@ def test_without_a_policy_everything_is_allowed() -> None:
     rights: list[Right] = ["publish", "subscribe", "call", "provide", "param_read", "param_write"]
     assert all(graph.policy.may("/guest", right, "/a") for right in rights)
     assert graph.is_visible("/guest", "topic", "/a")
+
+
+@pytest.mark.parametrize(
+    "service",
+    [
+        "topics",
+        "topics_and_raw_types",
+        "nodes",
+        "services",
+        "action_servers",
+        "graph",
+        "statistics",
+    ],
+)
+def test_policy_is_asked_once_for_each_change_however_often_lists_are_asked_for(
+    service: str,
+) -> None:
+    policy = Forbid()
+    rosapi = RosapiClient("/guest", policy=policy)
+    talker = rosapi.add_client("/talker")
+    for each in range(20):
+        talker.send("advertise", f"/a_{each}", type=INT32)
+    rosapi.call(f"/rosapi/{service}")
+    policy.questions.clear()
+    rosapi.call(f"/rosapi/{service}")
+    assert len(policy.questions) < 5

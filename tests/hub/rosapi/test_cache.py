@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 
 import pytest
 
-from fibws.access.rights import Right
+from fibws.access.rights import Principal, Right, Rights
+from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import AllowAll
-from fibws.hub.rosapi.cache import FRESH_FOR, LARGE, Make, ResponseCache, TextCache
+from fibws.hub.rosapi.cache import (
+    FRESH_FOR,
+    LARGE,
+    MOST_VIEWS,
+    OVERHEAD,
+    Make,
+    ResponseCache,
+    TextCache,
+    Views,
+)
 from fibws.interfaces import Interfaces
 
 from ..fakes import INT32, FakeHub
@@ -54,12 +64,85 @@ def test_different_responses_are_cached_separately() -> None:
 @pytest.mark.parametrize(
     "get", [ResponseCache.get, ResponseCache.get_lately, ResponseCache.get_recent]
 )
-def test_responses_are_not_cached_if_a_policy_limits_listings(
+def test_nodes_share_no_responses_if_a_policy_gives_them_other_views(
     get: Callable[[ResponseCache, Make, str], bytes],
 ) -> None:
     cache = ResponseCache(FakeHub(policy=HideAll()).graph)
-    found = [get(cache, lambda caller: caller.encode() * LARGE, node) for node in ("/a", "/b")]
-    assert [text[:2] for text in found] == [b"/a", b"/b"]
+    made: list[str] = []
+
+    def make(caller: str) -> bytes:
+        made.append(caller)
+        return caller.encode() * LARGE
+
+    for _ in range(3):
+        assert [get(cache, make, node)[:2] for node in ("/a", "/b")] == [b"/a", b"/b"]
+    assert made == ["/a", "/b"]
+
+
+def principal(name: str, **allow: list[str]) -> Principal:
+    return Principal(name, Rights(allow))  # type: ignore[arg-type]
+
+
+def views(policy: AccessPolicy, *principals: Principal) -> list[Hashable]:
+    """Return the views of nodes of some principals."""
+    for number, each in enumerate(principals):
+        policy.enter(f"/{number}", each, is_chosen=False, is_taken=False)
+    return [policy.view(f"/{number}") for number in range(len(principals))]
+
+
+def test_nodes_of_one_principal_share_a_view_until_its_rights_change() -> None:
+    one, same, changed, other = views(
+        AccessPolicy(),
+        principal("one", subscribe=["/a"]),
+        principal("one", subscribe=["/a"]),
+        principal("one", subscribe=["/b"]),
+        principal("other", subscribe=["/a"]),
+    )
+    assert one == same
+    assert len({one, changed, other}) == 3
+
+
+def test_anonymous_nodes_have_views_of_their_own() -> None:
+    one, other = views(AccessPolicy(), principal("anonymous"), principal("anonymous"))
+    assert one != other
+    assert AccessPolicy().view("/rosapi") == "/rosapi"
+
+
+def test_responses_of_many_views_are_bounded() -> None:
+    cache = ResponseCache(FakeHub(policy=HideAll()).graph, max_bytes=3 * (OVERHEAD + 10))
+    made: list[str] = []
+
+    def make(caller: str) -> bytes:
+        made.append(caller)
+        return bytes(10)
+
+    for node in ("/a", "/b", "/c", "/d", "/d", "/c", "/a"):
+        cache.get(make, node)
+    assert made == ["/a", "/b", "/c", "/d", "/a"]
+    assert cache.get(lambda caller: bytes(100_000), "/e") == bytes(100_000)
+    assert len(cache._responses) == 1
+
+
+def test_view_is_made_once_for_each_revision() -> None:
+    hub = FakeHub(policy=HideAll())
+    made: list[str] = []
+    seen = Views(hub.graph, made.append)
+    for _ in range(2):
+        seen.get("/a")
+        seen.get("/b")
+    hub.client()
+    seen.get("/a")
+    assert made == ["/a", "/b", "/a"]
+
+
+def test_views_that_were_used_last_are_kept() -> None:
+    made: list[str] = []
+    seen = Views(FakeHub(policy=HideAll()).graph, made.append)
+    for number in range(2 * MOST_VIEWS):
+        seen.get("/a")
+        seen.get(f"/{number}")
+    assert made.count("/a") == 1
+    assert len(seen._views) == MOST_VIEWS
 
 
 class Response:
