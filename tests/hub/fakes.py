@@ -128,9 +128,11 @@ def finish(work: Work | None) -> None:
 class FakeHub:
     """A graph, and clients that have no sockets."""
 
-    def __init__(self, *, policy: Policy | None = None, **settings: Any) -> None:
+    def __init__(
+        self, *, policy: Policy | None = None, clock: FakeClock | None = None, **settings: Any
+    ) -> None:
         self.settings = Settings(**settings)
-        self.clock = FakeClock()
+        self.clock = clock or FakeClock()
         self.flusher = Flusher(self.clock.call_soon)
         self.graph = Graph(
             STANDARD,

@@ -11,6 +11,7 @@ from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.foxglove.messages import ERROR, WARNING, text_frame
+from fibws.hub.foxglove.turns import Turns
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log_text import ErrorLog, shortened
 from fibws.hub.settings import Settings
@@ -70,6 +71,7 @@ class Client:
     statuses: Statuses
     audit: Audit
     check_shared: Callable[[Registration], None]
+    turns: Turns
 
     def resolve(self, spelling: str) -> str:
         """Return the global name that the client means; raise `InvalidName`."""

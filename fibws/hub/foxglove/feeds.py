@@ -1,7 +1,7 @@
 """Feeds: what a client is told of the channels, the services and the connections of the graph.
 
-A feed remembers what its client was sent, and sends what has changed since: once at the end of the
-event loop's turn, however often it changed, and not before the client reads. What the client may
+A feed remembers what its client was sent, and sends what has changed since: soon, however often it
+changed, in turns with those of other clients, and not before the client reads. What the client may
 not see, or what has no definition, does not exist for it.
 """
 
@@ -16,9 +16,9 @@ from weakref import WeakKeyDictionary
 
 from pydantic_core import to_json
 
-from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import ROS1, ROS1_TEXT, WARNING, list_frame, text_frame
+from fibws.hub.foxglove.turns import TURN
 from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.publication import Publication
@@ -32,8 +32,6 @@ logger = logging.getLogger("fibws.hub")
 
 BATCH = 2**20
 """Bytes of texts that are sent in one turn of the event loop."""
-MOST_NAMES = 2000
-"""Names that are looked up in one turn."""
 
 MOST_PROBES = 20
 """Topics that ROS 1 nodes are asked about at once for one client."""
@@ -54,7 +52,6 @@ class Feed(ABC, Generic[K, E]):
         """What the client has been sent."""
         self._pending: dict[K, None] = {}
         """The entries that may have changed since."""
-        self._timer: Timer | None = None
 
     @abstractmethod
     def view(self, key: K) -> E | None:
@@ -71,8 +68,8 @@ class Feed(ABC, Generic[K, E]):
     def changed(self, *keys: K) -> None:
         """Take note that entries may have changed."""
         self._pending.update(dict.fromkeys(keys))
-        if self._timer is None and self._pending:
-            self._timer = self.client.clock.call_later(0, self._send)
+        if self._pending:
+            self.client.turns.wait(self._send)
 
     def open(self, keys: Iterable[K]) -> None:
         """Send what there is, the first part at once."""
@@ -81,25 +78,22 @@ class Feed(ABC, Generic[K, E]):
 
     def close(self) -> None:
         """Send nothing more, and forget what was sent."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self.client.turns.cancel(self._send)
         self._pending.clear()
         self.known.clear()
 
     def _send(self) -> None:
-        self._timer = None
         self.client.queue.reply_fresh(self._next_frames)
 
     def _next_frames(self) -> bytes:
         """Return the frames of some changes, and come back for the others in another turn."""
         removed: list[E] = []
         added: list[E] = []
-        size = looked_up = 0
-        while self._pending and size < BATCH and looked_up < MOST_NAMES:
+        size = 0
+        until = self.client.clock.time() + TURN
+        while self._pending and size < BATCH and self.client.clock.time() < until:
             key = next(iter(self._pending))
             del self._pending[key]
-            looked_up += 1
             older, newer = self.known.get(key), self._view(key)
             if older == newer:
                 continue

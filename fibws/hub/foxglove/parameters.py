@@ -13,10 +13,10 @@ from typing import Any
 from pydantic_core import from_json, to_json
 
 from fibws.errors import FibwsError, InvalidName, LimitReached, ParameterError, ParameterNotSet
-from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.feeds import BATCH
 from fibws.hub.foxglove.messages import GetParameters, Parameter, SetParameters, list_frame
+from fibws.hub.foxglove.turns import TURN
 from fibws.hub.graph.parameters import BINARY, canonical
 from fibws.hub.websocket.endpoint import Work
 from fibws.interfaces import base64text
@@ -39,7 +39,6 @@ class ParameterAccess:
         """The names that have changed since the client was last sent changes."""
         self._pending: dict[str, None] = {}
         """Those whose values are still to be sent."""
-        self._timer: Timer | None = None
         self.answer_bytes = 0
         """The bytes of the values in an answer that is not complete yet."""
 
@@ -116,19 +115,15 @@ class ParameterAccess:
         """Take note that a parameter, or a namespace, was set or deleted."""
         if self._watched:
             self._changed[name] = None
-            if self._timer is None:
-                self._timer = self._client.clock.call_later(0, self._report)
+            self._client.turns.wait(self._report)
 
     def leave(self) -> None:
         """Send nothing more."""
         self._watch(set())
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._client.turns.cancel(self._report)
 
     def _report(self) -> None:
         """Send the parameters that have changed, once the client reads."""
-        self._timer = None
         changed, self._changed = self._changed, {}
         for name in changed:
             found = self._watched.intersection((name, *_namespaces(name)))
@@ -150,15 +145,16 @@ class ParameterAccess:
         """Return the frame of some changes, and come back for the others in another turn."""
         items: list[bytes] = []
         size = 0
-        while self._pending and size < BATCH:
+        until = self._client.clock.time() + TURN
+        while self._pending and size < BATCH and self._client.clock.time() < until:
             name = next(iter(self._pending))
             del self._pending[name]
             item = self._value(name)
             if item is not None:
                 items.append(item)
                 size += len(item)
-        if self._pending and self._timer is None:
-            self._timer = self._client.clock.call_later(0, self._report)
+        if self._pending:
+            self._client.turns.wait(self._report)
         return list_frame("parameterValues", "parameters", items) if items else b""
 
     @property

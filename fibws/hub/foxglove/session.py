@@ -8,8 +8,9 @@ A session is synchronous and knows no socket: messages come in by `Session.recei
 from __future__ import annotations
 
 import secrets
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from typing import assert_never
 
 from fibws.access.rights import Principal
@@ -53,6 +54,7 @@ from fibws.hub.foxglove.parameters import ParameterAccess
 from fibws.hub.foxglove.playback import NANOSECONDS, Playback
 from fibws.hub.foxglove.services import Calls
 from fibws.hub.foxglove.topics import Groups, Publications, Subscriptions, unknown_channel
+from fibws.hub.foxglove.turns import Turns
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
@@ -116,6 +118,11 @@ class Foxglove:
         self.services = Services(graph)
         self.groups: Groups = {}
         self.sessions: set[Session] = set()
+        self.turns = Turns(clock)
+        self._topics: dict[str, None] = {}
+        """Topics that have changed, of which the sessions are still to be told."""
+        self._services: dict[str, None] = {}
+        """Services that were added or removed, likewise."""
         self._was_simulated = graph.clock.simulated is not None
         graph.watch_topics(self._topic_changed)
         graph.watch("service", self._service_changed)
@@ -133,13 +140,30 @@ class Foxglove:
             raise AuthenticationError("missing token: append ?token=... to the address")
         return Session(self, opening, protocol)
 
+    def left(self, session: Session) -> None:
+        """Forget a session; the second time nothing happens."""
+        self.sessions.discard(session)
+        if not self.sessions:
+            self.turns.cancel(self._tell)
+            self._topics.clear()
+            self._services.clear()
+
     def _topic_changed(self, topic: Topic) -> None:
-        for session in self.sessions:
-            session.topic_changed(topic.name)
+        if self.sessions:
+            self._topics[topic.name] = None
+            self.turns.wait(self._tell)
 
     def _service_changed(self, name: str) -> None:
+        if self.sessions:
+            self._services[name] = None
+            self.turns.wait(self._tell)
+
+    def _tell(self) -> None:
+        """Tell the sessions together of all that has changed, each in its turn."""
+        topics, self._topics = self._topics, {}
+        services, self._services = self._services, {}
         for session in self.sessions:
-            session.service_changed(name)
+            self.turns.wait(partial(session.changed, topics, services))
 
     def _parameter_changed(self, name: str, node: str) -> None:
         for session in self.sessions:
@@ -193,6 +217,7 @@ class Session:
             Statuses(self.node, opening.queue, foxglove.report),
             foxglove.audit,
             opening.check_room,
+            foxglove.turns,
         )
         self._subscriptions = Subscriptions(client, foxglove.groups)
         self._publications = Publications(client)
@@ -291,7 +316,7 @@ class Session:
 
     def leave(self) -> None:
         """Take the client's registrations back; the second time nothing happens."""
-        self._foxglove.sessions.discard(self)
+        self._foxglove.left(self)
         feeds = (self._channels, self._undefined, self._services, self._graph_feed)
         with ExitStack() as stack:  # Whatever fails of this, the rest is done.
             stack.callback(self._client.graph.leave, self, self.node)
@@ -333,20 +358,21 @@ class Session:
         if self._client.graph.clock.simulated is not None:
             self._client.queue.reply_fresh(self._time)
 
-    def topic_changed(self, name: str) -> None:
-        """Take note that a topic's users or its type have changed."""
-        self._channels.changed(name)
-        self._undefined.changed(name)
-        self._playback.changed(name)
-        if self._graph_feed is not None:
-            self._graph_feed.changed((False, name))
+    def changed(self, topics: Iterable[str], services: Iterable[str]) -> None:
+        """Take note that topics' users or types have changed, and services were added or removed.
 
-    def service_changed(self, name: str) -> None:
-        """Take note that a service was added or removed."""
-        self._services.changed(name)
-        self._playback.changed(name)
+        Nothing happens once the client has left.
+        """
+        if self not in self._foxglove.sessions:
+            return
+        self._channels.changed(*topics)
+        self._undefined.changed(*topics)
+        self._services.changed(*services)
+        self._playback.changed(*topics, *services)
         if self._graph_feed is not None:
-            self._graph_feed.changed((True, name))
+            self._graph_feed.changed(
+                *((False, name) for name in topics), *((True, name) for name in services)
+            )
 
     def _server_info(self) -> bytes:
         capabilities = list(CAPABILITIES)

@@ -39,7 +39,7 @@ class RandomClients(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.hub = FakeHub(policy=None, **LIMITS)
+        self.hub = FakeHub(policy=None, clock=None, **LIMITS)
         self.group = ClientGroup(self.hub)
 
     @rule(target=clients, node=NODES)
