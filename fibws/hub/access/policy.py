@@ -71,14 +71,15 @@ class AccessPolicy:
         """Let a principal's client be a node; see `Policy.enter`."""
         if principal is None:
             raise NotAllowed(node, "node", node, f"missing token for {node}")
-        if is_taken and not _is_same(self._principals[node], principal):
+        owner = self._principals.get(node)
+        if is_taken and not (owner is not None and _is_same(owner, principal)):
             raise NotAllowed(node, "node", node, f"{node} is a node of another principal")
         if is_chosen and not self._may_be(principal, node):
             raise NotAllowed(node, "node", node)
         self._principals[node] = principal
 
     def leave(self, node: str) -> None:
-        """Forget the principal of a node that has left."""
+        """Forget the principal of a node, which has no rights then."""
         self._principals.pop(node, None)
 
     def may(self, node: str, right: Right, name: str) -> bool:

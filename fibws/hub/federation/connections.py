@@ -119,6 +119,9 @@ class LinkEndpoint:
         """Close the connection: the hub joins again, with its new rights."""
         self.close(RESTART)
 
+    def revoke(self) -> None:
+        """Do nothing: what the other hub's nodes have here ends with the link."""
+
     def leave(self) -> None:
         """Detach the other hub."""
         self.link.closed(self._reason)

@@ -148,6 +148,12 @@ class Playback:
         self._calls.clear()
         self._unsubscribe()
 
+    def withdraw_forbidden(self) -> None:
+        """End the calls that the client's rights do not allow any more."""
+        for call in list(self._calls):
+            if not self._client.is_allowed("call", call.service.name):
+                call.withdraw()
+
     # As a sink.
 
     def receive(self, publication: Publication) -> None:

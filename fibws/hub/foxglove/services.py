@@ -62,6 +62,12 @@ class Calls:
         self._fail(request.service, request.call, text)
         self._client.statuses.log(f"service {request.service}: {text}", fault=fault)
 
+    def withdraw_forbidden(self) -> None:
+        """End the calls that the client's rights do not allow any more."""
+        for call in list(self._waiting):
+            if not self._client.is_allowed("call", call.service.name):
+                call.withdraw()
+
     def leave(self) -> None:
         """Abandon all calls."""
         for call, waiting in list(self._waiting.items()):

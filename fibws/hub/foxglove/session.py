@@ -305,14 +305,18 @@ class Session:
         """Use the rights of a principal from now on; see `Endpoint.authorize`."""
         graph = self._client.graph
         graph.authorize(self.node, principal)
-        self._publications.withdraw_forbidden()
-        self._subscriptions.withdraw_forbidden()
+        for part in (self.calls, self._playback, self._publications, self._subscriptions):
+            part.withdraw_forbidden()
         self._channels.changed(*graph.topics, *self._channels.known)
         self._undefined.changed(*graph.topics, *self._undefined.known)
         self._services.changed(*graph.services, *self._services.known)
         self._playback.changed(*graph.services)
         if self._graph_feed is not None:
             self._graph_feed.changed(*_graph_keys(graph), *self._graph_feed.known)
+
+    def revoke(self) -> None:
+        """Take all rights from the client, which is about to leave."""
+        self._client.graph.revoke(self.node)
 
     def leave(self) -> None:
         """Take the client's registrations back; the second time nothing happens."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol
 
+from fibws.errors import NotAllowed
 from fibws.hub.graph.types import ActionType
 from fibws.interfaces import base64text
 from fibws.interfaces.json_text import json_of
@@ -152,6 +153,12 @@ class Goal:
         if self.action.goals.pop(self.uuid, None) is not None:
             self.cancel()
             self.action.server.forget(self)
+
+    def withdraw(self) -> None:
+        """Cancel the goal of a client that has lost the right to it, and end it at once."""
+        error = NotAllowed(self.caller, "call", self.action.name)
+        self.cancel()
+        self.fail(f"{error}; the goal was cancelled", error.code)
 
     def _end(self, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
         if self.action.goals.pop(self.uuid, None) is not None:

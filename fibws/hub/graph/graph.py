@@ -341,6 +341,11 @@ class Graph:
         self.policy.enter(node, principal, is_chosen=is_chosen, is_taken=False)
         self.revision += 1
 
+    def revoke(self, node: str) -> None:
+        """Take all rights from a node that is about to leave, as its token is gone."""
+        self.policy.leave(node)
+        self.revision += 1
+
     def resolve(self, name: str, node: str) -> str:
         """Return the global name of a topic, a service, an action or a node that a node means.
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol, TypeAlias
 
-from fibws.errors import CallFailed, FibwsError
+from fibws.errors import CallFailed, FibwsError, NotAllowed
 from fibws.hub.graph.totals import CallTotals
 from fibws.hub.graph.types import ServiceType
 from fibws.interfaces.json_text import json_of
@@ -215,8 +215,17 @@ class Call:
 
     def time_out(self, timeout: float) -> None:
         """End the call, to which the server has not responded within ``timeout`` seconds."""
+        self.give_up(f"Service {self.service.name} did not answer within {timeout:g} s", "timeout")
+
+    def withdraw(self) -> None:
+        """End the call of a caller that has lost the right to it."""
+        error = NotAllowed(self.caller, "call", self.service.name)
+        self.give_up(f"{error}; the call was ended", error.code)
+
+    def give_up(self, text: str, code: str) -> None:
+        """End the call with an error; a response that comes later is dropped."""
         self.service.server.cancel(self)
-        self.fail(f"Service {self.service.name} did not answer within {timeout:g} s", "timeout")
+        self.fail(text, code)
 
     def _close(self) -> bool:
         """Return whether this is the call's one end."""

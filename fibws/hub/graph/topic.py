@@ -304,6 +304,7 @@ class Source:
         "make_latest",
         "messages",
         "node",
+        "on_next",
         "queue_size",
         "topic",
         "type",
@@ -332,6 +333,8 @@ class Source:
         self.set_headers({})
         self.make_latest: Callable[[], dict[str, Any]] | None = None
         """Makes the message for later subscribers, where it costs less than to keep each one."""
+        self.on_next: Callable[[], object] | None = None
+        """Called at the next message, and removed."""
         self.messages = 0
         """Messages published."""
         self.bytes = 0
@@ -365,6 +368,8 @@ class Source:
             values["header"]["seq"] = self._sequence & 0xFFFFFFFF
         publication = Publication(type_, self.node, self.header, self._now(), values)
         self.messages += 1
+        if self.on_next is not None:
+            self._report_next(self.on_next)
         self.bytes += len(publication.json()) if size is None else size
         if to is not None:
             self.topic.deliver_to(to, publication)
@@ -397,6 +402,8 @@ class Source:
     def _deliver_serialized(self, data: Buffer, to: str | None) -> None:
         publication = Publication(self.type, self.node, self.header, self._now(), None, data)
         self.messages += 1
+        if self.on_next is not None:
+            self._report_next(self.on_next)
         self.bytes += len(data)
         if to is not None:
             self.topic.deliver_to(to, publication)
@@ -408,6 +415,8 @@ class Source:
     def forward(self, publication: Publication) -> None:
         """Deliver a message of another topic of the same type."""
         self.messages += 1
+        if self.on_next is not None:
+            self._report_next(self.on_next)
         self.bytes += publication.size
         self.topic.deliver(publication)
 
@@ -423,6 +432,10 @@ class Source:
         self._quota.used -= self._latched_bytes
         self._latched_bytes = 0
         self._latched = None
+
+    def _report_next(self, report: Callable[[], object]) -> None:
+        self.on_next = None
+        report()
 
     def _keep(self, publication: Publication) -> None:
         if self.topic.sources.get(self.node) is not self:

@@ -100,6 +100,12 @@ class Goals:
         """Send the client a goal's end."""
         self._respond(self._pop(goal), status, values, code)
 
+    def withdraw_forbidden(self) -> None:
+        """Cancel the goals that the client's rights do not allow any more."""
+        for goal in list(self._sent):
+            if not self._client.graph.is_allowed(self._client.node, "call", goal.action.name):
+                goal.withdraw()
+
     def leave(self) -> None:
         """Cancel all goals."""
         for goal, (_, lane) in list(self._sent.items()):
@@ -165,17 +171,25 @@ class Actions:
 
     def unadvertise(self, request: UnadvertiseAction) -> None:
         """Serve an action no more; goals that have not ended are aborted."""
-        action, _ = self._served.pop(self._client.resolve(request.action), (None, ""))
+        name = self._client.resolve(request.action)
+        if name in self._served:
+            self._remove(name)
+
+    def _remove(self, name: str) -> None:
+        action, _ = self._served.pop(name, (None, ""))
         if action is not None:
             self._client.graph.remove_action(action)
-            for goal in list(self._goals_of.get(action.name, {}).values()):
-                goal.fail(f"Action {action.name} was unadvertised", "server_lost")
+        for goal in list(self._goals_of.get(name, {}).values()):
+            goal.fail(f"Action {name} was unadvertised", "server_lost")
 
     def withdraw_forbidden(self) -> None:
-        """Take back the actions that the client's rights do not allow any more."""
-        for name, (_, spelling) in list(self._served.items()):
+        """Take back the actions that the client's rights do not allow any more.
+
+        Another server may have displaced the client; the goals that it still has are aborted, too.
+        """
+        for name in {**self._served, **self._goals_of}:
             if not self._client.graph.is_allowed(self.node, "provide", name):
-                self.unadvertise(UnadvertiseAction(action=spelling))
+                self._remove(name)
                 self._client.report_withdrawn("provide", name)
 
     def execute(self, goal: Goal) -> None:

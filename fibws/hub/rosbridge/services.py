@@ -83,6 +83,12 @@ class Calls:
         if isinstance(service, str) and id_ is not None:
             self._fail(WaitingCall(id_, service, None, inf, headers=False), text, code)
 
+    def withdraw_forbidden(self) -> None:
+        """End the calls that the client's rights do not allow any more."""
+        for call in list(self._waiting):
+            if not self._client.graph.is_allowed(self._client.node, "call", call.service.name):
+                call.withdraw()
+
     def leave(self) -> None:
         """Abandon all calls."""
         for call in list(self._waiting):
@@ -242,18 +248,25 @@ class Services:
         if request.service is None:
             # ros-sharp sends no name, by mistake: that takes none back.
             return
-        served = self._served.pop(self._client.resolve(request.service), None)
+        name = self._client.resolve(request.service)
+        if name in self._served:
+            self._remove(name)
+
+    def _remove(self, name: str) -> None:
+        served = self._served.pop(name, None)
         if served is not None:
-            service = served.service
-            self._client.graph.remove_service(service)
-            for id_ in list(self._calls_of.get(service.name, ())):
-                self._fail(id_, f"Service {service.name} was unadvertised", "server_lost")
+            self._client.graph.remove_service(served.service)
+        for id_ in list(self._calls_of.get(name, ())):
+            self._fail(id_, f"Service {name} was unadvertised", "server_lost")
 
     def withdraw_forbidden(self) -> None:
-        """Take back the services that the client's rights do not allow any more."""
-        for name, served in list(self._served.items()):
+        """Take back the services that the client's rights do not allow any more.
+
+        Another server may have displaced the client; the calls that it still has fail, too.
+        """
+        for name in {**self._served, **self._calls_of}:
             if not self._client.graph.is_allowed(self.node, "provide", name):
-                self.unadvertise(UnadvertiseService(service=served.spelling))
+                self._remove(name)
                 self._client.report_withdrawn("provide", name)
 
     def handle(self, call: Call) -> None:

@@ -179,6 +179,9 @@ class TokenWait:
     def authorize(self, principal: Principal) -> None:
         """Do nothing: the client has no rights yet."""
 
+    def revoke(self) -> None:
+        """Do nothing: the client has no rights yet."""
+
     def leave(self) -> None:
         """Do nothing: the client has registered nothing."""
 
@@ -415,9 +418,13 @@ class Session:
     def authorize(self, principal: Principal) -> None:
         """Use the rights of a principal from now on; see `Endpoint.authorize`."""
         self._client.graph.authorize(self.node, principal)
-        for part in (self._actions, self._services, self.topics):
+        for part in (self._actions, self._goals, self._services, self._calls, self.topics):
             if part is not None:
                 part.withdraw_forbidden()
+
+    def revoke(self) -> None:
+        """Take all rights from the client, which is about to leave."""
+        self._client.graph.revoke(self.node)
 
     def leave(self) -> None:
         """Take the client's registrations back; the second time nothing happens."""
@@ -605,6 +612,7 @@ class Session:
         except NotAllowed as error:
             # The client is whom it has proved to be, and that one may not be this node. Operations
             # in the same text must not outlive it.
+            self.revoke()
             close = partial(self._close, close_reason(FORBIDDEN, str(error)))
             self._client.clock.call_later(0, close)
             raise

@@ -193,7 +193,9 @@ class Topics:
                 )
             source = self._register(request, type_, None, None)
         if self._wills is None:
-            self._wills = Wills(self._client.node, self._quota(), self._client.clock)
+            client = self._client
+            allowed = client.graph.is_source_allowed
+            self._wills = Wills(client.node, self._quota(), client.clock, allowed)
         self._wills.set(source, request.msg, request.timeout)
         self._client.statuses.info(request.id, f"{source.topic.name} has a will")
 

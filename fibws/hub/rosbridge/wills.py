@@ -5,12 +5,18 @@ its client leaves, because a closed tab ends its connection in good order as wel
 want that clears it first. And a will may have a timeout: then it is also published when the client
 is still connected but has published nothing on the topic for so long, which is what stops a robot
 while a network or a page hangs.
+
+A will is published only if the client may still publish on its topic: the will of a token that was
+revoked or has expired is dropped, and so is one whose right was withdrawn. Of a node that is killed
+or replaced it is published: its rights are the same as before, and its robot has to stop.
 """
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from fibws.errors import FibwsError, LimitReached
@@ -21,9 +27,12 @@ from fibws.protocol.operations import json_of
 logger = logging.getLogger("fibws.hub")
 
 MOST_WILLS = 100
-"""Wills of one client; each may have a timer."""
+"""Wills of one client: each check of their topics takes time."""
 CHECKS = 4
-"""How often within its timeout a will looks for new messages: it is late by a quarter at most."""
+"""How often within the shortest timeout the topics are checked for new messages: a will is late by
+a quarter of its timeout at most."""
+ROUNDING = 1e-6
+"""Part of a timeout by which a clock's rounding may make it shorter."""
 
 
 @dataclass(slots=True, eq=False)
@@ -35,34 +44,47 @@ class Will:
         timeout: seconds without a message after which it is published; None for when the client
             leaves.
         seen: the client's messages on the topic, as of the last check.
-        checks: those that have found no new message; the topic is silent from `CHECKS` on.
-        is_waiting: whether the client must publish before the timeout begins.
+        silent_since: when a check last found new ones.
+        is_published: whether it was published since the client's last message.
     """
 
     source: Source
     msg: Any
     size: int
     timeout: float | None
-    seen: int
-    checks: int = 0
-    is_waiting: bool = True
-    timer: Timer | None = None
+    seen: int = 0
+    silent_since: float = 0.0
+    is_published: bool = False
 
 
 class Wills:
     """The wills of one client, at most one for each topic.
 
+    Timeouts begin with the next message on the topic, and one timer serves all that have begun.
+
     Args:
         quota: bounds their bytes, together with those of the client's latched messages.
+        is_allowed: returns whether the client may still publish.
     """
 
-    __slots__ = ("_clock", "_node", "_quota", "_wills")
+    __slots__ = ("_begun", "_clock", "_due", "_is_allowed", "_node", "_quota", "_timer", "_wills")
 
-    def __init__(self, node: str, quota: LatchQuota, clock: Clock) -> None:
+    def __init__(
+        self,
+        node: str,
+        quota: LatchQuota,
+        clock: Clock,
+        is_allowed: Callable[[Source], bool] = lambda source: True,
+    ) -> None:
         self._node = node
         self._quota = quota
         self._clock = clock
+        self._is_allowed = is_allowed
         self._wills: dict[Source, Will] = {}
+        self._begun: dict[Will, float] = {}
+        """The timeouts that have begun."""
+        self._timer: Timer | None = None
+        self._due = 0.0
 
     def __len__(self) -> int:
         return len(self._wills)
@@ -90,47 +112,78 @@ class Wills:
         if older is None and len(self._wills) >= MOST_WILLS:
             raise LimitReached(f"too many wills of one client (limit {MOST_WILLS})")
         self.clear(source)
-        will = self._wills[source] = Will(source, msg, size, timeout, source.messages)
+        will = self._wills[source] = Will(source, msg, size, timeout)
         self._quota.used += size
-        self._watch(will)
+        if timeout is not None:
+            source.on_next = partial(self._begin, will, timeout)
 
     def clear(self, source: Source) -> None:
         """Forget the will of a topic, if there is one."""
         will = self._wills.pop(source, None)
         if will is not None:
             self._quota.used -= will.size
-            if will.timer is not None:
-                will.timer.cancel()
+            source.on_next = None
+            self._end(will)
 
     def publish(self) -> None:
         """Publish all wills, as the client has left, and forget them."""
         for source, will in list(self._wills.items()):
             self.clear(source)
-            if will.checks < CHECKS or source.messages != will.seen:  # It is not published yet.
+            if not will.is_published:
                 self._publish(will, "it has left")
 
-    def _watch(self, will: Will) -> None:
-        if will.timeout is not None:
-            will.timer = self._clock.call_later(will.timeout / CHECKS, lambda: self._check(will))
+    def _begin(self, will: Will, timeout: float) -> None:
+        """Take note of a client's message on a topic that was silent before."""
+        will.is_published = False
+        will.seen = will.source.messages
+        will.silent_since = self._clock.time()
+        self._begun[will] = timeout
+        self._watch()
 
-    def _check(self, will: Will) -> None:
-        """Publish a will if its topic has been silent for so long."""
-        messages = will.source.messages
-        if messages != will.seen:
-            will.seen = messages
-            will.checks = 0
-            will.is_waiting = False
-        elif not will.is_waiting and will.checks < CHECKS:
-            will.checks += 1
-            if will.checks == CHECKS:
-                self._publish(will, f"nothing was published for {will.timeout:g} s")
-                will.seen = will.source.messages
-        self._watch(will)
+    def _end(self, will: Will) -> None:
+        if self._begun.pop(will, None) is not None and not self._begun:
+            self._stop()
+
+    def _watch(self) -> None:
+        """Make sure that the timer is due when the next check is."""
+        due = self._clock.time() + min(self._begun.values()) / CHECKS
+        if self._timer is None or due < self._due:
+            self._stop()
+            self._due = due
+            self._timer = self._clock.call_later(due - self._clock.time(), self._check)
+
+    def _stop(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _check(self) -> None:
+        """Publish the wills whose topics have been silent for too long."""
+        self._timer = None
+        now = max(self._due, self._clock.time())  # The timer may be a little early.
+        for will, timeout in list(self._begun.items()):
+            messages = will.source.messages
+            if will not in self._begun:
+                continue  # A message of another will has made the client leave.
+            if messages != will.seen:
+                will.seen, will.silent_since = messages, now
+            elif now - will.silent_since >= timeout * (1 - ROUNDING):
+                del self._begun[will]
+                self._publish(will, f"nothing was published for {timeout:g} s")
+                will.is_published = True
+                if will.source in self._wills:
+                    will.source.on_next = partial(self._begin, will, timeout)
+        if self._begun:
+            self._watch()
 
     def _publish(self, will: Will, why: str) -> None:
-        logger.warning(
-            "%s: the will for %s is published: %s.", self._node, will.source.topic.name, why
-        )
+        topic = will.source.topic.name
+        if not self._is_allowed(will.source):
+            logger.warning(
+                "%s: the will for %s is dropped: missing right publish.", self._node, topic
+            )
+            return
+        logger.warning("%s: the will for %s is published: %s.", self._node, topic, why)
         try:
             will.source.publish(will.msg)
         except FibwsError as error:

@@ -492,13 +492,23 @@ class Connection(asyncio.BufferedProtocol):
         try:
             principal = self._again()
             if principal != self.principal:
-                self._join(principal)
-                self.principal = principal
                 self.endpoint.authorize(principal)
-        except REFUSED as error:
+                self.principal = principal
+                self._join(principal)
+        except LimitReached as error:
             self.fail(_refusal(error, "after a reload: "))
             return False
+        except REFUSED as error:
+            self.endpoint.revoke()
+            self.fail(_refusal(error, "after a reload: "))
+            return False
+        except Exception:
+            self.endpoint.revoke()
+            raise
         return True
+
+    def _is_expired(self) -> bool:
+        return self.principal is not None and self.principal.is_expired(self._shared.now())
 
     def _join(self, principal: Principal) -> None:
         """Count the client of a principal from now on, whose limits may be other ones.
@@ -657,6 +667,8 @@ class Connection(asyncio.BufferedProtocol):
         if self.endpoint is not None and not self._left:
             self._left = True
             self._reader.stop()
+            if self._is_expired():
+                self.endpoint.revoke()
             self.endpoint.leave()
             self.queue.flush()
             self.queue.close()
@@ -697,7 +709,7 @@ class Connection(asyncio.BufferedProtocol):
                 self.fail(close_reason(LIMITED, meter.reason))
             if now > self._login_due:
                 self.fail(MISSING_TOKEN)
-            if self.principal is not None and self.principal.is_expired(self._shared.now()):
+            if self._is_expired():
                 self.fail(EXPIRED)
         verdict = self._keepalive.verdict(now, self._unread())
         if verdict == "abort":

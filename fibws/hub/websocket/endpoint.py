@@ -73,6 +73,9 @@ class Endpoint(Protocol):
             NotAllowed: the client may not be its node any more.
         """
 
+    def revoke(self) -> None:
+        """Take all rights from the client: its token is gone; `leave` follows."""
+
     def leave(self) -> None:
         """Take the client's registrations back; called once, when the connection ends."""
 

@@ -163,3 +163,19 @@ def test_hidden_names_are_in_nothing_that_is_sent(seed: int) -> None:
             is_visible = any(name in allow[right] for right in RIGHTS_OF[kind])
             assert is_visible or name.encode() not in sent, name
     assert any(name.encode() in sent for name in everything)
+
+
+def test_call_ends_with_the_right_to_it() -> None:
+    _, admin, client = hub_with(call=["/open_service"])
+    client.call(client.services["/open_service"]["id"], bytes(16))
+    call = admin.receive_one("call_service")
+    client.session.authorize(Principal("guest", Rights()))
+    failure, *_ = client.receive()
+    assert isinstance(failure, dict)
+    assert failure["op"] == "serviceCallFailure"
+    assert "missing right call for /open_service" in failure["message"]
+    values = {"sum": 1}
+    admin.send(
+        "service_response", service="/open_service", id=call["id"], values=values, result=True
+    )
+    assert client.receive() == []

@@ -186,3 +186,32 @@ def test_client_that_is_only_connected_keeps_no_will_alive(hub: FakeHub, robot: 
         client.send("subscribe", "/other", type=INT32)
         hub.clock.advance(0.2)
     assert robot.receive_numbers("/cmd") == [5, 0]
+
+
+def test_timers_of_wills_run_only_while_their_topics_are_in_use(hub: FakeHub) -> None:
+    client = hub.client("/driver")
+    for index in range(50):
+        fields = {"type": INT32, "msg": STOP, "timeout": 0.05 + index / 100}
+        client.send("set_will", f"/w{index}", **fields)
+    assert hub.clock.timers == 0
+    for index in range(50):
+        client.send("publish", f"/w{index}", msg=number(1))
+        assert hub.clock.timers == 1
+    hub.clock.advance(10)
+    assert hub.clock.timers == 0
+    client.send("publish", "/w7", msg=number(1))
+    assert hub.clock.timers == 1
+    client.send("clear_will", "/w7")
+    assert hub.clock.timers == 0
+
+
+def test_shorter_timeout_is_not_late_because_of_a_longer_one(hub: FakeHub, robot: Client) -> None:
+    client = driver(hub)
+    client.send("set_will", "/slow", type=INT32, msg=STOP, timeout=100.0)
+    client.send("publish", "/slow", msg=number(1))
+    client.send("set_will", "/cmd", msg=STOP, timeout=1.0)
+    client.send("publish", "/cmd", msg=number(5))
+    hub.clock.advance(1 + 1 / CHECKS)
+    assert robot.receive_numbers("/cmd") == [5, 0]
+    hub.clock.advance(100 + 100 / CHECKS)
+    assert hub.clock.timers == 0

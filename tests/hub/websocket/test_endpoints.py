@@ -51,6 +51,9 @@ class Echo:
     def authorize(self, principal: Principal) -> None:
         raise AssertionError("the hub has no authentication")
 
+    def revoke(self) -> None:
+        raise AssertionError("the hub has no authentication")
+
     def leave(self) -> None:
         self._hub.graph.leave(self, self.node)
 

@@ -212,6 +212,9 @@ class Slow:
     def authorize(self, principal: Principal) -> None:
         raise AssertionError("the hub has no authentication")
 
+    def revoke(self) -> None:
+        raise AssertionError("the hub has no authentication")
+
     def leave(self) -> None:
         self.left += 1
 
