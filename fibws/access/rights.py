@@ -8,7 +8,7 @@ level of a name, ``**`` for any characters at all, and ``%n`` for the principal'
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, Self, TypeAlias, get_args
@@ -23,6 +23,10 @@ Right: TypeAlias = Literal[
 """A kind of use of a name: ``call`` and ``provide`` are for services and actions, ``node`` is for
 connecting as a node of this name."""
 
+Proof: TypeAlias = Literal["token", "JWT", "certificate", "anonymous", "network"]
+"""How a principal proves who it is: by a token of the file, a JSON web token, a certificate, not at
+all, or by joining over another network, such as ROS 1's."""
+
 RIGHTS: tuple[Right, ...] = get_args(Right)
 GLOBS: TypeAlias = Mapping[Right, Sequence[str]]
 
@@ -34,6 +38,10 @@ NOTHING = r"(?!)"
 """The pattern that matches no text."""
 _TOKEN = re.compile(r"\*\*|\*|%n|[^*%]+|%")
 _LISTS = ("allow", "deny")
+KEYS = ("admin", *_LISTS)
+"""The keys of a table of rights."""
+_NAMED_BY_OTHERS: tuple[Proof, ...] = ("JWT", "certificate")
+"""The proofs whose names the operator of the hub does not choose."""
 _LEVEL = re.compile(r"\w+", re.ASCII)
 
 
@@ -65,7 +73,7 @@ class Rights:
 
     @classmethod
     def parse(cls, table: Mapping[str, Any], *, name: str, where: str) -> Self:
-        """Return the rights of a TOML table or a JSON object, and ignore its other keys.
+        """Return the rights of a TOML table or a JSON object; see also `check_keys`.
 
         Args:
             table: with ``admin``, ``allow`` and ``deny``; the last two have lists of globs by
@@ -130,10 +138,13 @@ class Rights:
 
 @dataclass(frozen=True)
 class Principal:
-    """A user or program, identified by a token or a certificate, or ``anonymous``.
+    """A user or program, identified by its name and the kind of its proof.
+
+    An issuer of JSON web tokens or certificates must not be able to make somebody of the file of
+    tokens by choosing the same name.
 
     Attributes:
-        name: unique name.
+        name: unique among those with the same kind of proof.
         expires: when the proof expires, in seconds since 1970; None for never.
         limits: limits that the principal's clients share.
     """
@@ -142,10 +153,29 @@ class Principal:
     rights: Rights
     expires: float | None = None
     limits: Limits = DEFAULT
+    proof: Proof = "token"
+
+    @property
+    def title(self) -> str:
+        """The name for logs, which no other principal has, such as ``ann (JWT)``."""
+        return f"{self.name} ({self.proof})" if self.proof in _NAMED_BY_OTHERS else self.name
+
+    def is_same(self, other: Principal) -> bool:
+        """Return whether this is one user or program; anonymous ones are strangers."""
+        if self.proof == "anonymous":
+            return False
+        return (self.proof, self.name) == (other.proof, other.name)
 
     def is_expired(self, now: float) -> bool:
         """Return whether the proof has expired at a time in seconds since 1970."""
         return self.expires is not None and now >= self.expires
+
+
+def check_keys(table: Mapping[str, Any], known: Collection[str], where: str) -> None:
+    """Raise `AccessError` if a table has an unknown key: a misspelt deny would give more rights."""
+    for key in table:
+        if key not in known:
+            raise AccessError(f"unknown key {where}.{key}{suggestion_or_known(key, known)}")
 
 
 def check_name(name: str) -> str:

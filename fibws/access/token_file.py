@@ -40,7 +40,16 @@ from pathlib import Path
 from typing import Any, Self
 
 from fibws.access.limits import Limits
-from fibws.access.rights import RIGHTS, Principal, Right, Rights, check_name
+from fibws.access.rights import (
+    KEYS,
+    RIGHTS,
+    Principal,
+    Proof,
+    Right,
+    Rights,
+    check_keys,
+    check_name,
+)
 from fibws.errors import AccessError
 from fibws.files import locked, replace_file
 from fibws.suggestions import suggestion, suggestion_or_known
@@ -55,9 +64,11 @@ a zenoh network, and the hubs that this one joins."""
 _DIGEST = re.compile(r"[0-9a-f]{64}")
 _SECTIONS = ("tokens", "certificates", ANONYMOUS, *NETWORKS)
 _EVERYTHING: dict[Right, tuple[str, ...]] = {right: ("/**",) for right in RIGHTS}
-_UNLIMITED = {name: Principal(name, Rights(_EVERYTHING, name=name)) for name in NETWORKS}
+_UNLIMITED = {
+    name: Principal(name, Rights(_EVERYTHING, name=name), proof="network") for name in NETWORKS
+}
 """The same principals where no section limits what they may do."""
-_KEYS = ("sha256", "expires", "admin", "allow", "deny", "limits")
+_KEYS = ("expires", *KEYS, "limits")
 
 
 @dataclass(frozen=True)
@@ -104,16 +115,17 @@ class Tokens:
                 raise AccessError(f"{where}.sha256 {fault}")
             if digest in tokens:
                 raise AccessError(f"{where} has the same token as {tokens[digest].name}")
-            tokens[digest] = _principal(name, table, where)
+            tokens[digest] = _principal(name, table, where, "token")
         certificates = {
-            name: _principal(name, table, f"certificates.{name}")
+            name: _principal(name, table, f"certificates.{name}", "certificate")
             for name, table in _tables(document, "certificates")
         }
         anonymous = None
         if ANONYMOUS in document:
-            anonymous = _principal(ANONYMOUS, _table(document, ANONYMOUS), ANONYMOUS)
+            table = _table(document, ANONYMOUS)
+            anonymous = _principal(ANONYMOUS, table, ANONYMOUS, "anonymous")
         networks = {
-            name: _principal(name, _table(document, name), name)
+            name: _principal(name, _table(document, name), name, "network")
             for name in NETWORKS
             if name in document
         }
@@ -246,14 +258,12 @@ def _table(above: dict[str, Any], key: str, where: str | None = None) -> dict[st
     return found
 
 
-def _principal(name: str, table: dict[str, Any], where: str) -> Principal:
-    for key in table:
-        if key not in _KEYS:
-            raise AccessError(f"unknown key {where}.{key}{suggestion_or_known(key, _KEYS)}")
+def _principal(name: str, table: dict[str, Any], where: str, proof: Proof) -> Principal:
+    check_keys(table, ("sha256", *_KEYS) if proof == "token" else _KEYS, where)
     rights = Rights.parse(table, name=name, where=where)
     expires = _seconds(table.get("expires"), f"{where}.expires")
     limits = Limits.parse(table.get("limits", {}), f"{where}.limits")
-    return Principal(name, rights, expires, limits)
+    return Principal(name, rights, expires, limits, proof)
 
 
 def _seconds(value: object, where: str) -> float | None:

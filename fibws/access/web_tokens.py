@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibws.access.limits import Limits
-from fibws.access.rights import Principal, Rights, check_name
+from fibws.access.rights import KEYS, Principal, Rights, check_keys, check_name
 from fibws.access.token_file import ANONYMOUS
 from fibws.errors import AccessError, AuthenticationError
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 ALGORITHMS = ("HS256", "EdDSA", "ES256", "RS256")
 SHORTEST_SECRET = 32
 """Bytes of a key for HS256 (RFC 7518, section 3.2)."""
+SHORTEST_RSA_KEY = 2048
+"""Bits of a key for RS256 (RFC 7518, section 3.3)."""
 CLAIM = "fibws"
 
 
@@ -110,13 +112,17 @@ class WebTokens:
             rights = claims.get(CLAIM, {})
             if not isinstance(rights, dict):
                 raise AccessError(f"{CLAIM} must be an object")
+            check_keys(rights, (*KEYS, "limits"), CLAIM)
             parsed = Rights.parse(rights, name=name, where=CLAIM)
             limits = Limits.parse(rights.get("limits", {}), f"{CLAIM}.limits")
         except AccessError as error:
             raise AuthenticationError(f"invalid token: {error}") from None
         expires = claims.get("exp")
-        expires = None if expires is None else int(expires) + self._leeway
-        return Principal(name, parsed, expires, limits)
+        try:
+            expires = None if expires is None else int(expires) + self._leeway
+        except OverflowError:
+            raise AuthenticationError("invalid token: exp is too large") from None
+        return Principal(name, parsed, expires, limits, "JWT")
 
     def _key_for(self, token: str) -> Any:
         if len(self._keys) == 1 and self._keys[0][0] is None:
@@ -136,7 +142,7 @@ class WebTokens:
         if len(data) < SHORTEST_SECRET:
             raise AccessError(
                 f"{self._path}: a key for HS256 must have at least {SHORTEST_SECRET} bytes, "
-                f"got {len(data)}"
+                f"got {len(data)}; create one with: openssl rand -hex {SHORTEST_SECRET}"
             )
         return data
 
@@ -147,12 +153,24 @@ class WebTokens:
         algorithm: jwt.algorithms.Algorithm = self._jwt.get_algorithm_by_name(self._algorithm)
         try:
             key = algorithm.prepare_key(data)
-        except (ValueError, TypeError, self._jwt.PyJWTError) as error:
+        except (ValueError, TypeError, self._jwt.PyJWTError):
+            # The library's own text names Python objects.
             raise AccessError(
-                f"{self._path} is not a key for {self._algorithm} in PEM: {error}"
+                f"{self._path} is not a public key for {self._algorithm} in PEM"
+                f"{_advice_on(self._path, data)}"
             ) from None
         if hasattr(key, "private_bytes"):
             raise AccessError(f"{self._path} is a private key; the hub needs the public one")
+        return self._strong(key)
+
+    def _strong(self, key: Any) -> Any:
+        """Return a public key; raise `AccessError` if it is too short."""
+        if self._algorithm == "RS256" and key.key_size < SHORTEST_RSA_KEY:
+            raise AccessError(
+                f"{self._path}: a key for RS256 must have at least {SHORTEST_RSA_KEY} bits, "
+                f"got {key.key_size}; create one with: "
+                "openssl genpkey -algorithm RSA -pkeyopt rsa_keygen_bits:3072"
+            )
         return key
 
     def _key_set(self, data: bytes) -> list[tuple[str | None, Any]]:
@@ -160,7 +178,17 @@ class WebTokens:
             keys = self._jwt.PyJWKSet.from_dict(json.loads(data)).keys
         except (ValueError, TypeError, AttributeError, self._jwt.PyJWTError) as error:
             raise AccessError(f"{self._path} is not a set of keys (JWKS): {error}") from None
-        found = [(each.key_id, each.key) for each in keys if each.algorithm_name == self._algorithm]
+        found = [
+            (each.key_id, self._strong(each.key))
+            for each in keys
+            if each.algorithm_name == self._algorithm
+        ]
         if not found:
             raise AccessError(f"{self._path} has no key for {self._algorithm}")
         return found
+
+
+def _advice_on(path: Path, data: bytes) -> str:
+    if b"-----BEGIN CERTIFICATE-----" not in data:
+        return ""
+    return f" but a certificate; extract its key with: openssl x509 -pubkey -noout -in {path}"

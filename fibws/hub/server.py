@@ -646,7 +646,7 @@ class Hub:
         client = self._own.clients.find(node)
         if not isinstance(client, Connection):
             return Identity()
-        principal = client.principal.name if client.principal is not None else ""
+        principal = client.principal.title if client.principal is not None else ""
         return Identity(principal, client.address)
 
     def _warn_if_public(self) -> None:

@@ -25,7 +25,7 @@ from fibws.hub.access.authentication import MOST_WRONG, Authentication
 from fibws.hub.settings import Settings
 
 from .raw_client import Gone, connected, dialled, handshake, longest_turn, nodes, until
-from .token_clients import entry
+from .token_clients import closing, entering, entry
 
 SECRET = b"0123456789abcdef0123456789abcdef"
 FILE = "\n".join(
@@ -360,3 +360,16 @@ async def test_health_shows_no_client_to_whoever_has_no_token(hub: Hub) -> None:
             _, _, body = await stranger.response()
     assert b"/ann" not in body
     assert b"127.0.0.1" not in body
+
+
+@pytest.mark.parametrize("name", ["ann", "boss"])
+async def test_web_token_with_the_name_of_a_token_does_not_get_its_nodes(
+    hub: Hub, name: str
+) -> None:
+    """Users of the issuer may choose their names."""
+    forged = jwt.encode({"sub": name, "fibws": {"allow": {"node": ["/**"]}}}, SECRET, "HS256")
+    async with entering(hub, name, "/ann_1"):
+        node = hub.graph.nodes["/ann_1"]
+        async with entering(hub, forged, "/ann_1") as thief:
+            assert await closing(thief) == (4403, "/ann_1 is a node of another principal")
+        assert hub.graph.nodes["/ann_1"] is node

@@ -175,7 +175,7 @@ class Authentication:
             if name == ANONYMOUS:
                 raise AuthenticationError(f"the name {ANONYMOUS} is for clients without a token")
             try:
-                found = Principal(check_name(name), CERTIFICATE_RIGHTS)
+                found = Principal(check_name(name), CERTIFICATE_RIGHTS, proof="certificate")
             except AccessError as error:
                 raise AuthenticationError(f"invalid certificate: {error}") from None
         if found is None:

@@ -12,7 +12,6 @@ import re
 from collections.abc import Hashable, Iterable
 
 from fibws.access.rights import Principal, Right, compile_globs
-from fibws.access.token_file import ANONYMOUS
 from fibws.errors import NotAllowed
 from fibws.hub.graph.action import CANCEL_SUFFIX
 from fibws.hub.graph.graph import ROSBRIDGE
@@ -72,7 +71,7 @@ class AccessPolicy:
         if principal is None:
             raise NotAllowed(node, "node", node, f"missing token for {node}")
         owner = self._principals.get(node)
-        if is_taken and not (owner is not None and _is_same(owner, principal)):
+        if is_taken and not (owner is not None and owner.is_same(principal)):
             raise NotAllowed(node, "node", node, f"{node} is a node of another principal")
         if is_chosen and not self._may_be(principal, node):
             raise NotAllowed(node, "node", node)
@@ -111,7 +110,7 @@ class AccessPolicy:
         principal, owner = self._principals.get(node), self._principals.get(other)
         if principal is None or owner is None:
             return False
-        return node == other or _is_same(principal, owner)
+        return node == other or principal.is_same(owner)
 
     def view(self, node: str) -> Hashable:
         """Return the same for all nodes of a principal, but not for anonymous ones."""
@@ -132,8 +131,3 @@ class AccessPolicy:
             return rights.allows("node", node)
         is_kept = any(pattern.fullmatch(node) for pattern in self._kept)
         return not is_kept and not rights.denies("node", node)
-
-
-def _is_same(principal: Principal, other: Principal) -> bool:
-    """Return whether two clients are of one principal; anonymous ones are strangers."""
-    return principal.name == other.name != ANONYMOUS

@@ -102,7 +102,7 @@ def _refusal_of_others(get: Get, authentication: Authentication) -> Refusal | No
     if login is None:
         return Refusal("authentication", "missing token")
     if not login.principal.rights.admin:
-        return Refusal("right", 'missing right "admin"', login.principal.name)
+        return Refusal("right", 'missing right "admin"', login.principal.title)
     return None
 
 

@@ -74,7 +74,7 @@ def _client(name: str, client: Client, since: int, *, shown: bool) -> dict[str, 
         shown: whether to say where and who it is.
     """
     queue = client.queue
-    principal = client.principal.name if shown and client.principal is not None else ""
+    principal = client.principal.title if shown and client.principal is not None else ""
     secs, nsecs = divmod(since, 1_000_000_000)
     return {
         "node": name,

@@ -61,7 +61,7 @@ class ClientLog:
 
     def connected(self, client: Client, node: str) -> None:
         """Log that the client is a node now."""
-        principal = f" as {client.principal.name}" if client.principal is not None else ""
+        principal = f" as {client.principal.title}" if client.principal is not None else ""
         logger.info(
             "%s has connected from %s%s.",
             node,
@@ -72,7 +72,7 @@ class ClientLog:
 
     def logged_in(self, client: Client, principal: Principal) -> None:
         """Record a login."""
-        self._audit.login(principal=principal.name, ip=client.address)
+        self._audit.login(principal=principal.title, ip=client.address)
 
     def left(self, client: Client) -> None:
         """Log that the client's connection is lost."""
@@ -125,7 +125,7 @@ def _node(client: Client) -> str:
 
 
 def _principal(client: Client) -> str:
-    return client.principal.name if client.principal is not None else ""
+    return client.principal.title if client.principal is not None else ""
 
 
 def _event(event: str, client: Client, reason: CloseReason | None = None) -> dict[str, object]:
@@ -134,7 +134,7 @@ def _event(event: str, client: Client, reason: CloseReason | None = None) -> dic
     if client.endpoint is not None:
         fields["node"] = client.endpoint.node
     if client.principal is not None:
-        fields["principal"] = client.principal.name
+        fields["principal"] = client.principal.title
     if reason is not None:
         fields["code"] = reason.code
     return {"event": event, "fields": fields}

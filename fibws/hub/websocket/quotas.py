@@ -332,7 +332,7 @@ class Quotas:
             name: f"limits.{name} of its token" if name in own else _flag("principal", name)
             for name in LIMIT_NAMES
         }
-        return self._shared("principal", principal.name, limits, flags, now)
+        return self._shared("principal", principal.title, limits, flags, now)
 
     def sweep(self, now: float) -> None:
         """Forget addresses and principals that have no clients, and have been quiet for a while."""

@@ -201,14 +201,21 @@ def pem(key: Any) -> bytes:
     return data
 
 
+def jwk(key: Any, algorithm: str) -> dict[str, Any]:
+    to_jwk = jwt.get_algorithm_by_name(algorithm).to_jwk
+    return {**to_jwk(key.public_key(), as_dict=True), "kid": "k", "alg": algorithm}
+
+
+WEAK_KEY = rsa.generate_private_key(65537, 1024)
+WEAK = pem(WEAK_KEY)
+
+
 @pytest.mark.parametrize("form", ["PEM", "JWKS"])
 def test_public_keys_check_web_tokens(tmp_path: Path, form: str) -> None:
     for algorithm, key in private_keys().items():
         data = pem(key)
         if form == "JWKS":
-            to_jwk = jwt.get_algorithm_by_name(algorithm).to_jwk
-            own = {**to_jwk(key.public_key(), as_dict=True), "kid": "k", "alg": algorithm}
-            data = json.dumps({"keys": [own]}).encode()
+            data = json.dumps({"keys": [jwk(key, algorithm)]}).encode()
         authentication = web_tokens(tmp_path, data, algorithm)
         token = signed({}, key, algorithm, headers={"kid": "k"})
         assert authentication.log_in_by_token(token, ADDRESS).principal.name == "ann"
@@ -216,6 +223,12 @@ def test_public_keys_check_web_tokens(tmp_path: Path, form: str) -> None:
             other = signed({}, key, algorithm, headers={"kid": "other"})
             with pytest.raises(AuthenticationError, match="kid"):
                 authentication.log_in_by_token(other, ADDRESS)
+
+
+def test_misspelt_right_is_named_with_the_right_spelling(tmp_path: Path) -> None:
+    token = signed({"fibws": {"Deny": {"publish": ["/x"]}}})
+    with pytest.raises(AuthenticationError, match=r"unknown key fibws\.Deny; did you mean deny\?"):
+        web_tokens(tmp_path, SECRET).log_in_by_token(token, ADDRESS)
 
 
 def unsigned(claims: dict[str, Any], algorithm: str = "none") -> str:
@@ -235,6 +248,11 @@ WRONG: dict[str, str] = {
     "odd subject": signed({"sub": "a\nb"}),
     "empty subject": signed({"sub": ""}),
     "odd rights": signed({"fibws": {"allow": {"fly": ["/x"]}}}),
+    "misspelt deny": signed(
+        {"fibws": {"allow": {"publish": ["/**"]}, "Deny": {"publish": ["/x"]}}}
+    ),
+    "expiry among the rights": signed({"fibws": {"expires": "2027-01-01"}}),
+    "expiry beyond numbers": signed({"exp": 10**400}),
     "odd claim": signed({"fibws": "admin"}),
     "somebody else's": signed({"aud": "other"}),
     "not a token": "a.b.c",
@@ -281,7 +299,12 @@ def test_audience_must_be_the_hub(tmp_path: Path) -> None:
         (b"no key", "RS256", "PEM"),
         (b'{"keys": []}', "RS256", "JWKS"),
         (b'{"keys": 1}', "RS256", "JWKS"),
-        (pem(private_keys()["EdDSA"]), "RS256", "PEM"),
+        (pem(private_keys()["EdDSA"]), "RS256", "PEM$"),
+        (pem(ec.generate_private_key(ec.SECP384R1())), "ES256", "ES256"),
+        (b"-----BEGIN CERTIFICATE-----", "RS256", "openssl x509"),
+        (b"s" * 31, "HS256", "at least 32 bytes, got 31; .* openssl rand -hex 32"),
+        (WEAK, "RS256", "at least 2048 bits, got 1024; .*rsa_keygen_bits:3072"),
+        (json.dumps({"keys": [jwk(WEAK_KEY, "RS256")]}).encode(), "RS256", "2048 bits, got 1024"),
     ],
 )
 def test_invalid_key_is_an_error_of_the_hub(

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from itertools import product
+from typing import Any, get_args
 
 import pytest
 
-from fibws.access.rights import RIGHTS, Principal, Right, Rights
+from fibws.access.rights import RIGHTS, Principal, Proof, Right, Rights
 from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
 
 
-def principal(name: str, **rights: Any) -> Principal:
-    return Principal(name, Rights.parse(rights, name=name, where=name))
+def principal(name: str, *, proof: Proof = "token", **rights: Any) -> Principal:
+    return Principal(name, Rights.parse(rights, name=name, where=name), proof=proof)
 
 
 def enter(policy: AccessPolicy, node: str, owner: Principal, *, is_taken: bool = False) -> None:
@@ -143,3 +144,24 @@ def test_nodes_of_one_principal_are_told_from_those_of_others() -> None:
     assert not policy.is_same_owner("/a", "/c")
     assert not policy.is_same_owner("/a", "/rosapi")
     assert not policy.is_same_owner("/x", "/x")
+
+
+@pytest.mark.parametrize(("proof", "other"), list(product(get_args(Proof), repeat=2)))
+def test_principals_are_told_apart_by_their_proofs(proof: Proof, other: Proof) -> None:
+    policy = AccessPolicy()
+    enter(policy, "/a", principal("ros1", proof=proof))
+    stranger = principal("ros1", proof=other)
+    enter(policy, "/b", stranger)
+    is_same = proof == other != "anonymous"
+    assert policy.is_same_owner("/a", "/b") is is_same
+    if is_same:
+        enter(policy, "/a", stranger, is_taken=True)
+    else:
+        with pytest.raises(NotAllowed):
+            enter(policy, "/a", stranger, is_taken=True)
+
+
+def test_title_of_a_principal_says_who_has_named_it() -> None:
+    titles = {proof: principal("ann", proof=proof).title for proof in get_args(Proof)}
+    assert titles["token"] == titles["network"] == "ann"
+    assert (titles["JWT"], titles["certificate"]) == ("ann (JWT)", "ann (certificate)")
