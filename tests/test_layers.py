@@ -89,7 +89,7 @@ BELOW_IN_HUB = {
     "monitoring": {"errors", "access", "hub.access", "hub.audit", "hub.graph", "hub.settings"}
     | {"hub.delivery", "hub.monitoring", "hub.websocket", "__version__"},
     "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
-    | {"protocol.websocket"},
+    | {"protocol.websocket", "origins"},
     "rosbridge": {
         "errors",
         "names",

@@ -253,7 +253,8 @@ class Hub:
             self._lag, watchers, self.health, shows_version=not has_authentication
         )
         self._probes.add_to(requests)
-        LoginRoutes(requests, self._authentication, partial(_refuse_login, self.audit))
+        refuse = partial(_refuse_login, self.audit)
+        LoginRoutes(requests, self._authentication, refuse, self._logged_out)
         AssetRoute(requests, self.assets, self._authentication, self._readers)
         metrics = Metrics(
             self.graph,
@@ -547,14 +548,18 @@ class Hub:
         own = (self.settings.tokens, self.settings.jwt_key)
         return [*filter(None, own), *(self._tls.files if self._tls is not None else ())]
 
-    def _check_logins(self, authentication: Authentication) -> int:
+    def _logged_out(self) -> None:
+        if self._authentication is not None:
+            self._check_logins(self._authentication, "after a log-out")
+
+    def _check_logins(self, authentication: Authentication, when: str = "after a reload") -> int:
         """Check the rights of all clients, and return how many are closed."""
         closed = 0
         if isinstance(self.graph.policy, AccessPolicy):
             self.graph.policy.keep_names(authentication.known())
         for connection in list(self._connections):
             try:
-                closed += not connection.check_login()
+                closed += not connection.check_login(when)
             except Exception:
                 # A fault at one client must not leave the others their old rights, nor itself.
                 logger.exception("%s: its login cannot be checked.", connection.name)

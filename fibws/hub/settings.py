@@ -237,7 +237,8 @@ class Settings:
     )
     max_address_handshakes_per_second: float = _setting(
         1000.0,
-        "Handshakes and plain HTTP requests per second of one address; 0 for no limit.",
+        "WebSocket handshakes, and HTTP requests with a token, per second of one address; "
+        "0 for no limit.",
     )
     max_principal_connections: int = _setting(
         0, "Clients of one principal (token) that may be connected; 0 for no limit."

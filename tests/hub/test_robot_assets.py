@@ -328,8 +328,9 @@ async def test_hub_with_tokens_serves_those_who_may_read_the_description(
     hub.graph.parameters.set("/robot_description", URDF)
     path = "/assets/package/arm/meshes/a.stl"
     assert (await get(hub, path, Authorization="Bearer ann"))[0] == 200
-    assert (await get(hub, path, Cookie="fibws_token=ann"))[0] == 200
-    assert (await get(hub, f"{path}?token=ann"))[0] == 200
+    origin = f"http://127.0.0.1:{hub.port}"
+    assert (await get(hub, f"{path}?token=ann", Origin=origin))[0] == 200
+    assert (await get(hub, f"{path}?token=ann"))[0] == 401
     refused = await get(hub, path, Authorization="Bearer bob")
     assert refused[0] == 404 and "arm" in reason(refused)
     for query in ("", "?token=wrong"):

@@ -115,7 +115,6 @@ WAYS: dict[str, Callable[[str], dict[str, Any]]] = {
     "header": lambda token: {"Authorization": f"Bearer {token}"},
     "query": lambda token: {"path": f"/?token={quote(token)}"},
     "subprotocol": lambda token: {"Sec_WebSocket_Protocol": f"fibws.token.{token}"},
-    "cookie": lambda token: {"Cookie": f"fibws_token={token}"},
 }
 """The ways in, in the handshake."""
 
@@ -180,17 +179,15 @@ async def test_operation_with_a_token_of_a_megabyte_is_refused(hub: Hub) -> None
     ("fields", "name"),
     [
         ({"Authorization": "Bearer wrong", "path": "/?token=ann"}, None),
-        ({"Authorization": "Bearer wrong", "Cookie": "fibws_token=ann"}, None),
-        ({"Authorization": "Bearer ", "Cookie": "fibws_token=ann"}, None),
+        ({"Authorization": "Bearer ", "path": "/?token=ann"}, None),
         ({"path": "/?token=wrong&token=ann"}, None),
-        ({"path": "/?token=wrong", "Cookie": "fibws_token=ann"}, None),
         ({"path": "/?token=%61nn"}, "ann"),
         ({"path": "/?token=ann%00"}, None),
         ({"path": "/?TOKEN=ann"}, "anonymous"),
         ({"path": "/token=ann"}, "anonymous"),
         ({"Authorization": "Basic YW5uOmFubg=="}, "anonymous"),
         ({"Authorization": "ann"}, "anonymous"),
-        ({"Cookie": "fibws_token=wrong; fibws_token=ann"}, None),
+        ({"Cookie": "fibws_session=ann"}, "anonymous"),
         ({"Sec_WebSocket_Protocol": "fibws.token.wrong, fibws.token.ann"}, None),
         ({"Sec_WebSocket_Protocol": "fibws.token.wrong", "path": "/?token=ann"}, "ann"),
     ],
@@ -216,6 +213,19 @@ def test_two_authorization_headers_are_refused(tokens: Path) -> None:
         authentication.log_in(headers, "/", [], None, "127.0.0.1")
 
 
+async def session(hub: Hub, token: str) -> str:
+    """Log in as the hub's page does, and return the cookie."""
+    async with dialled(hub.port) as page:
+        host = f"127.0.0.1:{hub.port}"
+        fields = {"Host": host, "Referer": f"http://{host}/", "Authorization": f"Bearer {token}"}
+        await page.send(handshake("/login", Upgrade="none", **fields))
+        status, headers, _ = await page.response()
+    assert status == 204
+    cookie: str = headers["set-cookie"].partition(";")[0]
+    assert token not in cookie
+    return cookie
+
+
 # Guessing.
 
 
@@ -223,6 +233,36 @@ def test_two_authorization_headers_are_refused(tokens: Path) -> None:
 def unforgiving(monkeypatch: pytest.MonkeyPatch) -> None:
     """Forgive no wrong token, however slow the machine is."""
     monkeypatch.setattr("fibws.hub.access.authentication.FORGIVEN_PER_SECOND", 1e-6)
+
+
+@pytest.mark.usefixtures("unforgiving")
+async def test_requests_that_any_page_can_send_count_against_nobody(hub: Hub) -> None:
+    """``<img src="http://127.0.0.1:9090/metrics?token=x">``, on a page that the operator reads."""
+    foreign = {"Upgrade": "none", "Sec_Fetch_Site": "cross-site", "Sec_Fetch_Mode": "no-cors"}
+    asset = "/assets/package/a/b.png?token=x"
+    for path in ("/metrics?token=x", "/healthz?token=x", "/login?token=x", asset):
+        for more in ({}, {"Cookie": "fibws_session=x"}, {"Referer": "https://evil.example/"}):
+            for _ in range(MOST_WRONG):
+                async with dialled(hub.port) as browser:
+                    await browser.send(handshake(path, **foreign, **more))
+                    assert (await browser.response())[0] in (200, 401, 403, 404)
+    async with connected(hub.port, **WAYS["header"]("wrong")) as client:
+        assert (await client.is_closed())[0] == 4401
+
+
+@pytest.mark.usefixtures("unforgiving")
+@pytest.mark.parametrize("path", ["/metrics", "/login", "/assets/package/a/b.png"])
+async def test_wrong_tokens_in_the_header_count_and_a_right_one_passes(hub: Hub, path: str) -> None:
+    statuses = []
+    for token in ["wrong"] * (MOST_WRONG + 1) + ["boss"]:
+        async with dialled(hub.port) as program:
+            fields = {"Upgrade": "none", "Authorization": f"Bearer {token}"}
+            await program.send(handshake(path, **fields))
+            statuses.append((await program.response())[0])
+    assert statuses[:MOST_WRONG] == [401] * MOST_WRONG
+    assert statuses[-1] in (200, 204, 404)
+    async with connected(hub.port, **WAYS["header"]("wrong")) as client:
+        assert (await client.is_closed())[0] == 4429
 
 
 @pytest.mark.usefixtures("unforgiving")
@@ -317,7 +357,7 @@ async def test_log_holds_no_token(hub: Hub, caplog: pytest.LogCaptureFixture) ->
         ("/?token=TOKEN", {"Sec_WebSocket_Version": "12"}),
         ("/?token=TOKEN", {"Sec_WebSocket_Key": "x"}),
         ("/?token=TOKEN\x01", {}),
-        ("/?token=TOKEN", {"Authorization": "Bearer TOKEN", "Cookie": "fibws_token=TOKEN"}),
+        ("/?token=TOKEN", {"Authorization": "Bearer TOKEN", "Cookie": "fibws_session=TOKEN"}),
         ("/", {"Authorization": "Bearer TOKEN\x01"}),
         ("/", {"Sec_WebSocket_Protocol": "fibws.token.TOKEN, ,"}),
     ):
@@ -344,11 +384,59 @@ async def test_log_holds_no_token(hub: Hub, caplog: pytest.LogCaptureFixture) ->
     ],
 )
 async def test_page_of_another_site_does_not_enter_with_the_cookie(hub: Hub, origin: str) -> None:
+    cookie = await session(hub, "ann")
     async with dialled(hub.port) as client:
         host = f"127.0.0.1:{hub.port}"
-        await client.send(handshake(Host=host, Origin=origin, Cookie="fibws_token=ann"))
+        await client.send(handshake(Host=host, Origin=origin, Cookie=cookie))
         assert (await client.response())[0] == 403
     assert not nodes(hub)
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://127.0.0.1:1", "http://localhost:PORT", "http://[::1]:9", "http://127.0.0.1"]
+)
+async def test_page_of_another_port_does_not_enter_with_the_cookie(hub: Hub, origin: str) -> None:
+    """It may connect, but as anonymous: a browser sends a cookie to all ports of its host."""
+    cookie = await session(hub, "ann")
+    host = f"127.0.0.1:{hub.port}"
+    fields: Any = {"Host": host, "Cookie": cookie}
+    for page, name in (
+        (origin.replace("PORT", str(hub.port)), "anonymous"),
+        (f"http://{host}", "ann"),
+    ):
+        async with connected(hub.port, Origin=page, **fields) as client:
+            await client.is_processed()
+            (connection,) = hub._connections
+            assert connection.principal is not None
+            assert connection.principal.name == name
+
+
+async def test_logout_ends_the_connections_of_the_session_alone(hub: Hub) -> None:
+    first, second = await session(hub, "ann"), await session(hub, "ann")
+    async with (
+        connected(hub.port, Cookie=first) as tab,
+        connected(hub.port, Cookie=second) as other,
+    ):
+        await tab.is_processed()
+        async with dialled(hub.port) as page:
+            await page.send(handshake("/logout", Upgrade="none", Cookie=first))
+            assert (await page.response())[0] == 204
+        assert await tab.is_closed() == (4401, "after a log-out: the session has ended")
+        await other.is_processed()
+    async with connected(hub.port, Cookie=first) as client:
+        await client.is_processed()
+        assert [each.principal.name for each in hub._connections if each.principal] == ["anonymous"]
+
+
+async def test_revoked_token_ends_its_sessions(hub: Hub, tokens: Path) -> None:
+    cookie = await session(hub, "ann")
+    async with connected(hub.port, Cookie=cookie) as tab:
+        await tab.is_processed()
+        rewrite(tokens, entry("bob", ""))
+        hub.reload()
+        assert (await tab.is_closed())[0] == 4401
+    async with connected(hub.port, Cookie=cookie) as tab:
+        assert await tab.is_closed() == (4401, "unknown token")
 
 
 async def test_health_shows_no_client_to_whoever_has_no_token(hub: Hub) -> None:

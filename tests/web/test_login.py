@@ -54,7 +54,7 @@ async def test_page_logs_in_and_stays_logged_in(token_hub: TokenHub, open_page: 
     await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
     await expect(page.locator(".login")).to_be_hidden()
     [cookie] = await page.context.cookies()
-    assert cookie["name"] == "fibws_token" and cookie["value"] == token_hub.dashboard
+    assert cookie["name"] == "fibws_session" and cookie["value"] != token_hub.dashboard
     assert cookie["httpOnly"] and cookie["sameSite"] == "Strict" and cookie["path"] == "/"
     assert await page.evaluate("document.cookie") == ""
     await page.reload()

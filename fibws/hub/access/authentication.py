@@ -1,19 +1,24 @@
 """Authentication: which principal a client is, by its token or its certificate.
 
 A token comes in the handshake: in the header ``Authorization: Bearer TOKEN``, in the URL's query as
-``token=TOKEN``, as the WebSocket subprotocol ``fibws.token.TOKEN``, or in the cookie that the
-hub's page has after a login. Or the client sends it soon after, by the operation ``auth``.
+``token=TOKEN``, or as the WebSocket subprotocol ``fibws.token.TOKEN``. Or the client sends it soon
+after, by the operation ``auth``. The hub's page has a cookie after a login, which names its session
+(`sessions`); one that is unknown is no token, and is ignored.
 
 A client with a wrong token is refused; neither another token of the same request nor anonymous
 access takes its place: the user would wonder why so little is allowed.
+
+Wrong tokens count against their address. So a plain request, which any web page can have a browser
+send by an ``<img>``, must bring its token in the header ``Authorization``: such a page cannot.
 """
 
 from __future__ import annotations
 
 import logging
 import math
+import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from urllib.parse import parse_qs
@@ -25,13 +30,15 @@ from fibws.access.rights import RIGHTS, Principal, Rights, check_name
 from fibws.access.token_file import ANONYMOUS, Tokens
 from fibws.access.web_tokens import WebTokens
 from fibws.errors import AccessError, AuthenticationError, HubError, TooManyAttempts
+from fibws.hub.access.sessions import Session, Sessions
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.settings import Settings
 from fibws.protocol.websocket import LONGEST_TOKEN, TOKEN_SUBPROTOCOL
 
 logger = logging.getLogger("fibws.hub")
 
-COOKIE = "fibws_token"
+COOKIE = "fibws_session"
+"""The name of the cookie that holds the id of a page's session."""
 MOST_WRONG = 20
 """Wrong tokens of one address in a row after which it must wait."""
 FORGIVEN_PER_SECOND = 1.0
@@ -60,19 +67,26 @@ class Authentication:
     """The principals of one hub, and the proofs that they give.
 
     Args:
-        now: returns the seconds since 1970.
+        now: returns the seconds since 1970, for the expiry of tokens.
+        ticks: returns the seconds of a clock that is never set back, for everything else.
 
     Raises:
         HubError: a file is not there, or invalid.
     """
 
-    def __init__(self, settings: Settings, now: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        now: Callable[[], float],
+        ticks: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._path = settings.tokens
         self._now = now
         self._takes_certificates = settings.client_ca is not None
         self._tokens = Tokens({}, {}, None)
         self._web_tokens: WebTokens | None = None
-        self._attempts = WrongTokens(now)
+        self._attempts = WrongTokens(ticks)
+        self._sessions = Sessions(ticks)
         option = "--jwt-key"
         try:
             if settings.jwt_key is not None:
@@ -124,7 +138,7 @@ class Authentication:
         """Return the principal of a request; None if credentials are missing.
 
         Args:
-            path: the request's target, with its query.
+            path: the request's target; a token in its query counts.
             subprotocols: those that the client offers.
             certificate: the common name of its certificate, which TLS has verified.
             address: the client's IP address.
@@ -135,6 +149,9 @@ class Authentication:
         token = token_in(headers, path, subprotocols)
         if token is not None:
             return self.log_in_by_token(token, address)
+        session = self._session(headers)
+        if session is not None:
+            return _logged_in(session.principal)
         if certificate is not None and self._takes_certificates:
             return _logged_in(partial(self._certified, certificate))
         if self._tokens.anonymous is not None:
@@ -156,6 +173,23 @@ class Authentication:
             self._attempts.check(address)
             self._attempts.failed(address)
             raise
+
+    def open_session(self, login: Login, origin: str | None) -> str:
+        """Return the id of a new session of a page, which has just logged in.
+
+        Args:
+            origin: the page's, if it is known.
+        """
+        return self._sessions.open(login.again, origin)
+
+    def close_session(self, headers: Headers) -> bool:
+        """End the session of a request's cookie; return whether there was one."""
+        return any([self._sessions.close(each) for each in _cookies(headers)])
+
+    def _session(self, headers: Headers) -> Session | None:
+        origin, host = headers.get("Origin"), headers.get("Host", "")
+        found = (self._sessions.find(each, origin, host) for each in _cookies(headers))
+        return next((each for each in found if each is not None), None)
 
     def _of_token(self, token: str) -> Principal:
         if not token:
@@ -200,7 +234,7 @@ class WrongTokens:
     A whole network of IPv6 counts as one address.
 
     Args:
-        now: returns the seconds since 1970.
+        now: returns the seconds of a clock that is never set back.
     """
 
     def __init__(self, now: Callable[[], float]) -> None:
@@ -254,13 +288,13 @@ def token_in(headers: Headers, path: str, subprotocols: Sequence[str]) -> str | 
     for each in subprotocols:
         if each.startswith(TOKEN_SUBPROTOCOL):
             return each.removeprefix(TOKEN_SUBPROTOCOL)
-    return _cookie(headers)
+    return None
 
 
-def _cookie(headers: Headers) -> str | None:
+def _cookies(headers: Headers) -> Iterator[str]:
+    """Yield the ids of sessions in a request's cookies."""
     for header in headers.get_all("Cookie"):
         for pair in header.split(";"):
             name, _, value = pair.strip().partition("=")
             if name == COOKIE:
-                return value.strip('"')
-    return None
+                yield value

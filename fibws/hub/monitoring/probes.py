@@ -96,7 +96,7 @@ class Watchers:
 def _refusal_of_others(get: Get, authentication: Authentication) -> Refusal | None:
     """Refuse everybody who does not prove to be an admin."""
     try:
-        login = authentication.log_in(get.headers, get.path, (), get.certificate, get.address)
+        login = authentication.log_in(get.headers, "/", (), get.certificate, get.address)
     except AuthenticationError as error:
         return Refusal("authentication", str(error))
     if login is None:

@@ -391,7 +391,7 @@ class Connection(asyncio.BufferedProtocol):
         shared = self._shared
         self._identify(request)
         response = (
-            self._refuse_flood()
+            self._refuse_flood(request)
             or shared.http.respond(request, self.address, self.certificate_name)
             or self._refuse()
             or self._accept(request)
@@ -481,8 +481,11 @@ class Connection(asyncio.BufferedProtocol):
         self._log.logged_in(self, login.principal)
         return login.principal
 
-    def check_login(self) -> bool:
+    def check_login(self, when: str) -> bool:
         """Check the client's login and rights again after the tokens have changed.
+
+        Args:
+            when: for the client, if it is refused.
 
         Returns:
             Whether the client stays.
@@ -496,11 +499,11 @@ class Connection(asyncio.BufferedProtocol):
                 self.principal = principal
                 self._join(principal)
         except LimitReached as error:
-            self.fail(_refusal(error, "after a reload: "))
+            self.fail(_refusal(error, f"{when}: "))
             return False
         except REFUSED as error:
             self.endpoint.revoke()
-            self.fail(_refusal(error, "after a reload: "))
+            self.fail(_refusal(error, f"{when}: "))
             return False
         except Exception:
             self.endpoint.revoke()
@@ -529,8 +532,10 @@ class Connection(asyncio.BufferedProtocol):
 
     # Requests that open no connection.
 
-    def _refuse_flood(self) -> Response | None:
+    def _refuse_flood(self, request: Request) -> Response | None:
         """Return the response to a client whose address sends too many requests."""
+        if not self._shared.http.is_deliberate(request.headers):
+            return None
         refusal = self._shared.limits.handshake_refusal(self.address, self._shared.turns.clock())
         if refusal is None:
             return None

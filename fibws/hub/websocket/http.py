@@ -225,6 +225,18 @@ class HttpRequests:
         """
         self._closed = reason
 
+    def is_deliberate(self, headers: Headers) -> bool:
+        """Return whether a request counts against its address.
+
+        Any web page can have its visitor's browser send the others.
+        """
+        try:
+            if headers.get("Upgrade", "").lower() == "websocket":
+                return self._page_refusal(headers) is None
+        except MultipleValuesError:
+            return True  # No browser sends that.
+        return "Authorization" in headers
+
     def respond(
         self, request: Request, address: str = "", certificate: str | None = None
     ) -> Response | None:

@@ -1,7 +1,8 @@
-"""The login of the hub's page: ``/login`` turns a token into a cookie, and ``/logout`` removes it.
+"""The login of the hub's page: ``/login`` opens a session by a token, and ``/logout`` ends it.
 
 A script of a page cannot set headers of a WebSocket, and a token in a URL ends up in logs and in
-the browser's history. A cookie is sent by itself, and no script can read this one (HttpOnly).
+the browser's history. A cookie is sent by itself, and no script can read this one (HttpOnly). It
+names a session (`fibws.hub.access.sessions`) and not the token, since other ports get it, too.
 
 The token comes in the header ``Authorization``, which pages of other origins cannot send without a
 permission (CORS) that the hub never gives. The cookie is sent with no request that another site
@@ -11,7 +12,6 @@ has caused (SameSite=Strict).
 from __future__ import annotations
 
 import http
-import re
 from collections.abc import Callable
 
 from pydantic_core import to_json
@@ -30,8 +30,6 @@ ATTRIBUTES = "HttpOnly; SameSite=Strict"
 has the hub in a folder of its own."""
 OWN_PAGE = ("same-origin", "none")
 """Values of Sec-Fetch-Site in requests of the page itself, and of the address bar."""
-# RFC 6265, section 4.1.1, without characters that would need quotes.
-_COOKIE_VALUE = re.compile(r"[A-Za-z0-9!#$%&'()*+\-./:<=>?@\[\]^_`{|}~]+")
 
 
 class LoginRoutes:
@@ -41,6 +39,7 @@ class LoginRoutes:
         requests: what these resources are added to.
         authentication: the hub's; None if it lets in everybody.
         refused: takes the reason and the client's address whenever a token is refused.
+        logged_out: called when a session has ended by a log-out.
     """
 
     def __init__(
@@ -48,37 +47,42 @@ class LoginRoutes:
         requests: HttpRequests,
         authentication: Authentication | None,
         refused: Callable[[str, str], object] = lambda reason, address: None,
+        logged_out: Callable[[], object] = lambda: None,
     ) -> None:
         self._requests = requests
         self._authentication = authentication
         self._refused = refused
+        self._logged_out = logged_out
         requests.add_route("/login", self._log_in)
         requests.add_route("/logout", self._log_out)
 
     def _log_in(self, get: Get) -> Response:
-        """Set the cookie if a token is given; otherwise respond with the client's principal."""
+        """Open a session if a token is given; otherwise respond with the client's principal."""
         refusal = self._refusal(get)
         if refusal is not None:
             return refusal
         scheme, _, token = get.headers.get("Authorization", "").partition(" ")
         if scheme.lower() != "bearer" or self._authentication is None:
             return _not_stored(self._describe(get))
-        token = token.strip()
         try:
-            self._authentication.log_in_by_token(token, get.address)
+            login = self._authentication.log_in_by_token(token.strip(), get.address)
         except AuthenticationError as error:
             self._refused(f"login: {error}", get.address)
             status = http.HTTPStatus.UNAUTHORIZED
             if isinstance(error, TooManyAttempts):
                 status = http.HTTPStatus.TOO_MANY_REQUESTS
             return _not_stored(text_response(status, str(error)))
-        if not _COOKIE_VALUE.fullmatch(token):
-            fault = "the token has characters that a cookie must not have"
-            return _not_stored(text_response(http.HTTPStatus.BAD_REQUEST, fault))
-        return _with_cookie(get.headers, token)
+        return _with_cookie(
+            get.headers, self._authentication.open_session(login, _page(get.headers))
+        )
 
     def _log_out(self, get: Get) -> Response:
-        return self._refusal(get) or _with_cookie(get.headers, "", "; Max-Age=0")
+        refusal = self._refusal(get)
+        if refusal is not None:
+            return refusal
+        if self._authentication is not None and self._authentication.close_session(get.headers):
+            self._logged_out()
+        return _with_cookie(get.headers, "", "; Max-Age=0")
 
     def _refusal(self, get: Get) -> Response | None:
         """Refuse pages of other sites."""
@@ -95,7 +99,7 @@ class LoginRoutes:
             reason = "missing token"
             try:
                 login = self._authentication.log_in(
-                    get.headers, get.path, (), get.certificate, get.address
+                    get.headers, "/", (), get.certificate, get.address
                 )
                 principal = None if login is None else login.principal
             except AuthenticationError as error:
@@ -121,8 +125,13 @@ def _is_encrypted(headers: Headers) -> bool:
 
     A proxy that is not trusted does not say so, but the page does.
     """
-    origin = headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
-    return is_secure(headers) or (origin is not None and origin.startswith("https://"))
+    page = _page(headers)
+    return is_secure(headers) or (page is not None and page.startswith("https://"))
+
+
+def _page(headers: Headers) -> str | None:
+    """Return the origin of the page that sends a request, if the browser names it."""
+    return headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
 
 
 def _not_stored(found: Response) -> Response:

@@ -102,12 +102,11 @@ WAYS: list[tuple[str, dict[str, Any]]] = [
     ("?node=/ann_1&token=one", {}),
     ("?node=/ann_1", {"subprotocols": [Subprotocol("fibws.token.one")]}),
     ("?node=/ann_1", {"subprotocols": [Subprotocol(SUBPROTOCOL), Subprotocol("fibws.token.one")]}),
-    ("?node=/ann_1", {"additional_headers": {"Cookie": "fibws_token=one"}}),
 ]
 
 
 @pytest.mark.parametrize(
-    ("path", "options"), WAYS, ids=["header", "query", "subprotocol", "subprotocols", "cookie"]
+    ("path", "options"), WAYS, ids=["header", "query", "subprotocol", "subprotocols"]
 )
 async def test_client_enters_with_a_token(
     start: Hubs, path: str, options: dict[str, Any], caplog: pytest.LogCaptureFixture

@@ -403,3 +403,21 @@ class TestUrlPath:
     def test_invalid_path_is_refused(self, url_path: str) -> None:
         with pytest.raises(HubError, match="--url-path"):
             Settings(url_path=url_path)
+
+
+@pytest.mark.parametrize(
+    ("headers", "counts"),
+    [
+        ({"Upgrade": "websocket"}, True),
+        ({"Upgrade": "WebSocket", "Origin": f"http://{HERE}"}, True),
+        ({"Upgrade": "websocket", "Origin": "https://evil.example"}, False),
+        ({"Authorization": "Bearer x"}, True),
+        ({}, False),
+        ({"Origin": "https://evil.example"}, False),
+        ({"Cookie": "fibws_session=x", "Sec-Fetch-Site": "cross-site"}, False),
+    ],
+)
+def test_requests_that_any_page_can_send_do_not_count(
+    headers: dict[str, str], counts: bool
+) -> None:
+    assert requests({}).is_deliberate(Headers({"Host": HERE, **headers})) is counts

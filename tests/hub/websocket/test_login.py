@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from websockets.http11 import Request, Response
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile, digest_of
 from fibws.hub.access.authentication import MOST_WRONG, Authentication
+from fibws.hub.access.sessions import LIFETIME
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.http import HttpRequests
 from fibws.hub.websocket.login import LoginRoutes
@@ -25,9 +27,19 @@ class Page:
     def __init__(self, tokens: Path | None) -> None:
         settings = Settings(tokens=tokens)
         self._requests = HttpRequests(settings, {})
-        self.authentication = Authentication(settings, lambda: 0.0) if tokens is not None else None
+        self.time = 0.0
+        self.authentication: Authentication | None = None
+        if tokens is not None:
+            self.authentication = Authentication(settings, lambda: 0.0, lambda: self.time)
         self.refusals: list[tuple[str, str]] = []
-        LoginRoutes(self._requests, self.authentication, lambda *each: self.refusals.append(each))
+        self.ended = 0
+        """Sessions that have ended by a log-out."""
+
+        def end() -> None:
+            self.ended += 1
+
+        refused = self.refusals
+        LoginRoutes(self._requests, self.authentication, lambda *each: refused.append(each), end)
         self.cookie = ""
 
     def get(self, path: str, **headers: str) -> Response:
@@ -68,7 +80,8 @@ def test_token_becomes_a_cookie_that_scripts_cannot_read(page: Page, token: str)
     found = page.get("/login", Authorization=f"Bearer {token}")
     assert found.status_code == 204 and not found.body
     cookie = found.headers["Set-Cookie"]
-    assert cookie == f"fibws_token={token}; HttpOnly; SameSite=Strict"
+    assert re.fullmatch(r"fibws_session=[\w-]{43}; HttpOnly; SameSite=Strict", cookie)
+    assert token not in cookie
     assert page.who() == {"required": True, "name": "teleop", "admin": False, "reason": ""}
 
 
@@ -89,12 +102,18 @@ def test_cookie_of_an_encrypted_page_is_secure(
     assert ("; Secure" in found.headers["Set-Cookie"]) == secure
 
 
-def test_logout_removes_the_cookie(page: Page, token: str) -> None:
+def test_logout_ends_the_session(page: Page, token: str) -> None:
     page.get("/login", Authorization=f"Bearer {token}")
+    cookie = page.cookie
     found = page.get("/logout")
     assert found.status_code == 204
-    assert found.headers["Set-Cookie"].startswith("fibws_token=;")
+    assert found.headers["Set-Cookie"].startswith("fibws_session=;")
     assert "Max-Age=0" in found.headers["Set-Cookie"]
+    assert page.ended == 1
+    page.cookie = cookie
+    assert page.who()["reason"] == "missing token"  # It is of no use to whoever has kept it.
+    page.get("/logout")
+    assert page.ended == 1
 
 
 @pytest.mark.parametrize("wrong", ["fibws_wrong", "", "x" * 10_000])
@@ -159,11 +178,54 @@ def test_pages_of_other_sites_are_refused(
     assert found.status_code == 403 and "Set-Cookie" not in found.headers
 
 
-def test_token_that_is_no_cookie_is_refused(tmp_path: Path) -> None:
+def test_token_may_have_characters_that_no_cookie_has(tmp_path: Path) -> None:
     path = tmp_path / "tokens.toml"
     path.write_text(f'[tokens.a]\nsha256 = "{digest_of("a; Path=/")}"\nadmin = true\n')
-    found = Page(path).get("/login", Authorization="Bearer a; Path=/")
-    assert found.status_code == 400 and "Set-Cookie" not in found.headers
+    page = Page(path)
+    assert page.get("/login", Authorization="Bearer a; Path=/").status_code == 204
+    assert page.who()["name"] == "a"
+
+
+def test_session_ends_when_it_is_not_used(page: Page, token: str) -> None:
+    page.get("/login", Authorization=f"Bearer {token}")
+    for _ in range(3):
+        page.time += LIFETIME - 1
+        assert page.who()["name"] == "teleop"
+    page.time += LIFETIME
+    assert page.who() == {"required": True, "name": None, "admin": False, "reason": "missing token"}
+
+
+def test_sessions_are_bounded(page: Page, token: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fibws.hub.access.sessions.MOST_OF_ONE", 3)
+    cookies = []
+    for _ in range(5):
+        page.get("/login", Authorization=f"Bearer {token}")
+        cookies.append(page.cookie)
+    names = []
+    for page.cookie in cookies:
+        names.append(page.who()["name"])
+    assert names == [None, None, "teleop", "teleop", "teleop"]
+
+
+@pytest.mark.parametrize(
+    ("origin", "name"),
+    [
+        ("https://lab.example", "teleop"),
+        ("https://lab.example:8000", None),
+        ("http://lab.example", None),
+        ("http://localhost:9090", None),
+        ("null", None),
+    ],
+)
+def test_session_is_of_the_page_that_has_logged_in(
+    page: Page, token: str, origin: str, name: str | None
+) -> None:
+    """Behind a proxy the hub does not know its own origin; the browser does."""
+    page.get("/login", Authorization=f"Bearer {token}", Referer="https://lab.example/robot/")
+    headers = Headers({"Host": HOST, "Cookie": page.cookie, "Origin": origin})
+    assert page.authentication is not None
+    login = page.authentication.log_in(headers, "/", (), None, "192.0.2.1")
+    assert (login.principal.name if login is not None else None) == name
 
 
 def test_login_with_another_scheme_is_ignored(page: Page) -> None:
