@@ -54,7 +54,7 @@ async def closed_hub(start_hub: StartHub, authority: Authority) -> Hub:
 
 def names(hub: Hub) -> set[str | None]:
     """Return the common names of the certificates of all clients."""
-    return {each.certificate_name for each in hub._connections}
+    return {each.certificate and each.certificate.name for each in hub._connections}
 
 
 async def tool(url: str, hub: Hub | None = None) -> set[str | None]:

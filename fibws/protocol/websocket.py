@@ -98,6 +98,7 @@ LONGEST_TOKEN = 8192
 """Most characters of a token."""
 MISSING_TOKEN = CloseReason(UNAUTHENTICATED, "missing token")
 EXPIRED = CloseReason(UNAUTHENTICATED, "the token expired")
+CERTIFICATE_EXPIRED = CloseReason(UNAUTHENTICATED, "the certificate expired")
 MOST_REASON_BYTES = 123
 """Most bytes of a close frame's reason (RFC 6455, section 5.5)."""
 

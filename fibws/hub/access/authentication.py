@@ -19,8 +19,10 @@ import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 from urllib.parse import parse_qs
 
 from websockets.datastructures import Headers
@@ -47,6 +49,22 @@ MOST_ADDRESSES = 10_000
 """Addresses whose wrong tokens are counted; more forget the oldest."""
 CERTIFICATE_RIGHTS = Rights({right: ("/**",) for right in RIGHTS})
 """The rights of certificates on a hub without a file of tokens, which could name their rights."""
+
+
+class Certificate(NamedTuple):
+    """A client's certificate, which TLS has verified.
+
+    Attributes:
+        name: its common name.
+        expires: when it ends, in seconds since 1970.
+    """
+
+    name: str
+    expires: float = math.inf
+
+
+class AuthoritiesChanged(AuthenticationError):
+    """A certificate must be verified again, by a new connection."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +100,9 @@ class Authentication:
     ) -> None:
         self._path = settings.tokens
         self._now = now
-        self._takes_certificates = settings.client_ca is not None
+        self._authorities_file = settings.client_ca
+        self._authorities = _read(self._authorities_file)
+        """The authorities of clients' certificates, as TLS has read them."""
         self._tokens = Tokens({}, {}, None)
         self._web_tokens: WebTokens | None = None
         self._attempts = WrongTokens(ticks)
@@ -113,6 +133,10 @@ class Authentication:
         if self._web_tokens is not None and self._web_tokens.reload():
             changes.append("key of JSON web tokens changed")
         self._tokens = tokens
+        authorities = _read(self._authorities_file)
+        if authorities != self._authorities:
+            changes.append("authorities of clients changed")
+        self._authorities = authorities
         return changes
 
     def network(self, name: str) -> Principal:
@@ -132,7 +156,7 @@ class Authentication:
         headers: Headers,
         path: str,
         subprotocols: Sequence[str],
-        certificate: str | None,
+        certificate: Certificate | None,
         address: str,
     ) -> Login | None:
         """Return the principal of a request; None if credentials are missing.
@@ -140,7 +164,7 @@ class Authentication:
         Args:
             path: the request's target; a token in its query counts.
             subprotocols: those that the client offers.
-            certificate: the common name of its certificate, which TLS has verified.
+            certificate: the client's, if it has one.
             address: the client's IP address.
 
         Raises:
@@ -152,8 +176,8 @@ class Authentication:
         session = self._session(headers)
         if session is not None:
             return _logged_in(session.principal)
-        if certificate is not None and self._takes_certificates:
-            return _logged_in(partial(self._certified, certificate))
+        if certificate is not None and self._authorities_file is not None:
+            return _logged_in(partial(self._certified, certificate, self._authorities))
         if self._tokens.anonymous is not None:
             return _logged_in(self._anonymous)
         return None
@@ -203,7 +227,10 @@ class Authentication:
             raise AuthenticationError("unknown token")
         return self._unexpired(found, "token")
 
-    def _certified(self, name: str) -> Principal:
+    def _certified(self, certificate: Certificate, authorities: bytes) -> Principal:
+        if authorities != self._authorities:
+            raise AuthoritiesChanged("the authorities of client certificates have changed")
+        name = certificate.name
         found = self._tokens.certificates.get(name)
         if found is None and self._path is None:
             if name == ANONYMOUS:
@@ -214,7 +241,8 @@ class Authentication:
                 raise AuthenticationError(f"invalid certificate: {error}") from None
         if found is None:
             raise AuthenticationError(f"the file of tokens has no [certificates.{name}]")
-        return self._unexpired(found, "certificate")
+        expires = min(certificate.expires, math.inf if found.expires is None else found.expires)
+        return self._unexpired(replace(found, expires=expires), "certificate")
 
     def _anonymous(self) -> Principal:
         found = self._tokens.anonymous
@@ -264,6 +292,14 @@ class WrongTokens:
     def _count(self, network: str) -> float:
         count, since = self._wrong.get(network, (0.0, 0.0))
         return max(0.0, count - max(0.0, self._now() - since) * FORGIVEN_PER_SECOND)
+
+
+def _read(path: Path | None) -> bytes:
+    """Return a file's content; nothing if there is none, of which TLS has its own error."""
+    try:
+        return path.read_bytes() if path is not None else b""
+    except OSError:
+        return b""
 
 
 def _logged_in(check: Callable[[], Principal]) -> Login:

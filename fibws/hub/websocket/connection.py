@@ -27,7 +27,12 @@ from websockets.server import ServerProtocol
 
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, LimitReached, NotAllowed, TooManyAttempts
-from fibws.hub.access.authentication import Authentication, Login
+from fibws.hub.access.authentication import (
+    Authentication,
+    AuthoritiesChanged,
+    Certificate,
+    Login,
+)
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.settings import KIB, Settings
@@ -40,14 +45,16 @@ from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
 from fibws.hub.websocket.proxies import TrustedProxies
 from fibws.hub.websocket.quotas import ClientQuotas
 from fibws.hub.websocket.shared_limits import SharedLimits
-from fibws.hub.websocket.tls import certificate_name
+from fibws.hub.websocket.tls import certificate_of
 from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
+    CERTIFICATE_EXPIRED,
     EXPIRED,
     FORBIDDEN,
     LIMITED,
     MISSING_TOKEN,
     OVERFULL,
+    RESTART,
     SIMULATED,
     SIZE_HEADER,
     TIME_HEADER,
@@ -137,7 +144,7 @@ class Connection(asyncio.BufferedProtocol):
         "_waiting",
         "address",
         "bytes_received",
-        "certificate_name",
+        "certificate",
         "endpoint",
         "peer",
         "principal",
@@ -185,8 +192,8 @@ class Connection(asyncio.BufferedProtocol):
         """The IP address that the client comes from, also behind a trusted proxy."""
         self.peer = ""
         """The address with its port, which is unknown behind a trusted proxy."""
-        self.certificate_name: str | None = None
-        """The common name of the client's certificate, which is verified."""
+        self.certificate: Certificate | None = None
+        """The client's certificate, which is verified."""
 
     @property
     def node(self) -> str:
@@ -246,7 +253,7 @@ class Connection(asyncio.BufferedProtocol):
         # Most come from few addresses, and there may be thousands.
         self.address = sys.intern(peer[0]) if peer else "unknown"
         self.peer = f"{peer[0]}:{peer[1]}" if peer else "unknown"
-        self.certificate_name = certificate_name(transport.get_extra_info("ssl_object"))
+        self.certificate = certificate_of(transport.get_extra_info("ssl_object"))
         self._shared.observer.opened(self)
         if not self._shared.limits.admit(sock.fileno()):
             transport.abort()
@@ -392,7 +399,7 @@ class Connection(asyncio.BufferedProtocol):
         self._identify(request)
         response = (
             self._refuse_flood(request)
-            or shared.http.respond(request, self.address, self.certificate_name)
+            or shared.http.respond(request, self.address, self.certificate)
             or self._refuse()
             or self._accept(request)
         )
@@ -434,7 +441,7 @@ class Connection(asyncio.BufferedProtocol):
                 request.headers,
                 request.path,
                 [each.strip() for each in offered],
-                self.certificate_name,
+                self.certificate,
                 self.address,
             )
             if login is not None:
@@ -715,7 +722,9 @@ class Connection(asyncio.BufferedProtocol):
             if now > self._login_due:
                 self.fail(MISSING_TOKEN)
             if self._is_expired():
-                self.fail(EXPIRED)
+                assert self.principal is not None
+                is_certificate = self.principal.proof == "certificate"
+                self.fail(CERTIFICATE_EXPIRED if is_certificate else EXPIRED)
         verdict = self._keepalive.verdict(now, self._unread())
         if verdict == "abort":
             self._transport.abort()
@@ -737,7 +746,9 @@ REFUSED = (AuthenticationError, NotAllowed, LimitReached)
 def _refusal(error: Exception, prefix: str = "") -> CloseReason:
     """Return the reason with which the client of an error of `REFUSED` is closed."""
     code = FORBIDDEN
-    if isinstance(error, LimitReached | TooManyAttempts):
+    if isinstance(error, AuthoritiesChanged):
+        code = RESTART.code
+    elif isinstance(error, LimitReached | TooManyAttempts):
         code = LIMITED
     elif isinstance(error, AuthenticationError):
         code = UNAUTHENTICATED

@@ -30,6 +30,7 @@ from websockets.http11 import Request, Response
 
 from fibws import names
 from fibws.errors import InvalidName
+from fibws.hub.access.authentication import Certificate
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.proxies import PROTO, is_secure
 from fibws.origins import AllowedOrigins, Origin, OwnHosts, origin_of_url
@@ -98,13 +99,13 @@ class Get:
     Attributes:
         path: the request's target, with its query.
         address: the client's IP address; empty if it is unknown.
-        certificate: the common name of the client's certificate, which TLS has verified.
+        certificate: the client's, which TLS has verified.
     """
 
     headers: Headers
     path: str = "/"
     address: str = ""
-    certificate: str | None = None
+    certificate: Certificate | None = None
 
 
 class DeferredResponse(Response):
@@ -238,13 +239,13 @@ class HttpRequests:
         return "Authorization" in headers
 
     def respond(
-        self, request: Request, address: str = "", certificate: str | None = None
+        self, request: Request, address: str = "", certificate: Certificate | None = None
     ) -> Response | None:
         """Return the response to a plain or refused request; None if a WebSocket may open.
 
         Args:
             address: the client's IP address.
-            certificate: the common name of the client's certificate.
+            certificate: the client's.
         """
         try:
             host = request.headers.get("Host")

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from fibws.errors import HubError
+from fibws.hub.access.authentication import Certificate
 
 logger = logging.getLogger("fibws.hub")
 
@@ -99,16 +100,18 @@ class ServerTls:
         client.context = self._newest
 
 
-def certificate_name(tls: ssl.SSLObject | None) -> str | None:
-    """Return the common name of the certificate that a client has presented and that is verified.
+def certificate_of(tls: ssl.SSLObject | None) -> Certificate | None:
+    """Return the certificate that a client has presented and that is verified.
 
     Args:
         tls: of the client's connection; None if it has no TLS.
     """
-    certificate = tls.getpeercert() if tls is not None else None
+    found: dict[str, Any] = (tls.getpeercert() if tls is not None else None) or {}
     # ((("countryName", "DE"),), (("commonName", "robot"),))
-    subject: Any = (certificate or {}).get("subject", ())
-    return next((value for part in subject for key, value in part if key == "commonName"), None)
+    subject = found.get("subject", ())
+    names = (value for part in subject for key, value in part if key == "commonName")
+    name = next(names, None)
+    return None if name is None else Certificate(name, ssl.cert_time_to_seconds(found["notAfter"]))
 
 
 class _Context(ssl.SSLContext):

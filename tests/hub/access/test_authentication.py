@@ -17,7 +17,14 @@ from websockets.datastructures import Headers
 
 from fibws.access.token_file import digest_of
 from fibws.errors import AccessError, AuthenticationError, HubError, TooManyAttempts
-from fibws.hub.access.authentication import MOST_WRONG, Authentication, WrongTokens, token_in
+from fibws.hub.access.authentication import (
+    MOST_WRONG,
+    Authentication,
+    AuthoritiesChanged,
+    Certificate,
+    WrongTokens,
+    token_in,
+)
 from fibws.hub.settings import Settings
 
 NOW = 1_800_000_000.0
@@ -135,29 +142,63 @@ def tls_files(folder: Path) -> dict[str, Any]:
 def test_certificate_stands_for_a_token(tmp_path: Path) -> None:
     path = tokens(tmp_path, '[certificates.robot1]\nallow = {publish = ["/x"]}')
     settings = Settings(tokens=path, **tls_files(tmp_path))
-    login = Authentication(settings, Clock()).log_in(Headers(), "/", [], "robot1", ADDRESS)
+    login = Authentication(settings, Clock()).log_in(
+        Headers(), "/", [], Certificate("robot1"), ADDRESS
+    )
     assert login is not None
     assert login.principal.rights.allows("publish", "/x")
     with pytest.raises(AuthenticationError, match="robot2"):
-        Authentication(settings, Clock()).log_in(Headers(), "/", [], "robot2", ADDRESS)
+        Authentication(settings, Clock()).log_in(Headers(), "/", [], Certificate("robot2"), ADDRESS)
 
 
 def test_without_a_file_each_certificate_has_all_rights_but_that_of_an_admin(
     tmp_path: Path,
 ) -> None:
     authentication = Authentication(Settings(**tls_files(tmp_path)), Clock())
-    login = authentication.log_in(Headers(), "/", [], "robot1", ADDRESS)
+    login = authentication.log_in(Headers(), "/", [], Certificate("robot1"), ADDRESS)
     assert login is not None
     assert login.principal.name == "robot1"
     assert login.principal.rights.allows("publish", "/x")
     assert not login.principal.rights.admin
 
 
+def test_certificate_ends_with_its_validity(tmp_path: Path) -> None:
+    clock = Clock()
+    text = "[certificates.robot1]\nexpires = 2099-01-01\n[certificates.robot2]"
+    authentication = Authentication(
+        Settings(tokens=tokens(tmp_path, text), **tls_files(tmp_path)), clock
+    )
+    for name in ("robot1", "robot2"):
+        certificate = Certificate(name, clock.now + 10)
+        login = authentication.log_in(Headers(), "/", [], certificate, ADDRESS)
+        assert login is not None
+        assert login.principal.expires == clock.now + 10
+    clock.now += 10
+    assert login is not None
+    with pytest.raises(AuthenticationError, match="the certificate expired"):
+        login.again()
+
+
+def test_new_authorities_verify_certificates_again(tmp_path: Path) -> None:
+    files = tls_files(tmp_path)
+    files["client_ca"].write_text("old")
+    authentication = Authentication(Settings(**files), Clock())
+    login = authentication.log_in(Headers(), "/", [], Certificate("robot1"), ADDRESS)
+    assert login is not None
+    authentication.reload()
+    assert login.again() == login.principal
+    files["client_ca"].write_text("new")
+    authentication.reload()
+    with pytest.raises(AuthoritiesChanged):
+        login.again()
+    assert authentication.log_in(Headers(), "/", [], Certificate("robot1"), ADDRESS)
+
+
 @pytest.mark.parametrize("name", ["anonymous", "a\nb", ""])
 def test_certificate_with_an_odd_name_is_refused(tmp_path: Path, name: str) -> None:
     authentication = Authentication(Settings(**tls_files(tmp_path)), Clock())
     with pytest.raises(AuthenticationError):
-        authentication.log_in(Headers(), "/", [], name, ADDRESS)
+        authentication.log_in(Headers(), "/", [], Certificate(name), ADDRESS)
 
 
 # JSON web tokens.

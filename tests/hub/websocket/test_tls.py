@@ -27,6 +27,7 @@ from fibws.hub import Hub
 from fibws.msg.std_msgs import Int32
 
 from ..raw_client import frame, handshake
+from ..token_clients import closing
 
 pytestmark = pytest.mark.both_loops
 
@@ -335,7 +336,8 @@ class TestReload:
             assert hub.reload() == ["authorities of client certificates changed"]
             with pytest.raises((OSError, InvalidMessage)):
                 await connect(hub.url, ssl=context)
-            await processed(old)
+            # Others of the new authority's, too, are to connect again: 1012 says so.
+            assert (await closing(old))[0] == 1012
 
 
 class TestClientCertificates:
@@ -352,7 +354,7 @@ class TestClientCertificates:
         context = authority.client(authority.issue(common_name="robot", file="client"))
         context.maximum_version = version
         async with connect(hub.url, ssl=context), connect(hub.url, ssl=authority.client()):
-            names = {each.certificate_name for each in hub._connections}
+            names = {each.certificate and each.certificate.name for each in hub._connections}
             assert names == {"robot", None}
 
     async def test_certificate_of_another_authority_is_refused(
@@ -371,7 +373,20 @@ class TestClientCertificates:
         hub = await start_hub(cert=certificate, key=key)
         context = authority.client(authority.issue(common_name="robot", file="client"))
         async with connect(hub.url, ssl=context):
-            assert [each.certificate_name for each in hub._connections] == [None]
+            assert [each.certificate and each.certificate.name for each in hub._connections] == [
+                None
+            ]
+
+    async def test_certificate_that_ends_closes_its_connection(
+        self, hub: Hub, authority: Authority
+    ) -> None:
+        end = datetime.now(UTC) + timedelta(days=30)
+        certificate = authority.issue(common_name="robot", file="client", expires=end)
+        async with connect(hub.url, ssl=authority.client(certificate)) as client:
+            await processed(client)
+            (connection,) = hub._connections
+            object.__setattr__(connection._shared, "now", lambda: end.timestamp() + 1)
+            assert await closing(client) == (4401, "the certificate expired")
 
 
 class TestFiles:
