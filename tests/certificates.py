@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ssl
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
 import trustme
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
 
 
 class Authority:
@@ -39,6 +42,17 @@ class Authority:
         certificate.write_bytes(b"".join(each.bytes() for each in made.cert_chain_pems))
         made.private_key_pem.write_to_path(key)
         return certificate, key
+
+    def revocations(self, certificate: Path) -> bytes:
+        """Return a list of revoked certificates (CRL) with one, in PEM."""
+        revoked = x509.load_pem_x509_certificate(certificate.read_bytes())
+        now = datetime.now(UTC)
+        entry = x509.RevokedCertificateBuilder(revoked.serial_number, now).build()
+        key = serialization.load_pem_private_key(self._ca.private_key_pem.bytes(), None)
+        assert isinstance(key, ec.EllipticCurvePrivateKey)
+        builder = x509.CertificateRevocationListBuilder(revoked.issuer, now, now + timedelta(1))
+        made = builder.add_revoked_certificate(entry).sign(key, hashes.SHA256())
+        return made.public_bytes(serialization.Encoding.PEM)
 
     def client(self, certificate: tuple[Path, Path] | None = None) -> ssl.SSLContext:
         """Return the context of a client that trusts the authority, and may have a certificate.

@@ -38,8 +38,8 @@ class ServerTls:
         certificate: a PEM file: the hub's certificate, followed by those between it and its
             authority.
         key: a PEM file of the certificate's private key, without a password.
-        client_ca: a PEM file of the authorities whose certificates clients may present; without
-            it, clients are not asked for one.
+        client_ca: a PEM file of the authorities whose certificates clients may present, with the
+            lists of revoked ones (CRL) if there are any; without it, clients are not asked for one.
 
     Raises:
         HubError: a file cannot be used.
@@ -199,6 +199,8 @@ def _context(certificate: Path, key: Path, client_ca: Path | None) -> ssl.SSLCon
         except ssl.SSLError:
             raise HubError(f"--client-ca: {client_ca} holds no certificate in PEM format") from None
         context.verify_mode = ssl.CERT_OPTIONAL
+        if context.cert_store_stats()["crl"]:
+            context.verify_flags |= ssl.VERIFY_CRL_CHECK_LEAF
         # A client that resumes a session would not be asked for its certificate again, which a
         # reload may have made invalid.
         context.options |= ssl.OP_NO_TICKET

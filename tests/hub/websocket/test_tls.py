@@ -377,6 +377,23 @@ class TestClientCertificates:
                 None
             ]
 
+    @pytest.mark.parametrize("version", [ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3])
+    async def test_revoked_certificate_is_refused(
+        self, start_hub: StartHub, authority: Authority, tmp_path: Path, version: ssl.TLSVersion
+    ) -> None:
+        certificate, key = authority.issue()
+        good = authority.client(authority.issue(common_name="robot1", file="good"))
+        stolen = authority.issue(common_name="robot2", file="stolen")
+        clients = tmp_path / "clients.pem"
+        clients.write_bytes(authority.file.read_bytes() + authority.revocations(stolen[0]))
+        hub = await start_hub(cert=certificate, key=key, client_ca=clients)
+        context = authority.client(stolen)
+        context.maximum_version = version
+        with pytest.raises((OSError, InvalidMessage)):
+            await connect(hub.url, ssl=context)
+        async with connect(hub.url, ssl=good) as client:
+            await processed(client)
+
     async def test_certificate_that_ends_closes_its_connection(
         self, hub: Hub, authority: Authority
     ) -> None:
