@@ -217,6 +217,8 @@ class Hub:
         loop = asyncio.get_running_loop()
         address, self.port = server.sockets[0].getsockname()[:2]
         self.audit = Audit(loop.time, self._identify)
+        if self._tls is not None:
+            self._tls.on_refused = partial(self.audit.refused, "authentication")
         self._limits = SharedLimits(self.settings, self._connections, loop.call_soon, self.audit)
         self._end.callback(self._limits.report_refusals)
         self.graph.on_refused = self._refused

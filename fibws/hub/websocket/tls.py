@@ -49,6 +49,8 @@ class ServerTls:
         self._files = (certificate, key, client_ca)
         self.files = list(dict.fromkeys(filter(None, self._files)))
         """Those that are read."""
+        self.on_refused: Callable[[str], object] = lambda reason: None
+        """Takes the reason whenever a client's certificate is refused."""
         self.context: ssl.SSLContext
         """The context for the event loop."""
         self._newest: ssl.SSLContext
@@ -78,6 +80,7 @@ class ServerTls:
             HubError: a file cannot be used.
         """
         context = _context(*self._files)
+        context.on_refused = lambda reason: self.on_refused(reason)
         contents = [each.read_bytes() for each in self._files if each is not None]
         names, end, fault = _inspect(context, self._files[0])
         if fault:
@@ -115,6 +118,8 @@ def certificate_of(tls: ssl.SSLObject | None) -> Certificate | None:
 
 
 class _Context(ssl.SSLContext):
+    on_refused: Callable[[str], object]
+
     def wrap_bio(
         self,
         incoming: ssl.MemoryBIO,
@@ -158,6 +163,9 @@ class _Handshake(ssl.SSLObject):
             self._error = error
             if error.reason in _PLAIN:
                 self.outgoing.write(_respond_to_plain(self.incoming.read()))
+            elif isinstance(error, ssl.SSLCertVerificationError):
+                assert isinstance(self.context, _Context)
+                self.context.on_refused(f"invalid client certificate: {error.verify_message}")
             raise ssl.SSLWantReadError(str(error)) from error
 
 
@@ -182,7 +190,7 @@ def _respond_to_plain(rest: bytes) -> bytes:
     )
 
 
-def _context(certificate: Path, key: Path, client_ca: Path | None) -> ssl.SSLContext:
+def _context(certificate: Path, key: Path, client_ca: Path | None) -> _Context:
     context = _Context(ssl.PROTOCOL_TLS_SERVER)
     context.sslobject_class = _Handshake
     context.minimum_version = ssl.TLSVersion.TLSv1_2

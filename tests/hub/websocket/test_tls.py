@@ -357,14 +357,23 @@ class TestClientCertificates:
             names = {each.certificate and each.certificate.name for each in hub._connections}
             assert names == {"robot", None}
 
+    @pytest.mark.parametrize("version", [ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3])
     async def test_certificate_of_another_authority_is_refused(
-        self, hub: Hub, authority: Authority, tmp_path: Path
+        self,
+        hub: Hub,
+        authority: Authority,
+        tmp_path: Path,
+        version: ssl.TLSVersion,
+        caplog: pytest.LogCaptureFixture,
     ) -> None:
         (tmp_path / "other").mkdir()
         other = Authority(tmp_path / "other")
         context = authority.client(other.issue(common_name="robot"))
+        context.maximum_version = version
         with pytest.raises((OSError, InvalidMessage)):
             await connect(hub.url, ssl=context)
+        assert "invalid client certificate: unable to get local issuer certificate" in caplog.text
+        assert hub.audit.refusals["authentication"] == 1
 
     async def test_certificate_is_not_asked_for_without_the_option(
         self, start_hub: StartHub, authority: Authority
