@@ -115,9 +115,9 @@ class AccessPolicy:
     def view(self, node: str) -> Hashable:
         """Return the same for all nodes of a principal, but not for anonymous ones."""
         principal = self._principals.get(node)
-        if principal is None or principal.name == ANONYMOUS:
+        if principal is None or not principal.is_same(principal):  # Anonymous ones are strangers.
             return node
-        return principal.name, principal.rights.text
+        return principal.proof, principal.name, principal.rights.text
 
     def principal_of(self, node: str) -> Principal | None:
         """Return the principal of a node; None for the hub's own nodes and unknown ones."""
