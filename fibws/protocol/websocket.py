@@ -199,7 +199,6 @@ class FrameParser:
         "_large",
         "_length",
         "_mask_bit",
-        "_max_size",
         "_message",
         "_on_other",
         "_on_skipped",
@@ -211,6 +210,7 @@ class FrameParser:
         "_view",
         "fragmented",
         "in_large",
+        "max_size",
         "messages",
         "missing",
         "on_binary",
@@ -237,7 +237,8 @@ class FrameParser:
         self.messages = 0
         """Whole messages passed on so far."""
         self._on_other = on_other
-        self._max_size = max_size
+        self.max_size = max_size
+        """Most bytes of messages that begin from now on; may be changed at any time."""
         self._on_skipped = on_skipped
         self._skipping = 0
         """Bytes of a message that is skipped which are still to come."""
@@ -412,7 +413,7 @@ class FrameParser:
             self._through = whole
             return start
         body = start + payload
-        if self.fragmented or length > self._max_size:
+        if self.fragmented or length > self.max_size:
             # The library reports a length that is itself an error (RFC 6455, section 5.2).
             if self.fragmented or self._on_skipped is None or length >> 63:
                 self._through = whole

@@ -87,8 +87,6 @@ MAX_OBJECTS = 1000
 """Operations in one text."""
 
 
-LONGEST_LOGIN = 64 * 1024
-"""Bytes of a text from a client without a token; a longer one is not read."""
 MOST_REFUSED = 100
 """Operations of a client without a token that are refused one by one."""
 
@@ -142,9 +140,6 @@ class TokenWait:
 
     def receive_text(self, data: Payload) -> Work:
         """Open the session if the client proves who it is; otherwise close the connection."""
-        if len(data) > LONGEST_LOGIN:
-            self._opening.close(MISSING_TOKEN)
-            return
         try:
             operations = _operations(data)
             for fields in operations:

@@ -38,7 +38,14 @@ from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.client_log import ClientLog
-from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registration, limit_unsent
+from fibws.hub.websocket.endpoint import (
+    STRANGER_BYTES,
+    Endpoint,
+    Endpoints,
+    Opening,
+    Registration,
+    limit_unsent,
+)
 from fibws.hub.websocket.http import DeferredResponse, HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
@@ -70,6 +77,8 @@ HIGH_WATER = 64 * KIB
 """Bytes in a transport's buffer at which its client counts as slow."""
 TLS_RECORD = b"\x16\x03"
 """The first bytes from a client that speaks TLS; no HTTP request holds them."""
+LONGEST_HEAD = 64 * KIB
+"""Bytes after which a request's head is not read on."""
 DROPPING_PAUSE = 0.01
 """Seconds between two reads of a client whose messages are dropped: to drop them costs, too."""
 
@@ -155,7 +164,7 @@ class Connection(asyncio.BufferedProtocol):
         self._shared = shared
         self._protocol = ServerProtocol(
             select_subprotocol=shared.endpoints.select,
-            max_size=shared.settings.max_message_size,
+            max_size=min(STRANGER_BYTES, shared.settings.max_message_size),
             logger=_library_logger,
         )
         self._transport: asyncio.Transport
@@ -236,9 +245,14 @@ class Connection(asyncio.BufferedProtocol):
         return self.endpoint is not None
 
     @property
+    def is_stranger(self) -> bool:
+        """Whether the handshake is not done, or the client has still to send its token."""
+        return self.endpoint is None or self._login_due < math.inf
+
+    @property
     def incoming_bytes(self) -> int:
         """Bytes that are kept of messages that came in part."""
-        size = len(self._protocol.reader.buffer)
+        size = len(self._protocol.reader.buffer) + len(self._request)
         if self.endpoint is not None:
             size += self._reader.kept_bytes + self.endpoint.incomplete_bytes
         return size
@@ -378,6 +392,13 @@ class Connection(asyncio.BufferedProtocol):
             self._protocol.send_response(text_response(http.HTTPStatus.BAD_REQUEST, text))
             self._send()
             return
+        is_endless = self.bytes_received > LONGEST_HEAD + len(data)
+        if is_endless and not self._protocol.eof_sent:
+            text = f"The request's head is too long (limit {LONGEST_HEAD} bytes)"
+            status = http.HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE
+            self._protocol.send_response(text_response(status, text))
+            self._send()
+            return
         seen = self._head + data
         end = seen.find(b"\r\n\r\n")
         if end < 0:
@@ -471,6 +492,8 @@ class Connection(asyncio.BufferedProtocol):
         """Exchange messages with the client through an endpoint that is a node."""
         self.endpoint = self._reader.endpoint = endpoint
         self._login_due = math.inf
+        self._protocol.max_message_size = self._shared.settings.max_message_size
+        self._reader.enter()
         self._shared.observer.entered(self)
         self._log.connected(self, endpoint.node)
 
@@ -666,6 +689,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def fail(self, reason: CloseReason) -> None:
         """Close because of a fault of the client."""
+        if self._protocol.state is State.CONNECTING:
+            self._transport.abort()
         if self._protocol.state is not State.OPEN:
             return
         self._log.closed(self, reason, level=logging.WARNING)

@@ -18,7 +18,12 @@ from websockets.typing import Subprotocol
 
 from fibws.access.rights import Principal
 from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.settings import KIB
 from fibws.protocol.websocket import TOKEN_SUBPROTOCOL, CloseReason, Payload
+
+STRANGER_BYTES = 64 * KIB
+"""Bytes that a message of a client may have before its login: those without a token must not use
+up the memory that those with one need."""
 
 Registration: TypeAlias = Literal["subscriptions", "advertisements"]
 """A kind of registration: topics subscribed to; topics, services and actions advertised."""

@@ -14,7 +14,7 @@ from websockets.frames import Frame, Opcode
 
 from fibws.errors import InvalidUtf8
 from fibws.hub.settings import KIB, Settings
-from fibws.hub.websocket.endpoint import Endpoint, Work
+from fibws.hub.websocket.endpoint import STRANGER_BYTES, Endpoint, Work
 from fibws.hub.websocket.quotas import CHARGED_BYTES, ClientQuotas, Meter
 from fibws.hub.websocket.turns import Turns
 from fibws.protocol.websocket import (
@@ -65,6 +65,8 @@ class Client(Protocol):
 class MessageReader:
     """Splits what a client sends into messages, and measures how much that is.
 
+    Until `enter` a message may have `STRANGER_BYTES` at most.
+
     Args:
         quotas: the client's; a login may change them at any time.
     """
@@ -76,9 +78,11 @@ class MessageReader:
         "_exempt",
         "_fragments",
         "_frames",
+        "_medium",
         "_others",
         "_parser",
         "_quotas",
+        "_settings",
         "_stopped",
         "_turns",
         "_work",
@@ -109,6 +113,8 @@ class MessageReader:
         """The bytes of that message."""
         self._frames: list[Frame] = []
         """Frames that the library has read behind it."""
+        self._medium = buffers.small
+        """The buffer for connections in the middle of a longer frame."""
         self._fragments: list[bytes] = []
         self._binary = False
         self._stopped = False
@@ -120,12 +126,18 @@ class MessageReader:
             self._on_text,
             self._on_binary,
             client.feed,
-            max_size=settings.max_message_size,
+            max_size=min(STRANGER_BYTES, settings.max_message_size),
             masked=True,
             turn=1,
             go_on=turns.go_on,
         )
-        if not settings.fast_framing:
+        self._settings = settings
+
+    def enter(self) -> None:
+        """Accept messages of any size that the settings allow: the client has logged in."""
+        self._medium = self._buffers.medium
+        self._parser.max_size = self._settings.max_message_size
+        if not self._settings.fast_framing:
             self._parser.give_up()
 
     @property
@@ -156,8 +168,8 @@ class MessageReader:
         parser = self._parser
         if parser.in_large:
             return parser.buffer()[:READ_SIZE]
-        buffers = self._buffers
-        return buffers.medium if parser.missing > len(buffers.small) else buffers.small
+        small = self._buffers.small
+        return self._medium if parser.missing > len(small) else small
 
     def filled(self, size: int, now: float) -> bool:
         """Process bytes that were read into `buffer`.

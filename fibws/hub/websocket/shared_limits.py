@@ -1,6 +1,8 @@
 """Limits for all connections together: how many there may be, and the bytes kept for them.
 
-Limits of one client do not bound a thousand clients.
+Limits of one client do not bound a thousand clients. If there are too many bytes, clients that
+have not logged in are closed first; then the principal that holds most pays, by its connection that
+holds most. On an open hub all clients are of one principal.
 Bytes are counted only after enough new ones that the limit may be reached.
 """
 
@@ -9,10 +11,12 @@ from __future__ import annotations
 import errno
 import logging
 import sys
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable
+from collections import Counter, defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator
+from heapq import heapify, heappop, heappush
 from typing import Protocol
 
+from fibws.access.rights import Principal
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.byte_allowance import ByteAllowance
 from fibws.hub.delivery.send_queue import SendQueue
@@ -37,6 +41,14 @@ class Limited(Protocol):
     """A connection, as far as it is limited here."""
 
     queue: SendQueue
+
+    @property
+    def principal(self) -> Principal | None:
+        """The client's principal; None on an open hub, and before its login."""
+
+    @property
+    def is_stranger(self) -> bool:
+        """Whether it has no client yet, or one that has still to log in."""
 
     @property
     def is_open(self) -> bool:
@@ -161,29 +173,31 @@ class SharedLimits:
     def check_queued(self) -> None:
         """Shorten the longest queues if all together are too long.
 
-        Their oldest messages are dropped, so that those with the most all have equally many bytes
-        left, but at least their newest message. If even that is too much, clients lose their
-        newest, too, and those with too many replies are closed.
+        Their oldest messages are dropped, so that the principals with the most all have equally
+        many bytes left, and of each of them its clients with the most, but at least their newest
+        message. If even that is too much, clients lose their newest, too, and those with too many
+        replies are closed.
         """
         limit = self._settings.max_total_queued_bytes
-        holding = [each for each in self._clients() if each.queue.kept_bytes]
-        if (total := _kept(holding)) > limit:
+        holding = [(size, each) for each in self._clients() if (size := each.queue.kept_bytes)]
+        if (total := sum(size for size, _ in holding)) > limit:
             self._shortened = True
-            holding.sort(key=lambda each: each.queue.kept_bytes, reverse=True)
-            share = _fair_share([each.queue.kept_bytes for each in holding], limit - limit // 16)
-            for each in holding:
+            total -= _close_strangers(holding, total - limit, TOO_MUCH_QUEUED)
+        if total > limit:
+            shares = _fair_shares(holding, limit - limit // 16)
+            for each, share in shares.items():
                 each.queue.shorten(share)
-            if (total := _kept(holding)) > limit:
-                self._clear(holding, share, limit)
-                total = _kept(holding)
+            if (total := _kept(shares)) > limit:
+                self._clear(shares, limit)
+                total = _kept(shares)
         self.queued.allow(max(limit - total, limit // 16))
 
-    def _clear(self, holding: list[Limited], share: int, limit: int) -> None:
+    def _clear(self, shares: dict[Limited, int], limit: int) -> None:
         """Drop all messages of those that hold most, and close them if that is not enough."""
-        shared = Counter(id(buffer) for each in holding for buffer in each.queue.buffers())
-        sizes = {id(buffer): len(buffer) for each in holding for buffer in each.queue.buffers()}
-        total = sum(sizes.values()) + sum(each.queue.own_bytes for each in holding)
-        for each in holding:
+        shared = Counter(id(buffer) for each in shares for buffer in each.queue.buffers())
+        sizes = {id(buffer): len(buffer) for each in shares for buffer in each.queue.buffers()}
+        total = sum(sizes.values()) + sum(each.queue.own_bytes for each in shares)
+        for _, each in _most_first([(each.queue.kept_bytes, each) for each in shares]):
             if total <= limit:
                 break
             total -= each.queue.own_bytes
@@ -191,8 +205,8 @@ class SharedLimits:
                 shared[id(buffer)] -= 1
                 if not shared[id(buffer)]:
                     total -= sizes[id(buffer)]
-            each.queue.shorten(share, least=0)
-            if each.queue.kept_bytes > share:
+            each.queue.shorten(shares[each], least=0)
+            if each.queue.kept_bytes > shares[each]:
                 each.fail(TOO_MUCH_QUEUED)
             else:
                 total += each.queue.kept_bytes
@@ -200,10 +214,11 @@ class SharedLimits:
     def check_incoming(self) -> None:
         """Close the clients that have sent most in part if that is too much of all."""
         limit = self._settings.max_total_incoming_bytes
-        holding = [(each.incoming_bytes, each) for each in self._connections]
+        holding = [(size, each) for each in self._connections if (size := each.incoming_bytes)]
         total = sum(size for size, _ in holding)
         if total > limit:
-            for size, each in sorted(holding, key=lambda pair: pair[0], reverse=True):
+            total -= _close_strangers(holding, total - limit, TOO_MUCH_INCOMING)
+            for size, each in _most_first(holding):
                 if total <= limit:
                     break
                 each.fail(TOO_MUCH_INCOMING)
@@ -235,6 +250,61 @@ class SharedLimits:
 
 def _kept(connections: Iterable[Limited]) -> int:
     return sum(each.queue.kept_bytes for each in connections)
+
+
+def _close_strangers(holding: list[tuple[int, Limited]], surplus: int, reason: CloseReason) -> int:
+    """Close clients that have not logged in, those with most first, until the surplus is gone.
+
+    All of them leave ``holding``.
+
+    Returns:
+        The bytes that were kept for those closed.
+    """
+    closed = 0
+    for size, each in sorted(holding, key=lambda pair: pair[0], reverse=True):
+        if each.is_stranger and closed < surplus:
+            each.fail(reason)
+            closed += size
+    holding[:] = [pair for pair in holding if not pair[1].is_stranger]
+    return closed
+
+
+def _by_principal(holding: Iterable[tuple[int, Limited]]) -> list[list[tuple[int, Limited]]]:
+    """Return the clients of each principal; the sizes of each list rise."""
+    found: defaultdict[str, list[tuple[int, Limited]]] = defaultdict(list)
+    for size, each in sorted(holding, key=lambda pair: pair[0]):
+        found[each.principal.name if each.principal is not None else ""].append((size, each))
+    return list(found.values())
+
+
+def _most_first(holding: Iterable[tuple[int, Limited]]) -> Iterator[tuple[int, Limited]]:
+    """Yield, each time, the largest client of the principal whose remaining clients hold most."""
+    groups = _by_principal(holding)
+    totals = [(-sum(size for size, _ in group), index) for index, group in enumerate(groups)]
+    heapify(totals)
+    while totals:
+        total, index = heappop(totals)
+        size, each = groups[index].pop()
+        if groups[index]:
+            heappush(totals, (total + size, index))
+        yield size, each
+
+
+def _fair_shares(holding: list[tuple[int, Limited]], limit: int) -> dict[Limited, int]:
+    """Return the bytes that each client may keep so that all fit the limit.
+
+    Principals have equal shares, and so have the clients of each of them.
+    """
+    groups = _by_principal(holding)
+    totals = [sum(size for size, _ in group) for group in groups]
+    most = _fair_share(sorted(totals, reverse=True), limit)
+    shares: dict[Limited, int] = {}
+    for group, total in zip(groups, totals, strict=True):
+        share = group[-1][0]
+        if total > most:
+            share = _fair_share([size for size, _ in reversed(group)], most)
+        shares.update((each, share) for _, each in group)
+    return shares
 
 
 def _fair_share(sizes: list[int], limit: int) -> int:

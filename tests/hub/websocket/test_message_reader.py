@@ -42,6 +42,7 @@ class FakeConnection:
         session = FakeHub().client().session
         assert isinstance(session, Session)
         self.reader.endpoint = session
+        self.reader.enter()
 
     @property
     def messages_received(self) -> int:

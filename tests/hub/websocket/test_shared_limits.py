@@ -6,21 +6,27 @@ import errno
 import json
 from collections.abc import Callable
 from contextlib import AsyncExitStack
+from pathlib import Path
 from typing import Any
 
 import pytest
 from conftest import StartHub
 
+from fibws.access.rights import Principal, Rights
+from fibws.access.token_file import digest_of
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, LargeFrame, MadeFrame, SendQueue
 from fibws.hub.settings import KIB, MIB, Settings
 from fibws.hub.websocket import shared_limits as module
+from fibws.hub.websocket.endpoint import STRANGER_BYTES
 from fibws.hub.websocket.shared_limits import TOO_MUCH_INCOMING, TOO_MUCH_QUEUED, SharedLimits
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.websocket import BINARY, CloseReason, client_header
 
 from ..raw_client import (
     CONT,
+    PING,
+    PONG,
     TEXT,
     Client,
     connected,
@@ -40,6 +46,8 @@ class Connection:
     """A connection whose client reads nothing."""
 
     is_open = True
+    is_stranger = False
+    principal: Principal | None = None
 
     def __init__(self, hub: Crowd) -> None:
         self.incoming_bytes = 0
@@ -202,6 +210,54 @@ def test_clients_with_most_unfinished_bytes_are_closed() -> None:
     assert [each.reasons for each in crowd.connections] == [[TOO_MUCH_INCOMING], [], [], []]
     assert crowd.limits.incoming_bytes() == 14_100
     assert crowd.limits.incoming.left == LIMIT - 14_100
+
+
+def named(name: str) -> Principal:
+    return Principal(name, Rights())
+
+
+def test_clients_that_have_not_logged_in_are_closed_first() -> None:
+    crowd = Crowd(4)
+    robot, *strangers = crowd.connections
+    robot.principal, robot.incoming_bytes = named("robot"), LIMIT - 1000
+    for each, size in zip(strangers, (300, 800, 700), strict=True):
+        each.is_stranger, each.incoming_bytes = True, size
+    crowd.limits.check_incoming()
+    assert [each.reasons for each in crowd.connections] == [[], [], [TOO_MUCH_INCOMING], []]
+
+
+def test_largest_connection_of_the_principal_with_most_bytes_is_closed() -> None:
+    crowd = Crowd(5)
+    crowd.connections[0].principal = named("robot")
+    crowd.connections[0].incoming_bytes = 6000
+    for each, size in zip(crowd.connections[1:], (2000, 4000, 3000, 3000), strict=True):
+        each.principal, each.incoming_bytes = named("pages"), size
+    crowd.limits.check_incoming()
+    assert [len(each.reasons) for each in crowd.connections] == [0, 0, 1, 0, 0]
+
+
+def test_principals_share_the_bytes_that_wait() -> None:
+    crowd = Crowd(9)
+    crowd.connections[0].principal = named("robot")
+    crowd.keep(0, *frames(70))
+    for number in range(1, 9):
+        crowd.connections[number].principal = named("pages")
+        crowd.keep(number, *frames(10 * number))
+    assert crowd.check()
+    assert sum(crowd.kept) <= LIMIT
+    assert crowd.kept[:2] == [7000, 1000]
+    assert crowd.kept[2] < 2000
+
+
+def test_replies_to_clients_that_have_not_logged_in_go_first() -> None:
+    crowd = Crowd(2)
+    stranger, other = crowd.connections
+    stranger.is_stranger = True
+    stranger.queue.reply(bytes(1000))
+    crowd.keep(1, *frames(155))
+    assert crowd.check()
+    assert [each.reasons for each in crowd.connections] == [[TOO_MUCH_QUEUED], []]
+    assert other.queue.dropped == 0
 
 
 def test_reasons_fit_a_close_frame() -> None:
@@ -383,3 +439,78 @@ async def _send_in_part(client: Client, kind: str, mebibytes: int, *, more: bool
     else:
         text = "x" * (mebibytes * MIB)
         await client.send(operation("fragment", id="a", num=int(more), total=3, data=text))
+
+
+# Before the login.
+
+
+@pytest.fixture
+def tokens(tmp_path: Path) -> Path:
+    path = tmp_path / "tokens.toml"
+    path.write_text(f'[tokens.robot]\nsha256 = "{digest_of("robot")}"\nadmin = true\n', "utf-8")
+    return path
+
+
+HALF = STRANGER_BYTES // 2
+
+
+@pytest.mark.both_loops
+class TestStrangers:
+    @pytest.mark.parametrize("fast_framing", [True, False])
+    @pytest.mark.parametrize(
+        "data",
+        [
+            client_header(BINARY, STRANGER_BYTES + 1),
+            client_header(BINARY, 60 * MIB),
+            client_header(TEXT, 60 * MIB),
+            frame(TEXT, bytes(HALF), fin=False) + client_header(0x80 | CONT, HALF + 1),
+            frame(TEXT, bytes(HALF), fin=False) + client_header(CONT, 60 * MIB),
+        ],
+        ids=["just too long", "long", "unfinished", "fragments", "fragments that go on"],
+    )
+    async def test_message_that_claims_too_much_is_refused_at_its_head(
+        self, start_hub: StartHub, tokens: Path, data: bytes, fast_framing: bool
+    ) -> None:
+        hub = await start_hub(tokens=tokens, fast_framing=fast_framing)
+        async with connected(hub.port) as stranger:
+            await stranger.send(data)
+            code, reason = await stranger.is_closed()
+            assert code == 1009
+            assert "65536" in reason or "size" in reason
+
+    @pytest.mark.parametrize("fast_framing", [True, False])
+    async def test_messages_behind_the_login_may_be_large(
+        self, start_hub: StartHub, tokens: Path, fast_framing: bool
+    ) -> None:
+        hub = await start_hub(tokens=tokens, fast_framing=fast_framing)
+        async with connected(hub.port) as client:
+            await client.send(
+                operation("auth", token="robot") + publish("/a", "x" * MIB) + frame(PING, b"end")
+            )
+            frames = dict([await client.frame(), await client.frame()])
+            assert frames[PONG] == b"end"
+            assert b"/a" in frames[TEXT]
+
+    async def test_unfinished_messages_of_strangers_close_no_robot(
+        self, start_hub: StartHub, tokens: Path
+    ) -> None:
+        hub = await start_hub(tokens=tokens, max_total_incoming_bytes=MIB)
+        async with AsyncExitStack() as stack:
+            robot = await stack.enter_async_context(
+                connected(hub.port, Authorization="Bearer robot")
+            )
+            await robot.advertises("/map", "std_msgs/String")
+            for _ in range(20):
+                stranger = await stack.enter_async_context(connected(hub.port))
+                await stranger.send(
+                    client_header(BINARY, STRANGER_BYTES), bytes(STRANGER_BYTES - 1)
+                )
+            await until(lambda: hub._limits.incoming_bytes() > MIB - 3 * STRANGER_BYTES)
+            await robot.send(publish("/map", "m" * (MIB - 4 * KIB)))
+            await robot.is_processed()
+
+    async def test_endless_head_of_a_request_is_refused(self, start_hub: StartHub) -> None:
+        hub = await start_hub()
+        async with dialled(hub.port) as client:
+            await client.send(b"GET / HTTP/1.1\r\n" + b"A: %s\r\n" % (b"x" * 4000) * 40)
+            assert (await client.response())[0] == 431
