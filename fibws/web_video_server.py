@@ -29,6 +29,7 @@ import fibws
 from fibws.cli import node_program
 from fibws.origins import AllowedOrigins, OwnHosts, machine_names
 from fibws.suggestions import suggestion
+from fibws.values.message_sizes import check_image
 
 PORT = 8080
 ADDRESS = "127.0.0.1"
@@ -154,6 +155,7 @@ class Feed:
         mode, raw = modes
         size = (image.width, image.height)
         try:
+            check_image(*size, image.step, len(raw), len(image.data))
             picture = Image.frombuffer(mode, size, bytes(image.data), "raw", raw, image.step, 1)
             written = io.BytesIO()
             picture.save(written, "JPEG", quality=self._quality)

@@ -65,7 +65,7 @@ BELOW = {
     "examples": {*NODE, *CLASSES, "cli"},
     "turtlesim": {*NODE, *CLASSES, "cli", "errors"},
     "demo_robot": {*NODE, *CLASSES, "cli"},
-    "web_video_server": {*NODE, "cli", "origins", "suggestions"},
+    "web_video_server": {*NODE, "cli", "origins", "suggestions", "values"},
     "cli": {*NODE, *LOWEST, "bags", "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"}
     | {"bag_recorder", "srv"},

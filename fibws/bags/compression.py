@@ -10,6 +10,8 @@ MAX_SIZE = 256 * 2**20
 """Maximum size of an uncompressed chunk, unless its compressed data is large, too."""
 MAX_RATIO = 64
 """A chunk may be larger than `MAX_SIZE` if it is at most so many times its compressed data."""
+MAX_START = 64 * 2**20
+"""Maximum size of what is restored of a damaged chunk, whose size cannot be trusted; likewise."""
 
 METHODS = ("none", "bz2", "lz4")
 """The compression methods of .bag files."""
@@ -95,7 +97,7 @@ def decompress_start(data: bytes, method: str, place: str) -> bytes:
     """Return the uncompressed start of data that was cut off; empty if nothing can be read."""
     if method == "none":
         return data
-    return _decompress(data, method, max(MAX_SIZE, MAX_RATIO * len(data)), place)[0]
+    return _decompress(data, method, max(MAX_START, MAX_RATIO * len(data)), place)[0]
 
 
 def _decompress(data: bytes, method: str, limit: int, place: str) -> tuple[bytes, str]:

@@ -19,6 +19,7 @@ from random_inputs import examples, times
 
 from fibws.bags import ChunkInfo, bag_format, open_reader, open_writer, reader, reindex
 from fibws.bags.bag_writer import BagWriter
+from fibws.bags.compression import MAX_START
 from fibws.errors import BagError, BagFormatError, BagNotIndexed
 
 from .test_bags import FORMATS, add, contents, each_suffix, every_format, write_numbers
@@ -291,6 +292,17 @@ def test_decompression_bomb_is_rejected_early(tmp_path: Path, claimed: int) -> N
     finally:
         tracemalloc.stop()
     assert str(path) in str(caught.value)
+
+
+def test_decompression_bomb_is_restored_in_part(tmp_path: Path) -> None:
+    """What it claims is not to be trusted; the memory is bounded by what is there."""
+    path = bomb(tmp_path, 10**9, 5 * MAX_START // 2)
+    tracemalloc.start()
+    try:
+        reindex(path, tmp_path / "restored.bag")
+        assert tracemalloc.get_traced_memory()[1] < 2.5 * MAX_START
+    finally:
+        tracemalloc.stop()
 
 
 @each_suffix

@@ -183,6 +183,9 @@ async def test_image_that_is_not_compressed_becomes_a_jpeg(port: int, node: fibw
     await images.publish(Image(Header(), 9999, 9999, "rgb8", 0, 12, red))
     status, _ = await answer(port, "/snapshot?topic=/camera/image&quality=50")
     assert status == 415
+    await images.publish(Image(Header(), 9999, 9999, "rgb8", 0, 0, red))
+    status, text = await answer(port, "/snapshot?topic=/camera/image&quality=51")
+    assert (status, "a row has 0 bytes" in text) == (415, True)
 
 
 async def test_requests_that_cannot_be_served_say_why(port: int, node: fibws.Node) -> None:

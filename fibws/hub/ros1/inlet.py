@@ -31,6 +31,8 @@ from fibws.hub.ros1.topic_registrations import Registrant, Ros1Publisher
 
 logger = logging.getLogger("fibws.hub")
 
+AHEAD = 1024 * 1024
+"""Bytes allocated for a large message at first; more follow as it arrives."""
 SCRATCH = 128 * 1024
 """Bytes of the buffer in which small messages arrive."""
 TURN = 0.001
@@ -238,7 +240,7 @@ class InletConnection(asyncio.BufferedProtocol):
         """The bytes in the scratch buffer that are not processed yet."""
         self._large: memoryview | None = None
         """The buffer of a large message that is arriving."""
-        self._large_end = 0
+        self._large_end = self._large_size = 0
         self._skipped = 0
         """The bytes that are still to come of a message that is too large."""
         self._is_closed = False
@@ -271,9 +273,11 @@ class InletConnection(asyncio.BufferedProtocol):
         if self._large is not None:
             self._large_end += count
             self.bytes += count
-            if self._large_end == len(self._large):
+            if self._large_end == self._large_size:
                 message, self._large = self._large, None
                 self._deliver(message)
+            elif self._large_end == len(self._large):
+                self._grow()
         elif self._skipped:
             self._skipped -= count
             self.bytes += count
@@ -350,10 +354,18 @@ class InletConnection(asyncio.BufferedProtocol):
             self._start, self._end = 0, len(rest)
             self._scratch[: self._end] = rest
 
+    def _grow(self) -> None:
+        """Make room for more of the large message, most of which is still to come."""
+        assert self._large is not None
+        larger = memoryview(bytearray(min(self._large_size, 4 * len(self._large))))
+        larger[: self._large_end] = self._large
+        self._large = larger
+
     def _begin_large(self, begin: int, size: int) -> None:
-        """Move the beginning of a large message to a buffer of its size."""
+        """Move the beginning of a large message to a buffer of its own, which grows with it."""
         there = self._end - begin
-        self._large = memoryview(bytearray(size))
+        self._large_size = size
+        self._large = memoryview(bytearray(min(size, max(AHEAD, 4 * there))))
         self._large[:there] = self._scratch[begin : self._end]
         self._large_end = there
         self.bytes += there

@@ -18,7 +18,7 @@ from fibws.errors import LimitReached
 from fibws.hub import Hub
 from fibws.hub.graph.topic import Source
 from fibws.hub.ros1 import inlet
-from fibws.hub.ros1.inlet import SCRATCH, InletConnection
+from fibws.hub.ros1.inlet import AHEAD, SCRATCH, InletConnection
 from fibws.hub.ros1.tcpros import MOST_HEADER, MOST_MESSAGE, encode_header
 from fibws.msg.std_msgs import Int32
 
@@ -79,6 +79,15 @@ async def test_large_message_is_read_into_a_buffer_of_its_own() -> None:
     link.feed(framed(bytes(10**6))[: SCRATCH + 1])
     buffer = link.connection.get_buffer(-1)
     assert len(buffer) == 10**6 + 4 - SCRATCH - 1
+
+
+async def test_message_that_claims_much_takes_no_memory_before_it_comes() -> None:
+    link = Link()
+    message = framed(bytes(range(256)) * 2**15)
+    link.feed(message[: SCRATCH + 1])
+    assert len(link.connection.get_buffer(-1)) <= 4 * SCRATCH + AHEAD
+    link.feed(message[SCRATCH + 1 :])
+    assert link.source.messages == [message[4:]]
 
 
 async def test_many_messages_leave_others_their_turn(monkeypatch: pytest.MonkeyPatch) -> None:

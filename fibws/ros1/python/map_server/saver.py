@@ -17,6 +17,7 @@ from nav_msgs.msg import OccupancyGrid
 
 from fibws.errors import MapError
 from fibws.ros1.map_files import GridMap, write_map
+from fibws.values.message_sizes import check_grid
 
 USAGE = "usage: map_saver [--occ THRESHOLD] [--free THRESHOLD] [-f NAME] [map:=TOPIC]"
 
@@ -62,9 +63,10 @@ def grid_of(message: Any) -> GridMap:
     """
     info, origin = message.info, message.info.origin
     cells = array("b", message.data)
-    if len(cells) != info.width * info.height:
-        expected = f"expected {info.width} x {info.height}"
-        raise MapError("image", f"{expected} cells in the message, got {len(cells)}")
+    try:
+        check_grid(info.width, info.height, len(cells))
+    except ValueError as error:
+        raise MapError("image", str(error)) from None
     q = origin.orientation
     yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
     pose = (origin.position.x, origin.position.y, yaw)

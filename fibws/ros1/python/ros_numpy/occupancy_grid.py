@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 
+from fibws.values.message_sizes import check_grid
 from ros_numpy.registry import converts_from_numpy, converts_to_numpy
 
 
@@ -18,6 +19,7 @@ def occupancygrid_to_numpy(msg: OccupancyGrid) -> Any:
     Raises:
         ValueError: the grid does not have as many cells as its size says.
     """
+    check_grid(msg.info.width, msg.info.height, len(msg.data))
     data = np.asarray(msg.data, dtype=np.int8).reshape(msg.info.height, msg.info.width)
     return np.ma.array(data, mask=data == -1, fill_value=-1)
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 
+from fibws.values.message_sizes import check_cloud
 from ros_numpy.registry import converts_from_numpy, converts_to_numpy
 
 _TYPES = {
@@ -85,9 +86,8 @@ def pointcloud2_to_array(cloud_msg: PointCloud2, squeeze: bool = True) -> Any:
     data = bytes(cloud_msg.data)
     if not data:  # numpy takes no bytes for any number.
         shape = (0, 0)
-        if cloud_msg.height and cloud_msg.width:
-            raise ValueError("the cloud's size does not fit its data, which is empty")
     try:
+        check_cloud(cloud_msg.width, cloud_msg.height, row_step, cloud_msg.point_step, len(data))
         found = np.ndarray(shape, kind, data, strides=(row_step, cloud_msg.point_step))
     except (TypeError, ValueError) as error:
         raise ValueError(f"the cloud's size does not fit its data: {error}") from None

@@ -11,6 +11,8 @@ from typing import Any
 
 from genpy.classes import message_class
 
+from fibws.values.message_sizes import check_cloud
+
 PointCloud2 = message_class("sensor_msgs/PointCloud2")
 PointField = message_class("sensor_msgs/PointField")
 
@@ -31,6 +33,9 @@ def read_points(
         field_names: the fields to read; None for all.
         skip_nans: skip points with NaN in one of these fields.
         uvs: columns and rows of the points to read; empty for all.
+
+    Raises:
+        ValueError: there are fewer bytes than the cloud's size says.
     """
     assert getattr(cloud, "_type", None) == "sensor_msgs/PointCloud2", (
         "cloud is not a sensor_msgs.msg.PointCloud2"
@@ -38,7 +43,10 @@ def read_points(
     fields = _in_order(cloud.fields, field_names)
     unpack = _layout(cloud.is_bigendian, fields).unpack_from
     data = cloud.data if isinstance(cloud.data, bytes) else bytes(cloud.data)
-    rows, columns = range(cloud.height), range(cloud.width)
+    if not uvs:
+        check_cloud(cloud.width, cloud.height, cloud.row_step, cloud.point_step, len(data))
+    columns = range(cloud.width)
+    rows = range(cloud.height if columns else 0)
     for u, v in uvs or ((column, row) for row in rows for column in columns):
         point = unpack(data, cloud.row_step * v + cloud.point_step * u)
         if not (skip_nans and any(map(math.isnan, point))):

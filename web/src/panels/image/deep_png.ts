@@ -5,6 +5,8 @@
  * images are not read.
  */
 
+import { checkDeflated } from "../../messages/sizes";
+
 export interface DeepImage {
   readonly width: number;
   readonly height: number;
@@ -13,7 +15,6 @@ export interface DeepImage {
 }
 
 const SIGNATURE = [0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a];
-const MAX_PIXELS = 2 ** 26;
 /** Bytes of a pixel. */
 const SIZE = 2;
 
@@ -27,9 +28,7 @@ export async function readDeepPng(bytes: Uint8Array): Promise<DeepImage> {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const width = view.getUint32(16);
   const height = view.getUint32(20);
-  if (width * height === 0 || width * height > MAX_PIXELS) {
-    throw new Error(`the PNG image has ${width} × ${height} pixels`);
-  }
+  checkDeflated(width, height, SIZE, bytes.length);
   if (bytes[28] !== 0) throw new Error("interlaced PNG images of 16 bits cannot be shown");
   const row = width * SIZE;
   const filtered = await inflate(chunks(bytes, view), (row + 1) * height);

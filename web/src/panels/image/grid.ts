@@ -1,5 +1,6 @@
 /** The picture of nav_msgs/OccupancyGrid, in the colours of RViz's palette "map". */
 import type { Fields } from "../../messages/reader";
+import { checkGrid } from "../../messages/sizes";
 import { bytesOf } from "../../types";
 
 export interface Grid {
@@ -14,7 +15,6 @@ export interface Grid {
   readonly cells: Int8Array;
 }
 
-const MAX_CELLS = 2 ** 26;
 const UNKNOWN = -1;
 /** For each cell, as a byte without a sign: red, green and blue. */
 const PALETTE = Uint8Array.from(
@@ -48,11 +48,7 @@ export function readGrid({ header, info, data }: Fields): Grid {
     };
   };
   const cells = cellsOf(data);
-  if (width * height === 0) throw new Error(`the map has no cells: ${width} × ${height}`);
-  if (width * height > MAX_CELLS) throw new Error(`${width} × ${height} cells are too many`);
-  if (cells.length < width * height) {
-    throw new Error(`the data has ${cells.length} cells, but ${width} × ${height} are expected`);
-  }
+  checkGrid(width, height, cells.length);
   const { x, y, z, w } = origin.orientation;
   const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
   const place = { x: origin.position.x, y: origin.position.y, yaw };

@@ -5,6 +5,8 @@
  * two limits, depths among them.
  */
 
+import { checkImage } from "../../messages/sizes";
+
 export interface RawImage {
   readonly width: number;
   readonly height: number;
@@ -137,8 +139,6 @@ export const ENCODINGS: readonly string[] = [COLORS, NUMBERS, BAYER, YUV, PLANES
   ...all.keys(),
 ]);
 
-/** Most pixels of an image. */
-const MAX_PIXELS = 2 ** 26;
 /** Every such pixel counts for the limits. */
 const SAMPLED = 16;
 /** The parts of the numbers that lie below and above the limits. */
@@ -195,19 +195,9 @@ function check({ width, height, encoding, step, data }: RawImage): void {
   if (bytes === undefined) {
     throw new Error(`unknown encoding “${encoding}”: known are ${ENCODINGS.join(", ")}`);
   }
-  if (width * height === 0) throw new Error(`the image has no pixels: ${width} × ${height}`);
-  if (width * height > MAX_PIXELS) throw new Error(`${width} × ${height} pixels are too many`);
-  if (step < width * bytes) {
-    throw new Error(
-      `step is ${step} bytes, but ${width} pixels of ${encoding} are ${width * bytes}`,
-    );
-  }
   // Planes of colours follow those of the brightness, with half as many rows.
   const rows = PLANES.has(encoding) ? height + Math.ceil(height / 2) : height;
-  const least = step * (rows - 1) + width * bytes;
-  if (data.length < least) {
-    throw new Error(`the data has ${data.length} bytes, but ${width} × ${height} need ${least}`);
-  }
+  checkImage({ width, height, step, encoding, pixel: bytes, rows }, data.length);
 }
 
 function bytesPerPixel(encoding: string): number | undefined {

@@ -1,5 +1,6 @@
 /** Maps: nav_msgs/OccupancyGrid, and the map_msgs/OccupancyGridUpdate that change parts of them. */
 import type { Fields } from "../../../messages/reader";
+import { checkGrid } from "../../../messages/sizes";
 import {
   applied,
   inverse,
@@ -23,7 +24,6 @@ import {
 import { bytes } from "../message";
 import { Cells, renderer } from "../renderer";
 
-const MAX_CELLS = 2 ** 26;
 const UNKNOWN = 255;
 
 interface Info {
@@ -48,10 +48,8 @@ export class OccupancyGrid implements Layer {
   receive(message: Fields): void {
     const { width, height, resolution, origin } = message.info as Info;
     const data = bytes(message.data);
-    if (width * height > MAX_CELLS) throw new Error(`${width} × ${height} cells are too many`);
-    if (data.length < width * height) {
-      throw new Error(`the data has ${data.length} cells, but ${width} × ${height} are expected`);
-    }
+    // A map without cells is one that is not known yet.
+    if (width * height !== 0) checkGrid(width, height, data.length);
     if (!(resolution > 0)) throw new Error(`the resolution must be above 0, got ${resolution}`);
     this.#header = message.header as Header;
     this.#origin = unit({ translation: origin.position, rotation: origin.orientation });

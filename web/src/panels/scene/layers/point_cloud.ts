@@ -1,5 +1,6 @@
 /** Point clouds: sensor_msgs/PointCloud2, whose bytes are drawn as they are, and PointCloud. */
 import type { Fields } from "../../../messages/reader";
+import { sizeOfCloud } from "../../../messages/sizes";
 import { applied, type Transform, type Vector } from "../../../transforms";
 import { type Palette, parseColor, percentiles } from "../colors";
 import {
@@ -117,17 +118,8 @@ export function packCloud(message: Fields, coloring: Coloring, most: number): Pa
     }
   }
   const data = bytes(message.data);
-  const rowSize = Math.max(row ?? 0, columns * size);
-  let fault = "";
-  // The last row needs no padding.
-  const expected = rows === 0 ? 0 : (rows - 1) * rowSize + columns * size;
-  let total = columns * rows;
-  if (data.length < expected) {
-    fault = `the data has ${data.length} bytes, but ${columns} × ${rows} points take ${expected}`;
-    const full = Math.floor(data.length / rowSize);
-    const rest = Math.floor((data.length - full * rowSize) / size);
-    total = Math.min(total, full * columns + Math.min(rest, columns));
-  }
+  const { rowSize, total, ...found } = sizeOfCloud(columns, rows, row ?? 0, size, data.length);
+  let { fault } = found;
   const color = colorField(fields, coloring);
   const inside = color === undefined || color.offset + (SIZES[color.datatype] ?? 99) <= size;
   const field = color !== undefined && inside ? color : undefined;
