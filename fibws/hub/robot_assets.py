@@ -29,6 +29,7 @@ from websockets.http11 import Response
 from fibws.access.rights import Right
 from fibws.errors import AssetRefused, AuthenticationError
 from fibws.hub.access.authentication import Authentication
+from fibws.hub.delivery.byte_room import ByteRoom
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.package_folders import MANIFEST, PackageFolders, name_of
@@ -196,31 +197,10 @@ def _is_of(file: Path, package: str) -> bool:
     return False
 
 
-class _Room:
-    """Bounds the bytes of files that are kept in memory."""
-
-    def __init__(self) -> None:
-        self._left = MOST_UNSENT
-        self._lock = Lock()
-
-    def take(self, size: int) -> bool:
-        """Take room, in any thread; return whether there is enough."""
-        with self._lock:
-            if size > self._left:
-                return False
-            self._left -= size
-            return True
-
-    def give_back(self, size: int) -> None:
-        """Return room that was taken."""
-        with self._lock:
-            self._left += size
-
-
 class _Download:
     """One file on its way to a client."""
 
-    def __init__(self, room: _Room) -> None:
+    def __init__(self, room: ByteRoom) -> None:
         self._room = room
         self._size = 0
         self._has_ended = False
@@ -267,7 +247,7 @@ class AssetRoute:
         self._assets = assets
         self._authentication = authentication
         self._threads = threads
-        self._room = _Room()
+        self._room = ByteRoom(MOST_UNSENT)
         requests.add_folder(self.PATH, self._respond)
 
     def _respond(self, get: Get) -> Response:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from fibws.access.rights import Right
 from fibws.errors import FibwsError
+from fibws.hub.delivery.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.delivery.deferred import Workers
+from fibws.hub.delivery.send_queue import MadeFrame
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
 from fibws.hub.log_text import INTERNAL_ERROR, shortened
@@ -18,7 +21,8 @@ from fibws.hub.log_text import INTERNAL_ERROR, shortened
 LONGEST_URI = 10_000
 """Most characters of a URI, which waits while other files are read."""
 MOST_HELD = 2**27
-"""Bytes of files that may wait for all clients together until they read."""
+"""Bytes of files that may be on their way to all clients together: a file is one message, which is
+held until its client has read it. Others wait for their turn."""
 
 
 class AssetFiles(Protocol):
@@ -39,11 +43,16 @@ class AssetFiles(Protocol):
         """
 
 
-class AssetRoom:
-    """The bytes of files that wait for the clients of one hub."""
+class _Read(NamedTuple):
+    """A frame that was made in a thread.
 
-    def __init__(self) -> None:
-        self.held = 0
+    Attributes:
+        frame: None if there was no room for the file.
+        held: the room that was taken.
+    """
+
+    frame: MadeFrame | None
+    held: int
 
 
 class Assets:
@@ -55,7 +64,7 @@ class Assets:
     """
 
     def __init__(
-        self, client: Client, files: AssetFiles | None, readers: Workers, room: AssetRoom
+        self, client: Client, files: AssetFiles | None, readers: Workers, room: ByteRoom
     ) -> None:
         self._client = client
         self._files = files
@@ -63,8 +72,10 @@ class Assets:
         self._room = room
         self._waiting: deque[FetchAsset] = deque()
         self._is_reading = False
-        self._frame: bytes | None = None
+        self._frame: MadeFrame | None = None
         """The file that waits for the client to read."""
+        self._held = 0
+        """The room that was taken for that file, until it is sent."""
         self._timer: Timer | None = None
 
     def fetch(self, request: FetchAsset) -> None:
@@ -85,70 +96,102 @@ class Assets:
     def leave(self) -> None:
         """Forget all requests."""
         self._waiting.clear()
-        self._forget()
+        self._room.forget(self._wake)
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
+        if self._frame is None and self._held and self._client.queue.paused:
+            # A file that is half written is held until the connection is closed.
+            held, self._held = self._held, 0
+            give_back = partial(self._room.give_back, held)
+            self._client.clock.call_later(self._client.settings.close_timeout, give_back)
+        self._give_back()
+
+    @property
+    def _is_busy(self) -> bool:
+        """Whether a file is being read, or on its way to the client."""
+        return self._is_reading or self._frame is not None or self._held > 0
 
     def _wake(self) -> None:
         """Read the next file once the client reads."""
-        self._timer = None
-        if self._waiting and not self._is_reading and self._frame is None:
+        if self._waiting and not self._is_busy:
             self._client.queue.reply_fresh(self._begin)
 
     def _begin(self) -> bytes:
         """Read the next file in a thread; there is nothing to send yet."""
-        if self._files is None or self._is_reading or not self._waiting:
+        if self._files is None or self._is_busy or not self._waiting:
             return b""
         self._is_reading = True
         request, files = self._waiting[0], self._files
         named = files.named(self._client.is_allowed)
-        found: list[bytes] = []
+        found: list[_Read] = []
 
         def read() -> None:
             try:
-                frame = asset_frame(request.request, files.resolve(request.uri, named).read_bytes())
+                read = self._read(request.request, files.resolve(request.uri, named))
             except FibwsError as error:
-                frame = asset_error_frame(request.request, shortened(str(error)))
+                read = _refusal(request.request, str(error))
             except OSError as error:
-                text = f"the hub cannot read it: {error.strerror}"
-                frame = asset_error_frame(request.request, text)
+                read = _refusal(request.request, f"the hub cannot read it: {error.strerror}")
             except Exception:
-                frame = asset_error_frame(request.request, INTERNAL_ERROR)
-            found.append(frame)
+                read = _refusal(request.request, INTERNAL_ERROR)
+            found.append(read)
 
         self._readers.run(read, lambda: self._done(found[0]))
         return b""
 
-    def _done(self, frame: bytes) -> None:
-        """Send what was read; a client that reads no more gets it later."""
-        self._is_reading = False
-        if not self._waiting:
-            return  # The client has left.
-        if not self._client.queue.paused:
-            self._waiting.popleft()
-            self._client.queue.reply(frame)
-            # It may fill the socket, which shows at the end of this turn.
-            self._timer = self._client.clock.call_later(0, self._wake)
-        elif self._room.held + len(frame) <= MOST_HELD:
-            self._waiting.popleft()
-            self._frame = frame
-            self._room.held += len(frame)
-            self._client.queue.reply_fresh(self._take)
-        else:
-            self._wake()  # It is read again.
+    def _read(self, request: int, path: Path) -> _Read:
+        """Read a file if there is room for it, in any thread."""
+        with path.open("rb") as file:
+            size = path.stat().st_size
+            if size > self._room.size:
+                text = f"it is too large: {size} bytes (limit {self._room.size})"
+                return _refusal(request, text)
+            if not self._room.take(size):
+                return _Read(None, 0)
+            try:
+                return _Read(asset_frame(request, file.read(size)), size)
+            except BaseException:
+                self._room.give_back(size)
+                raise
 
-    def _take(self) -> bytes:
-        frame = self._frame or b""
-        self._forget()
+    def _done(self, read: _Read) -> None:
+        """Send what was read once the client reads; without room, read again when there is."""
+        self._is_reading = False
+        if not self._waiting:  # The client has left.
+            self._room.give_back(read.held)
+        elif read.frame is None:
+            self._room.wait(self._wake)
+        else:
+            self._waiting.popleft()
+            self._frame, self._held = read
+            self._client.queue.reply_fresh(self._take)
+
+    def _take(self) -> MadeFrame:
+        frame, self._frame = self._frame or b"", None
         if self._timer is None:
-            self._timer = self._client.clock.call_later(0, self._wake)
+            # It may fill the socket, which shows at the end of this turn.
+            self._timer = self._client.clock.call_later(0, self._follow)
         return frame
 
-    def _forget(self) -> None:
-        if self._frame is not None:
-            self._room.held -= len(self._frame)
-            self._frame = None
+    def _follow(self) -> None:
+        self._timer = None
+        self._client.queue.reply_fresh(self._sent)
+
+    def _sent(self) -> bytes:
+        """Read the next file: the client has read this one."""
+        self._give_back()
+        self._wake()
+        return b""
+
+    def _give_back(self) -> None:
+        held, self._held = self._held, 0
+        self._frame = None
+        self._room.give_back(held)
 
     def _refuse(self, request: FetchAsset, text: str) -> None:
         self._client.queue.reply(asset_error_frame(request.request, text))
+
+
+def _refusal(request: int, text: str) -> _Read:
+    return _Read(asset_error_frame(request, shortened(text)), 0)

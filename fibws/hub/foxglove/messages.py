@@ -25,10 +25,11 @@ from pydantic import BaseModel, ConfigDict, FailFast, Field, TypeAdapter, Valida
 from pydantic_core import to_json
 
 from fibws.errors import InvalidUtf8, OperationError
+from fibws.hub.delivery.send_queue import MadeFrame, frame_of
 from fibws.interfaces.json_text import json_of
 from fibws.protocol.decoding import quoted
 from fibws.protocol.value_limits import check_json
-from fibws.protocol.websocket import BINARY, TEXT, Payload, server_frame
+from fibws.protocol.websocket import BINARY, TEXT, Payload, server_frame, server_header
 
 ROS1: Final = "ros1"
 """The encoding of messages in ROS 1's serialization."""
@@ -338,9 +339,10 @@ def playback_frame(
     return server_frame(BINARY, head + id_)
 
 
-def asset_frame(request: int, data: bytes) -> bytes:
+def asset_frame(request: int, data: bytes) -> MadeFrame:
     """Return the frame of a file."""
-    return server_frame(BINARY, _ASSET_HEAD.pack(_ASSET, request, 0, 0) + data)
+    head = _ASSET_HEAD.pack(_ASSET, request, 0, 0)
+    return frame_of(server_header(BINARY, len(head) + len(data)) + head, data)
 
 
 def asset_error_frame(request: int, error: str) -> bytes:

@@ -16,9 +16,10 @@ from typing import assert_never
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReached, OperationError
 from fibws.hub.audit import Audit
+from fibws.hub.delivery.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.deferred import InlineWorkers, Workers
-from fibws.hub.foxglove.assets import AssetFiles, AssetRoom, Assets
+from fibws.hub.foxglove.assets import MOST_HELD, AssetFiles, Assets
 from fibws.hub.foxglove.client import Client, Statuses
 from fibws.hub.foxglove.feeds import (
     ChannelFeed,
@@ -110,7 +111,7 @@ class Foxglove:
         self.name = name
         self.assets = assets
         self.readers: Workers = readers or InlineWorkers()
-        self.asset_room = AssetRoom()
+        self.asset_room = ByteRoom(MOST_HELD)
         self.report = report
         self.session_id = secrets.token_hex(8)
         """Tells clients that connect again whether it is still the same hub."""

@@ -10,7 +10,7 @@ import pytest
 
 from fibws.access.rights import Right
 from fibws.errors import OperationError
-from fibws.hub.foxglove import assets
+from fibws.hub.foxglove import assets, session
 
 from .foxglove_client import FoxgloveClient, FoxgloveHub
 
@@ -104,34 +104,86 @@ def test_nothing_is_read_before_the_client_reads(files: Files) -> None:
     assert [request for request, *_ in answers(client)] == [0, 1, 2, 3, 4]
 
 
-@pytest.mark.parametrize(("room", "reads"), [(2**20, 1), (10, 2)])
-def test_file_waits_for_a_client_that_reads_no_more_or_is_read_again(
-    files: Files, monkeypatch: pytest.MonkeyPatch, room: int, reads: int
+SIZE = len(b"solid arm")
+
+
+def room_for(count: int, monkeypatch: pytest.MonkeyPatch, files: Files) -> FoxgloveHub:
+    """A hub in which so many files may be on their way at once."""
+    monkeypatch.setattr(session, "MOST_HELD", count * SIZE)
+    return FoxgloveHub(assets=files)
+
+
+def test_files_of_clients_that_do_not_read_are_bounded_together(
+    files: Files, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(assets, "MOST_HELD", room)
-    jobs: list[Callable[[], object]] = []
+    """The first file of each counts, too."""
+    hub = room_for(2, monkeypatch, files)
+    clients = [hub.foxglove_client(f"/client{number}") for number in range(5)]
+    for client in clients:
+        client.receive()
+        fetch(client, MESH)
+        fetch(client, MESH, 2)
+        client.queue.pause()
+    hub.clock.advance(0)
+    assert hub.foxglove.asset_room.held == 2 * SIZE
+    assert sum(client.queue.kept_bytes > 0 for client in clients) == 2
+    for client in clients:
+        client.queue.resume()
+    hub.clock.advance(0)
+    for _ in range(4):
+        hub.clock.advance(0)
+        hub.clock.turn()
+    for client in clients:
+        assert answers(client) == [(1, "", b"solid arm"), (2, "", b"solid arm")]
+    assert hub.foxglove.asset_room.held == 0
 
-    class Threads:
-        def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
-            jobs.extend((work, done))
 
+def test_client_that_leaves_gives_its_turn_to_the_next(
+    files: Files, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hub = room_for(1, monkeypatch, files)
+    first, second, third = (hub.foxglove_client(f"/client{number}") for number in range(3))
+    for client in (first, second, third):
+        client.receive()
+    first.pause()
+    for client in (first, second, third):
+        fetch(client, MESH)
+    first.queue.resume()
+    first.queue.pause()
+    assert answers(second) == [(1, "", b"solid arm")]
+    assert answers(third) == [(1, "", b"solid arm")]
+    for client in (first, second, third):
+        client.disconnect()
+    hub.clock.advance(hub.settings.close_timeout)
+    assert hub.foxglove.asset_room.held == 0
+    assert hub.empty
+
+
+def test_half_written_file_counts_until_its_connection_is_closed(
+    files: Files, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hub = room_for(1, monkeypatch, files)
+    client, other = hub.foxglove_client("/a"), hub.foxglove_client("/b")
+    client.receive()
+    other.receive()
+    fetch(client, MESH)
+    client.queue.pause()
+    hub.clock.advance(0)
+    client.disconnect()
+    fetch(other, MESH)
+    assert answers(other) == []
+    hub.clock.advance(hub.settings.close_timeout)
+    assert answers(other) == [(1, "", b"solid arm")]
+
+
+def test_file_that_never_fits_is_refused(files: Files, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "MOST_HELD", SIZE - 1)
     hub = FoxgloveHub(assets=files)
-    hub.foxglove.readers = Threads()
     client = hub.foxglove_client()
     client.receive()
     fetch(client, MESH)
-    assert len(jobs) == 2
-    client.queue.pause()
-    for job in jobs[:]:
-        job()
-    assert hub.foxglove.asset_room.held == (0 if reads == 2 else 10 + len(b"solid arm") + 2)
-    client.queue.resume()
-    if reads == 2:
-        for job in jobs[2:]:
-            job()
-    assert answers(client) == [(1, "", b"solid arm")]
-    assert files.reads == reads
-    assert hub.foxglove.asset_room.held == 0
+    [(_, error, _)] = answers(client)
+    assert "too large" in error
 
 
 def test_long_uri_does_not_wait(files: Files) -> None:
