@@ -101,7 +101,8 @@ BELOW_IN_HUB = {
     }
     | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
     "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
-    | {"hub.audit", "hub.delivery", "hub.log_text", "hub.settings", "hub.websocket.endpoint"},
+    | {"hub.audit", "hub.byte_room", "hub.delivery", "hub.log_text", "hub.settings"}
+    | {"hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
     | {"origins"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},

@@ -29,7 +29,7 @@ from websockets.http11 import Response
 from fibws.access.rights import Right
 from fibws.errors import AssetRefused, AuthenticationError
 from fibws.hub.access.authentication import Authentication
-from fibws.hub.delivery.byte_room import ByteRoom
+from fibws.hub.byte_room import ByteRoom
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.package_folders import MANIFEST, PackageFolders, name_of

@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 from fibws.access.rights import Right
 from fibws.errors import FibwsError
-from fibws.hub.delivery.byte_room import ByteRoom
+from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.delivery.deferred import Workers
 from fibws.hub.delivery.send_queue import MadeFrame

@@ -16,7 +16,7 @@ from typing import assert_never
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReached, OperationError
 from fibws.hub.audit import Audit
-from fibws.hub.delivery.byte_room import ByteRoom
+from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.deferred import InlineWorkers, Workers
 from fibws.hub.foxglove.assets import MOST_HELD, AssetFiles, Assets
