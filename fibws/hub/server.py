@@ -121,6 +121,7 @@ class Hub:
             time.time_ns,
             strict_types=self.settings.strict_types,
             max_parameter_bytes=self.settings.max_parameter_bytes,
+            max_latched_bytes=self.settings.max_total_latched_bytes,
             policy=policy,
             ticks=time.perf_counter_ns,
         )

@@ -268,6 +268,9 @@ class Settings:
     max_latched_bytes: int = _setting(
         64 * MIB, "Bytes that the latched messages of one client may take together."
     )
+    max_total_latched_bytes: int = _setting(
+        512 * MIB, "Bytes that the latched messages and wills of all clients may take together."
+    )
     max_fragment_bytes: int = _setting(
         64 * MIB, "Bytes kept of incomplete fragmented messages of one client."
     )

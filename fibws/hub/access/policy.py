@@ -105,6 +105,11 @@ class AccessPolicy:
         principal = self._principals.get(node)
         return principal is not None and principal.rights.admin
 
+    def owner(self, node: str) -> str:
+        """Return the name of a node's principal; the node itself if it has none."""
+        principal = self._principals.get(node)
+        return principal.name if principal is not None else node
+
     def is_same_owner(self, node: str, other: str) -> bool:
         """Return whether two nodes belong to one principal."""
         principal, owner = self._principals.get(node), self._principals.get(other)

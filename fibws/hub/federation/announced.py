@@ -16,7 +16,7 @@ from fibws.hub.federation.records import (
     Publisher,
     TopicRecord,
 )
-from fibws.hub.graph.topic import LatchQuota
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.log_text import is_power_of_ten, printable
 
 logger = logging.getLogger("fibws.hub")

@@ -25,7 +25,7 @@ from fibws.hub.federation.remote_services import RemoteServices
 from fibws.hub.federation.remote_topics import RemotePublisher, RemoteTopics
 from fibws.hub.federation.worklist import Worklist
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.topic import LatchQuota, Topic
+from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import shortened
 
 logger = logging.getLogger("fibws.hub")
@@ -97,7 +97,7 @@ class RemoteGraph:
 
     def joined(self, peer: Peer) -> None:
         """Add a hub that is reached."""
-        self._homes[peer] = PeerGraph(peer, LatchQuota(self._max_latched_bytes))
+        self._homes[peer] = PeerGraph(peer, self._graph.latch_quota(self._max_latched_bytes))
 
     def lost(self, peer: Peer) -> None:
         """Detach everything of a hub that is not reached any more, unless it comes another way."""

@@ -22,7 +22,7 @@ from fibws.hub.foxglove.messages import (
     text_frame,
 )
 from fibws.hub.graph.publication import Publication
-from fibws.hub.graph.topic import LatchQuota, SinkReport, Source, Topic
+from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import is_power_of_ten
 from fibws.protocol.frame_queue import Lane
@@ -282,7 +282,9 @@ class Publications:
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._quota = LatchQuota(client.settings.max_latched_bytes)
+        self._quota = client.graph.latch_quota(
+            client.settings.max_latched_bytes, client.node, client.statuses.error
+        )
         self._channels: dict[int, tuple[Source, str]] = {}
         """The source and the encoding of each."""
         self._uses: dict[Source, int] = {}

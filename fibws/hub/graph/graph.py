@@ -38,6 +38,7 @@ from fibws.hub.graph.action import (
     cancel_service,
 )
 from fibws.hub.graph.clock import GraphClock
+from fibws.hub.graph.latched import LatchQuota, LatchTotal
 from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.parameters import Parameters, Prepared, canonical, names_in, prepare
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
@@ -47,7 +48,6 @@ from fibws.hub.graph.topic import (
     Conflict,
     Guard,
     GuardedSource,
-    LatchQuota,
     Receiver,
     Sink,
     Source,
@@ -164,6 +164,7 @@ class Graph:
         *,
         strict_types: bool = False,
         max_parameter_bytes: int = 2**22,
+        max_latched_bytes: int | None = None,
         policy: Policy | None = None,
         ticks: Callable[[], int] | None = None,
     ) -> None:
@@ -173,6 +174,8 @@ class Graph:
         self.actions: dict[str, Action] = {}
         self.parameters = Parameters(max_parameter_bytes)
         self.policy: Policy = policy or AllowAll()
+        self.latched = LatchTotal(max_latched_bytes, self._owner_of)
+        """The bytes of all latched messages and wills."""
         self.internal: set[str] = set()
         """The hub's own nodes, for which the policy is not asked."""
         self.permanent: set[str] = set()
@@ -203,6 +206,15 @@ class Graph:
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
         self._topic_numbers = Numbers()
+
+    def _owner_of(self, node: str) -> str:
+        return self.policy.owner(node)
+
+    def latch_quota(
+        self, limit: int, node: str = "", report: Callable[[str], object] = lambda text: None
+    ) -> LatchQuota:
+        """Return what bounds the latched messages of a node; arguments as of `LatchQuota`."""
+        return LatchQuota(limit, self.latched, node, report)
 
     # What nodes may do and see.
 

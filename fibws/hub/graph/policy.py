@@ -54,6 +54,9 @@ class Policy(Protocol):
     def is_admin(self, node: str) -> bool:
         """Return whether a node may do what is the operator's alone."""
 
+    def owner(self, node: str) -> str:
+        """Return the name of who has a node: its principal, or itself."""
+
     def is_same_owner(self, node: str, other: str) -> bool:
         """Return whether two nodes belong to one principal."""
 
@@ -81,6 +84,10 @@ class AllowAll:
     def is_admin(self, node: str) -> bool:
         """Return True."""
         return True
+
+    def owner(self, node: str) -> str:
+        """Return the node."""
+        return node
 
     def is_same_owner(self, node: str, other: str) -> bool:
         """Return True: all clients of the hub trust each other."""

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 from pydantic_core import to_json
 
 from fibws.errors import LimitReached
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.types import Buffer, MessageType
@@ -78,25 +79,6 @@ class Conflict(NamedTuple):
 
 Guard: TypeAlias = Callable[[str, Mapping[str, Any]], None]
 """Checks the values of a node's message, and raises `OperationError` to refuse it."""
-
-
-class LatchQuota:
-    """Bytes that the latched messages of one node may take together.
-
-    Args:
-        limit: most bytes; None for no limit.
-    """
-
-    __slots__ = ("limit", "used")
-
-    def __init__(self, limit: int | None = None) -> None:
-        self.limit = limit
-        self.used = 0
-
-    @property
-    def exceeded(self) -> bool:
-        """Whether more is used than allowed."""
-        return self.limit is not None and self.used > self.limit
 
 
 class Topic:
@@ -345,6 +327,11 @@ class Source:
         self._quota = quota
         self._sequence = 0
 
+    @property
+    def name(self) -> str:
+        """The topic's name."""
+        return self.topic.name
+
     def set_headers(self, headers: Mapping[str, str]) -> None:
         """Set the connection header of the messages from now on, beside callerid and latching."""
         latching = "1" if self.latch else "0"
@@ -429,7 +416,9 @@ class Source:
 
     def forget_latched(self) -> None:
         """Keep no latched message any more."""
-        self._quota.used -= self._latched_bytes
+        quota = self._quota
+        quota.latched.pop(self, None)
+        quota.add(-self._latched_bytes)
         self._latched_bytes = 0
         self._latched = None
 
@@ -443,13 +432,16 @@ class Source:
         self.forget_latched()
         self._latched_bytes = publication.compact()
         self._latched = publication
-        self._quota.used += self._latched_bytes
-        if self._quota.exceeded:
+        quota = self._quota
+        quota.latched[self] = None
+        quota.add(self._latched_bytes)
+        if quota.exceeded:
             self.forget_latched()
             raise LimitReached(
                 f"a message of {self.topic.name} was delivered but not latched: the latched "
-                f"messages of one client may take {self._quota.limit} bytes (--max-latched-bytes)"
+                f"messages of one client may take {quota.limit} bytes (--max-latched-bytes)"
             )
+        quota.total.make_room()
 
 
 class GuardedSource(Source):

@@ -228,6 +228,13 @@ class Metrics:
         metrics.gauge("fibws_incoming_bytes", help_, self._limits.incoming_bytes())
         help_ = "Limit of the bytes kept of messages that came in part."
         metrics.gauge("fibws_incoming_bytes_limit", help_, settings.max_total_incoming_bytes)
+        latched = self._graph.latched
+        help_ = "Bytes of latched messages and wills."
+        metrics.gauge("fibws_latched_bytes", help_, latched.used)
+        help_ = "Limit of the bytes of latched messages and wills."
+        metrics.gauge("fibws_latched_bytes_limit", help_, settings.max_total_latched_bytes)
+        help_ = "Latched messages that were dropped because there were too many bytes of them."
+        metrics.counter("fibws_latched_dropped", help_, latched.dropped)
         if tcp_counters.are_available:
             received, sent = clients.transferred()
             help_ = "Bytes that clients have sent, on their sockets."

@@ -24,8 +24,8 @@ from fibws.errors import (
     Ros1Error,
 )
 from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.service import InternalServer
-from fibws.hub.graph.topic import LatchQuota
 from fibws.hub.ros1.http import NodeCalls
 from fibws.hub.ros1.topic_registrations import MASTER, Registrant, TopicRegistrations
 

@@ -20,7 +20,6 @@ from fibws.errors import HubError, NodeUnreachable, XmlRpcError
 from fibws.files import state_folder
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.topic import LatchQuota
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.connection import Acceptor, TcprosConnection
@@ -93,7 +92,7 @@ class Ros1Server:
             graph,
             self._calls,
             principal=principal,
-            quota=lambda: LatchQuota(settings.max_latched_bytes),
+            quota=lambda: graph.latch_quota(settings.max_latched_bytes),
             port=lambda: self.port,
         )
         """The nodes that are registered."""

@@ -16,8 +16,9 @@ from typing import Any, Protocol
 
 from fibws.errors import InterfaceError, InvalidMessage, NotAllowed, OperationError
 from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.publication import Publication
-from fibws.hub.graph.topic import Conflict, LatchQuota, Receiver, SinkReport, Source, Topic
+from fibws.hub.graph.topic import Conflict, Receiver, SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import shortened
 from fibws.hub.ros1.http import NodeCalls

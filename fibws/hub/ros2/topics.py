@@ -17,7 +17,7 @@ from fibws.errors import FibwsError, LimitReached
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
-from fibws.hub.graph.topic import Conflict, LatchQuota, SinkReport, Source, Topic
+from fibws.hub.graph.topic import Conflict, SinkReport, Source, Topic
 from fibws.hub.log_text import printable
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
@@ -401,7 +401,7 @@ class Ros2Topics:
                 node,
                 new.type[0],
                 latch=new.qos.is_latched,
-                quota=LatchQuota(self._max_latched),
+                quota=graph.latch_quota(self._max_latched),
                 queue_size=new.qos.depth,
             )
             new.message = self._message(topic, *new.type)

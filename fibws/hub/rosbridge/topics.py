@@ -17,8 +17,9 @@ from fibws.errors import (
     UnknownPublisher,
 )
 from fibws.hub.delivery.clock import Timer
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.peers import PeerWatch
-from fibws.hub.graph.topic import QUEUE_SIZE, LatchQuota, Source, Topic
+from fibws.hub.graph.topic import QUEUE_SIZE, Source, Topic
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.encodings import COMPRESSIONS
@@ -303,7 +304,12 @@ class Topics:
 
     def _quota(self) -> LatchQuota:
         if self._latch_quota is None:
-            self._latch_quota = LatchQuota(self._client.settings.max_latched_bytes)
+            client = self._client
+            self._latch_quota = client.graph.latch_quota(
+                client.settings.max_latched_bytes,
+                client.node,
+                lambda text: client.statuses.error(None, text, code=LimitReached.code),
+            )
         return self._latch_quota
 
     def _count_advertisement(self, source: Source, request: Advertise) -> None:

@@ -21,7 +21,8 @@ from typing import Any
 
 from fibws.errors import FibwsError, LimitReached
 from fibws.hub.delivery.clock import Clock, Timer
-from fibws.hub.graph.topic import LatchQuota, Source
+from fibws.hub.graph.latched import LatchQuota
+from fibws.hub.graph.topic import Source
 from fibws.protocol.operations import json_of
 
 logger = logging.getLogger("fibws.hub")
@@ -111,9 +112,14 @@ class Wills:
                 )
         if older is None and len(self._wills) >= MOST_WILLS:
             raise LimitReached(f"too many wills of one client (limit {MOST_WILLS})")
+        if not self._quota.total.has_room(size - (older.size if older is not None else 0)):
+            raise LimitReached(
+                "no room for a will: the wills and latched messages of all clients may take "
+                f"{self._quota.total.limit} bytes (--max-total-latched-bytes)"
+            )
         self.clear(source)
         will = self._wills[source] = Will(source, msg, size, timeout)
-        self._quota.used += size
+        self._quota.add(size)
         if timeout is not None:
             source.on_next = partial(self._begin, will, timeout)
 
@@ -121,7 +127,7 @@ class Wills:
         """Forget the will of a topic, if there is one."""
         will = self._wills.pop(source, None)
         if will is not None:
-            self._quota.used -= will.size
+            self._quota.add(-will.size)
             source.on_next = None
             self._end(will)
 

@@ -11,8 +11,9 @@ import pytest
 
 from fibws.errors import InvalidMessage, OperationError
 from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.publication import Publication
-from fibws.hub.graph.topic import LatchQuota, Source
+from fibws.hub.graph.topic import Source
 from fibws.interfaces import Interfaces
 
 from ..fakes import INT32, NANOSECONDS

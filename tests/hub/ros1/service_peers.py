@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import Self
 
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.topic import LatchQuota
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.ros1.http import NodeCalls
 from fibws.hub.ros1.nodes import Ros1Node, Ros1Nodes
 from fibws.hub.ros1.tcpros import decode_header, encode_header

@@ -155,6 +155,27 @@ def test_latched_messages_of_one_client_count_together() -> None:
     assert talker.forgotten
 
 
+def test_latched_messages_of_all_clients_are_bounded_together() -> None:
+    """The client that holds most loses its oldest, and is told."""
+    hub = FakeHub()
+    hub.graph.latched.limit = 40
+    talker, other, late = hub.client(), hub.client(), hub.client()
+    for client, topics in ((other, ("/d",)), (talker, ("/a", "/b", "/c"))):
+        for topic in topics:
+            client.send("advertise", topic, type=STRING, latch=True)
+            client.send("publish", topic, msg=EIGHT)
+    [text] = talker.receive_statuses()
+    assert all(each in text for each in ("/a", "40 bytes", "--max-total-latched-bytes"))
+    assert other.receive() == []
+    for topic, kept in (("/a", []), ("/b", [EIGHT]), ("/c", [EIGHT]), ("/d", [EIGHT])):
+        late.send("subscribe", topic)
+        assert late.receive_messages(topic) == kept
+    assert (hub.graph.latched.used, hub.graph.latched.dropped) == (36, 1)
+    talker.disconnect()
+    other.disconnect()
+    assert hub.graph.latched.used == 0
+
+
 def test_unlatched_messages_do_not_count() -> None:
     client = FakeHub(max_latched_bytes=0).client()
     client.send("advertise", "/a", type=STRING)
