@@ -87,6 +87,7 @@ BELOW_IN_HUB = {
     }
     | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication"},
     "monitoring": {"errors", "access", "hub.access", "hub.audit", "hub.graph", "hub.settings"}
+    | {"hub.byte_room"}
     | {"hub.delivery", "hub.monitoring", "hub.websocket", "__version__"},
     "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
     | {"protocol.websocket", "origins"},

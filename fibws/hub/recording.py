@@ -260,6 +260,12 @@ class Recording:
         )
 
     @property
+    def buffered(self) -> int:
+        """Bytes that wait for the disk."""
+        state = self.state()
+        return state.buffered if state is not None else 0
+
+    @property
     def is_recording(self) -> bool:
         """Whether something is recorded now."""
         return self._is_recording

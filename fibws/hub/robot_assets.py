@@ -247,7 +247,8 @@ class AssetRoute:
         self._assets = assets
         self._authentication = authentication
         self._threads = threads
-        self._room = ByteRoom(MOST_UNSENT)
+        self.room = ByteRoom(MOST_UNSENT)
+        """For files on their way to clients, by any protocol."""
         requests.add_folder(self.PATH, self._respond)
 
     def _respond(self, get: Get) -> Response:
@@ -262,7 +263,7 @@ class AssetRoute:
             found.headers["WWW-Authenticate"] = "Bearer"
             return _shared(found, origin)
         path = get.path.partition("?")[0].removeprefix(self.PATH)
-        download = _Download(self._room)
+        download = _Download(self.room)
         make = partial(self._make, f"{SCHEME}{path}", named, get.headers, download)
         return DeferredResponse(make, self._threads.run, download.end)
 

@@ -27,6 +27,7 @@ from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import machine_addresses
 from fibws.hub.audit import Audit, Identity
+from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.federation import link
 from fibws.hub.federation.connections import Join, LinkEndpoint
@@ -107,6 +108,8 @@ class Hub:
             it cannot use a certificate, or another file, folder or address of its settings.
         InterfaceError: a folder of definitions is not there.
     """
+
+    _asset_room: ByteRoom
 
     def __init__(self, settings: Settings | None = None, policy: Policy | None = None) -> None:
         self.settings = settings or Settings()
@@ -258,7 +261,9 @@ class Hub:
         self._probes.add_to(requests)
         refuse = partial(_refuse_login, self.audit)
         LoginRoutes(requests, self._authentication, refuse, self._logged_out)
-        AssetRoute(requests, self.assets, self._authentication, self._readers)
+        self._asset_room = AssetRoute(
+            requests, self.assets, self._authentication, self._readers
+        ).room
         metrics = Metrics(
             self.graph,
             self._connections,
@@ -271,6 +276,7 @@ class Hub:
             watchers=watchers,
             links=lambda: [*self.federation.links(), *self._broken_links()],
             recording=self.recording,
+            assets=self._asset_room,
             loop=type(loop).__module__.partition(".")[0],
         )
         requests.add_route("/metrics", metrics.respond)
@@ -391,6 +397,7 @@ class Hub:
                 name=f"fibws {__version__}",
                 assets=self.assets,
                 readers=self._readers,
+                asset_room=self._asset_room,
                 report=self._own.refusals.report,
             )
 

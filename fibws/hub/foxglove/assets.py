@@ -151,9 +151,9 @@ class Assets:
                 return _Read(None, 0)
             try:
                 return _Read(asset_frame(request, file.read(size)), size)
-            except BaseException:
-                self._room.give_back(size)
-                raise
+            except (OSError, MemoryError) as error:
+                # Room is returned in the event loop, where others wait for it.
+                return _refusal(request, f"the hub cannot read it: {error}")._replace(held=size)
 
     def _done(self, read: _Read) -> None:
         """Send what was read once the client reads; without room, read again when there is."""

@@ -102,6 +102,7 @@ class Foxglove:
         name: str,
         assets: AssetFiles | None = None,
         readers: Workers | None = None,
+        asset_room: ByteRoom | None = None,
         report: Callable[[str, str], object] = ignore,
     ) -> None:
         self.graph = graph
@@ -111,7 +112,7 @@ class Foxglove:
         self.name = name
         self.assets = assets
         self.readers: Workers = readers or InlineWorkers()
-        self.asset_room = ByteRoom(MOST_HELD)
+        self.asset_room = asset_room or ByteRoom(MOST_HELD)
         self.report = report
         self.session_id = secrets.token_hex(8)
         """Tells clients that connect again whether it is still the same hub."""

@@ -77,7 +77,8 @@ class Parameters:
     def __init__(self, max_bytes: int) -> None:
         # The root is in a namespace like all others: its key is the text before the first /.
         self._above: Namespace = {"": {}}
-        self._bytes = _size("", {})
+        self.bytes = _size("", {})
+        """Bytes of all together, as far as they count."""
         self._watchers: list[Callable[[str, str], None]] = []
         self.max_bytes = max_bytes
 
@@ -140,13 +141,13 @@ class Parameters:
             added += _size("/".join(path[:above]), {})
         key = path[depth]
         old = space.get(key)
-        needed = self._bytes + added
+        needed = self.bytes + added
         if old is not None:
             needed -= _size("/".join(path[: depth + 1]), old)
         if needed > self.max_bytes:
             raise ParametersFull("/".join(path) or "/", needed, self.max_bytes)
         space[key] = new
-        self._bytes = needed
+        self.bytes = needed
         self._report("/".join(path) or "/", node)
 
     def delete(self, name: str, node: str = "") -> None:
@@ -166,7 +167,7 @@ class Parameters:
         space = self._find(above)
         if not isinstance(space, dict) or key not in space:
             raise ParameterNotSet(name)
-        self._bytes -= _size("/".join(path), space.pop(key))
+        self.bytes -= _size("/".join(path), space.pop(key))
         self._report("/".join(path), node)
 
     def search(self, key: str, namespace: str) -> str | None:

@@ -21,6 +21,7 @@ from websockets.http11 import Response
 
 from fibws import __version__
 from fibws.hub.audit import Audit
+from fibws.hub.byte_room import ByteRoom
 from fibws.hub.graph.graph import Graph
 from fibws.hub.monitoring.exposition import Column, Exposition
 from fibws.hub.monitoring.loop_lag import LoopLag
@@ -114,6 +115,10 @@ class Recording(Protocol):
     def is_recording(self) -> bool:
         """Whether something is recorded now."""
 
+    @property
+    def buffered(self) -> int:
+        """Bytes that wait for the disk."""
+
     def totals(self) -> tuple[int, int, int]:
         """Return the messages that were recorded, the bytes, and the messages that were not."""
 
@@ -124,6 +129,7 @@ class Metrics:
     Args:
         links: returns the links to other hubs, as fibws_msgs/HubLink.
         recording: what records all topics, if anything does.
+        assets: holds files on their way to clients.
         loop: the name of the event loop's library.
     """
 
@@ -141,6 +147,7 @@ class Metrics:
         watchers: Watchers,
         links: Callable[[], Iterable[Mapping[str, Any]]],
         recording: Recording | None,
+        assets: ByteRoom,
         loop: str,
     ) -> None:
         self._graph = graph
@@ -154,6 +161,7 @@ class Metrics:
         self._watchers = watchers
         self._links = links
         self._recording = recording
+        self._assets = assets
         self._build = {
             "version": __version__,
             "python": platform.python_version(),
@@ -184,6 +192,7 @@ class Metrics:
         self._add_messages(metrics)
         self._add_calls(metrics)
         self._add_links(metrics)
+        self._add_held(metrics)
         if self._recording is not None:
             self._add_recording(metrics, self._recording)
         add_process(metrics)
@@ -290,6 +299,18 @@ class Metrics:
             name: [each[key] for key in (*keys, "dropped", "lost")] for name, each in up.items()
         }
         metrics.counter_table(BY_HUB, "hub", rows)
+
+    def _add_held(self, metrics: Exposition) -> None:
+        held: dict[str, float] = {
+            "queues": self._limits.queued_bytes(),
+            "incoming": self._limits.incoming_bytes(),
+            "latched": self._graph.latched.used,
+            "files": self._assets.held,
+            "parameters": self._graph.parameters.bytes,
+            "recording": self._recording.buffered if self._recording is not None else 0,
+        }
+        help_ = "Bytes that the hub holds, by what for."
+        metrics.gauges("fibws_held_bytes", help_, "part", held)
 
     def _add_recording(self, metrics: Exposition, recording: Recording) -> None:
         metrics.gauge("fibws_recording", "1 while topics are recorded.", +recording.is_recording)

@@ -344,7 +344,7 @@ def test_any_changes_give_the_same_tree_as_a_simple_model(
     assert tree.get("/") == model
     fresh = Parameters(UNLIMITED)
     fresh.set("/", model)
-    assert tree._bytes == fresh._bytes
+    assert tree.bytes == fresh.bytes
 
 
 def test_change_costs_the_same_however_large_the_tree_is(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,6 +23,7 @@ from websockets.http11 import Request, Response
 from fibws.access.token_file import digest_of
 from fibws.hub import Hub
 from fibws.hub.graph.totals import OTHER, CallTotals, TopicTotals
+from fibws.protocol.websocket import BINARY, client_header
 
 from ..raw_client import Client, connected, dialled, handshake, publish, until
 
@@ -400,6 +401,22 @@ async def test_links_to_other_hubs_have_metrics(start_hub: StartHub) -> None:
     assert value(robot, "fibws_link_round_trip_seconds", hub=hub) > 0
     assert value(robot, "fibws_link_sent_bytes_total", hub=hub) > 0
     assert value(robot, "fibws_link_lost_messages_total", hub=hub) == 0
+
+
+async def test_bytes_that_are_held_have_metrics(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    async with connected(hub.port) as client:
+        await client.send_operation("advertise", topic="/a", type="std_msgs/String", latch=True)
+        await client.send(publish("/a", "x" * 996))
+        await client.is_processed()
+        await client.send(client_header(BINARY, 1000), bytes(500))
+        await until(lambda: value(hub, "fibws_held_bytes", part="incoming") >= 500)
+        assert value(hub, "fibws_held_bytes", part="latched") == 1000
+        assert value(hub, "fibws_latched_bytes") == 1000
+        assert value(hub, "fibws_latched_dropped_total") == 0
+        assert value(hub, "fibws_held_bytes", part="parameters") > 0
+        for part in ("queues", "files", "recording"):
+            assert value(hub, "fibws_held_bytes", part=part) == 0
 
 
 async def test_recording_has_metrics(start_hub: StartHub, tmp_path: Path) -> None:
