@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from fibws.errors import HubError
-from fibws.files import replace_file, state_folder
+from fibws.files import locked, replace_file, state_folder
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -72,7 +72,8 @@ def ensure_certificate(addresses: Iterable[str]) -> Files:
     try:
         found.certificate.parent.mkdir(parents=True, exist_ok=True)
         found.certificate.parent.chmod(0o700)  # Whoever may write to it could replace the keys.
-        _Maker(found, _names(), {"127.0.0.1", "::1", *addresses}).ensure()
+        with locked(found.certificate):  # Several hubs may start at once.
+            _Maker(found, _names(), {"127.0.0.1", "::1", *addresses}).ensure()
     except OSError as error:
         raise HubError(
             f"--self-signed: cannot write {error.filename or found.certificate}: {error.strerror}"

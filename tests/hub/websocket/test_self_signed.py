@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import ssl
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -72,6 +74,18 @@ def test_certificate_is_valid_for_about_a_year_and_its_key_is_private() -> None:
     assert timedelta(days=365) < left < timedelta(days=398)
     keys = [path for path in files.certificate.parent.iterdir() if b"PRIVATE" in path.read_bytes()]
     assert len(keys) == 2 and all(path.stat().st_mode & 0o777 == 0o600 for path in keys)
+
+
+def test_hubs_that_start_at_once_have_one_authority() -> None:
+    """A hub whose authority another one has replaced would not be trusted."""
+    together = threading.Barrier(4)
+
+    def start() -> bytes:
+        together.wait()
+        return ensure_certificate([]).authority.read_bytes()
+
+    with ThreadPoolExecutor(4) as threads:
+        assert len({each.result() for each in [threads.submit(start) for _ in range(4)]}) == 1
 
 
 def test_folder_of_the_keys_is_private_whatever_the_umask() -> None:
