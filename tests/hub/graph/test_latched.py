@@ -84,7 +84,13 @@ def test_wills_stay_and_latched_messages_make_room_for_them() -> None:
     [second] = latching.latch(100)
     assert not second.is_kept
     assert not total.has_room(100)
+
+
+def test_will_that_never_fits_drops_nothing() -> None:
+    total = total_of(1000)
+    [latched] = Node(total, "/a").latch(500)
     assert not total.has_room(2000)
+    assert latched.is_kept
 
 
 def test_bytes_that_are_gone_do_not_count() -> None:
