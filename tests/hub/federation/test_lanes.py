@@ -295,3 +295,9 @@ def test_random_records_stay_within_the_bounds() -> None:
     assert sent[lanes.CALLS] == put[lanes.CALLS]
     assert sum(sent.values()) + dropped["dropped"] == sum(put.values())
     assert waiting.memory == 0
+
+
+def test_each_record_is_a_step() -> None:
+    slow = SlowLink()
+    data = 1000 * record(link.CANCEL, bytes(8))
+    assert sum(1 for _ in slow.link.receive(data)) == 1000

@@ -181,3 +181,16 @@ def test_answer_is_bounded_although_namespaces_repeat_their_values() -> None:
     *_, answer = client.receive()
     assert isinstance(answer, dict)
     assert len(answer["parameters"]) < 15
+
+
+def test_spellings_of_one_name_are_one_name() -> None:
+    hub = FoxgloveHub()
+    hub.graph.parameters.set("/space", {"a": 1})
+    client = hub.foxglove_client()
+    spellings = ["/space", "//space", "/space/", "space", "space"]
+    client.send("getParameters", parameterNames=spellings, id="1")
+    status, answer = client.receive()
+    assert isinstance(status, dict)
+    assert isinstance(answer, dict)
+    assert "space" in status["message"]
+    assert answer["parameters"] == [{"name": "/space", "value": {"a": 1}}]
