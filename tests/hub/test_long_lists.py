@@ -74,6 +74,7 @@ class Reading:
         quotas = ClientQuotas(Quotas(Settings()))
         self.reader = MessageReader(self, quotas, Settings(), self._turns, ReadBuffers())
         self.reader.endpoint = endpoint
+        self.reader.enter()
 
     def feed(self, data: bytes) -> None:
         raise AssertionError(data)

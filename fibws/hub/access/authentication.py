@@ -133,10 +133,7 @@ class Authentication:
         if self._web_tokens is not None and self._web_tokens.reload():
             changes.append("key of JSON web tokens changed")
         self._tokens = tokens
-        authorities = _read(self._authorities_file)
-        if authorities != self._authorities:
-            changes.append("authorities of clients changed")
-        self._authorities = authorities
+        self._authorities = _read(self._authorities_file)
         return changes
 
     def network(self, name: str) -> Principal:

@@ -103,7 +103,8 @@ def test_nodes_of_one_principal_share_a_view_until_its_rights_change() -> None:
 
 
 def test_anonymous_nodes_have_views_of_their_own() -> None:
-    one, other = views(AccessPolicy(), principal("anonymous"), principal("anonymous"))
+    anonymous = Principal("anonymous", Rights(), proof="anonymous")
+    one, other = views(AccessPolicy(), anonymous, anonymous)
     assert one != other
     assert AccessPolicy().view("/rosapi") == "/rosapi"
 

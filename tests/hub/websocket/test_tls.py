@@ -333,7 +333,8 @@ class TestReload:
         async with connect(hub.url, ssl=context) as old:
             (tmp_path / "other").mkdir()
             known.write_bytes(Authority(tmp_path / "other").file.read_bytes())
-            assert hub.reload() == ["authorities of client certificates changed"]
+            changed = "authorities of client certificates changed"
+            assert hub.reload() == [changed, "1 client closed"]
             with pytest.raises((OSError, InvalidMessage)):
                 await connect(hub.url, ssl=context)
             # Others of the new authority's, too, are to connect again: 1012 says so.
