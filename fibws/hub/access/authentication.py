@@ -292,7 +292,7 @@ class WrongTokens:
 
 
 def _read(path: Path | None) -> bytes:
-    """Return a file's content; nothing if there is none, of which TLS has its own error."""
+    """Return a file's content; empty if it is missing: TLS reports that."""
     try:
         return path.read_bytes() if path is not None else b""
     except OSError:

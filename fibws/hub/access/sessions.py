@@ -42,7 +42,7 @@ class Session:
     has_ended: bool = False
 
     def principal(self) -> Principal:
-        """Return who has logged in; raise `AuthenticationError` if that does not count any more."""
+        """Return who has logged in; raise `AuthenticationError` if the login has ended."""
         if self.has_ended:
             raise AuthenticationError("the session has ended")
         return self.check()
