@@ -83,7 +83,7 @@ class Sessions:
         return id_
 
     def find(self, id_: str, origin: str | None, host: str) -> Session | None:
-        """Return a session for a request; None if there is none, or it is another page's.
+        """Return a session for a request; None if it has none, or one of another page.
 
         Args:
             origin: the request's ``Origin`` header. A browser sends one with each WebSocket, and

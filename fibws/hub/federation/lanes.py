@@ -53,7 +53,7 @@ class Record(NamedTuple):
 
 
 class Taken(NamedTuple):
-    """What is to be written next: a record, or a part of one.
+    """The next record to write, or a part of one.
 
     Attributes:
         is_last: whether it is the record's last part.

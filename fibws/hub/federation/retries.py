@@ -36,7 +36,7 @@ REFUSED = Pace(30.0, 30.0)
 _LOST_CODES = {1000, 1001, 1005, 1006, 1011, 1012}
 _OVERLOADED_CODES = {1013, 4429}
 _LOST_STATUSES = {502, 504}
-"""Those of a proxy whose hub restarts."""
+"""The statuses of a proxy while its hub restarts."""
 
 
 def pace_of_close(code: int) -> Pace:
@@ -96,7 +96,7 @@ class Retries:
 
 
 def seconds_asked(retry_after: str | None) -> float:
-    """Return the seconds of a ``Retry-After`` header; 0 if there is none, or it is a date."""
+    """Return the seconds of a ``Retry-After`` header; 0 if it is missing or a date."""
     return float(retry_after) if retry_after is not None and _SECONDS.match(retry_after) else 0.0
 
 

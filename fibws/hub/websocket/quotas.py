@@ -145,8 +145,10 @@ class Quota:
                 which will be replaced: its connection may be broken without the hub knowing yet.
         """
         limit = self.limits.connections
-        members = list(chain.from_iterable(quota.members for quota in self.group.values()))
-        if limit and len(members) >= limit and node not in [each.node for each in members]:
+        if not limit or sum(len(quota.members) for quota in self.group.values()) < limit:
+            return
+        members = chain.from_iterable(quota.members for quota in self.group.values())
+        if node not in [each.node for each in members]:
             raise LimitReached(self._refusal("connections"))
 
     def is_idle(self, now: float) -> bool:
