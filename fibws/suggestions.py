@@ -13,12 +13,17 @@ MISSPELLED = 0.84
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """Return the known name that is most similar, regardless of case; None if none is.
 
+    None, too, if the name itself is known by now: it may appear while an error is being written.
+
     Args:
         cutoff: the least similarity, from 0 to 1.
     """
     from difflib import get_close_matches  # Only errors need it.
 
-    by_lower = {each.lower(): each for each in reversed(list(known))}
+    names = list(known)
+    if name in names:
+        return None
+    by_lower = {each.lower(): each for each in reversed(names)}
     near = get_close_matches(name.lower(), list(by_lower), 1, cutoff)
     return by_lower[near[0]] if near else None
 

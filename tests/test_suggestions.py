@@ -18,6 +18,10 @@ def test_nearest_ignores_case() -> None:
     assert nearest("int", ["STRING", "INT"]) == "INT"
 
 
+def test_name_that_has_become_known_needs_no_suggestion() -> None:
+    assert nearest("/number", ["/number", "/numbers"]) is None
+
+
 def test_cutoff_excludes_names_that_are_less_similar() -> None:
     assert nearest("std_msg", ["std_srvs"]) == "std_srvs"
     assert nearest("std_msg", ["std_srvs"], cutoff=0.8) is None

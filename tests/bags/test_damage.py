@@ -26,6 +26,8 @@ from .test_bags import FORMATS, add, contents, each_suffix, every_format, write_
 
 LARGE = 3_000_000
 """More memory, in bytes, than anything here may need."""
+MOST_RESTORED = 5 * MAX_START // 2
+"""What restoring a damaged chunk may need, in bytes: its messages, and where each of them is."""
 
 
 @pytest.fixture(scope="module")
@@ -296,11 +298,11 @@ def test_decompression_bomb_is_rejected_early(tmp_path: Path, claimed: int) -> N
 
 def test_decompression_bomb_is_restored_in_part(tmp_path: Path) -> None:
     """What it claims is not to be trusted; the memory is bounded by what is there."""
-    path = bomb(tmp_path, 10**9, 5 * MAX_START // 2)
+    path = bomb(tmp_path, 10**9, MOST_RESTORED)
     tracemalloc.start()
     try:
         reindex(path, tmp_path / "restored.bag")
-        assert tracemalloc.get_traced_memory()[1] < 2.5 * MAX_START
+        assert tracemalloc.get_traced_memory()[1] < MOST_RESTORED
     finally:
         tracemalloc.stop()
 
@@ -342,6 +344,7 @@ def test_damaged_bag_gives_an_error_of_its_own(
                         pass
             except BagError as error:
                 assert "\n" not in str(error)
+        assert tracemalloc.get_traced_memory()[1] < LARGE
         try:
             reindex(path, folder / f"restored.{suffix}")
         except BagError as error:
@@ -350,7 +353,8 @@ def test_damaged_bag_gives_an_error_of_its_own(
             with open_reader(folder / f"restored.{suffix}") as bag:
                 for _ in bag.messages():
                     pass
-        assert tracemalloc.get_traced_memory()[1] < LARGE
+        # Damaged bytes of bzip2 may stand for megabytes of equal ones.
+        assert tracemalloc.get_traced_memory()[1] < MOST_RESTORED
     finally:
         tracemalloc.stop()
 

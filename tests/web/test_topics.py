@@ -613,14 +613,14 @@ async def test_new_topic_is_created_by_its_first_message(
     await form.get_by_label("Name").fill("chatter")
     await form.get_by_label("Type").fill("std_msgs/String")
     await page.keyboard.press("Enter")
-    await expect(page.locator(".browse-page .notice")).to_contain_text("does not exist yet")
+    await expect(row(page, "/chatter")).to_be_visible()  # The page itself has subscribed.
+    await expect(page.locator(".browse-page .notice")).to_contain_text("Nobody uses this topic yet")
     async with asyncio.timeout(60), node.subscribe("/chatter", String) as received:
         await node.flush()
         await page.get_by_label("data string").fill("hello")
         await page.keyboard.press("Enter")
         assert (await anext(received)).data == "hello"
-    await expect(row(page, "/chatter")).to_be_visible()
-    await expect(page.locator(".browse-page .notice")).to_be_hidden()
+        await expect(page.locator(".browse-page .notice")).to_be_hidden()
 
 
 async def test_unknown_type_is_reported(hub: Hub, open_page: OpenPage) -> None:

@@ -109,9 +109,12 @@ export class TopicPage {
         ? "Waiting for the hub …"
         : "This topic does not exist now. It appears here when a node publishes it.";
     }
-    return topic === undefined
-      ? "This topic does not exist yet. Publishing a message creates it."
-      : "";
+    // The hub has the topic as soon as this page subscribes to it, which is no use by itself.
+    const isUsed =
+      topic !== undefined &&
+      (topic.publishers.length > 0 ||
+        topic.subscriptions.some(({ node }) => node !== this.#hub.node));
+    return isUsed ? "" : "Nobody uses this topic yet. Publish its first message below.";
   }
 
   #createPanels(type: string): void {
