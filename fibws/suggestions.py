@@ -13,25 +13,23 @@ MISSPELLED = 0.84
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """Return the known name that is most similar, regardless of case; None if none is.
 
-    None, too, if the name itself is known by now: it may appear while an error is being written.
-
     Args:
         cutoff: the least similarity, from 0 to 1.
     """
     from difflib import get_close_matches  # Only errors need it.
 
-    names = list(known)
-    if name in names:
-        return None
-    by_lower = {each.lower(): each for each in reversed(names)}
+    by_lower = {each.lower(): each for each in reversed(list(known))}
     near = get_close_matches(name.lower(), list(by_lower), 1, cutoff)
     return by_lower[near[0]] if near else None
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return ``; did you mean /chatter?``, or an empty string if no known name is similar."""
+    """Return ``; did you mean /chatter?``, or an empty string if no known name is similar.
+
+    Empty, too, if the name itself is known by now: it may appear while an error is being written.
+    """
     found = nearest(name, known)
-    return f"; did you mean {found}?" if found else ""
+    return f"; did you mean {found}?" if found and found != name else ""
 
 
 def suggestion_or_known(name: str, known: Iterable[str]) -> str:
