@@ -37,7 +37,6 @@ unset PYTHONDONTWRITEBYTECODE
 export CI=true PIP_CONSTRAINT=$PWD/constraints.txt PIP_BUILD_CONSTRAINT=$PWD/constraints.txt
 
 install() {
-    command -v npm >/dev/null || debian nodejs npm
     python3 -m venv "$temporary/venv"
     export PATH="$temporary/venv/bin:$PATH"
     python -m pip install --quiet -e '.[dev]'

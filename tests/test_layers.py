@@ -13,6 +13,7 @@ pure        values/  protocol/  interfaces/  bags/  access/  credentials  hub_ad
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -152,10 +153,16 @@ def name_of(path: Path) -> str:
     return path.relative_to(PACKAGE).as_posix()
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text("utf-8"))
+
+
+@cache
 def imports(path: Path, *, inside: bool = True) -> set[str]:
     """Return the dotted names that a module imports, with those in functions if ``inside``."""
     found = set()
-    module = ast.parse(path.read_text("utf-8"))
+    module = parsed(path)
     for statement in ast.walk(module) if inside else module.body:
         if isinstance(statement, ast.Import):
             found |= {alias.name for alias in statement.names}
@@ -238,7 +245,7 @@ def test_hub_reads_serialized_values_by_types_alone() -> None:
     readers = {
         name_of(path)
         for path in modules("hub/**/*.py")
-        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        for node in ast.walk(parsed(path))
         if isinstance(node, ast.Attribute) and node.attr == "deserialize"
     }
     of_topics = {"hub/graph/publication.py", "hub/graph/topic.py"}  # CheckedType.deserialize

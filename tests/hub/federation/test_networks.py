@@ -17,6 +17,8 @@ from .networks import start_machine as start_machine
 from .networks import switch as switch
 from .test_federation import exchange
 
+pytestmark = pytest.mark.slow
+"""Machines are network namespaces, with hubs that start as programs and cables that take time."""
 BOTH = pytest.mark.parametrize("start_machine", ["websocket", "zenoh"], indirect=True)
 """Runs a test with hubs that are joined by WebSockets, and with hubs on a zenoh network."""
 
@@ -32,7 +34,6 @@ async def test_messages_of_three_machines_in_a_line_arrive_once_and_in_order(
 
 
 @BOTH
-@pytest.mark.slow
 async def test_messages_of_three_machines_in_a_triangle_arrive_once_and_in_order(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
@@ -42,7 +43,6 @@ async def test_messages_of_three_machines_in_a_triangle_arrive_once_and_in_order
     await exchange([first, second, third], start_node)
 
 
-@pytest.mark.slow
 async def test_messages_of_ten_machines_in_a_star_arrive_once_and_in_order(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
@@ -69,7 +69,6 @@ async def test_nodes_of_a_killed_hub_vanish_before_its_lease_has_ended(
 
 
 @BOTH
-@pytest.mark.slow
 async def test_nodes_vanish_when_a_cable_is_pulled_and_return_when_it_is_plugged(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
@@ -89,7 +88,6 @@ async def test_nodes_vanish_when_a_cable_is_pulled_and_return_when_it_is_plugged
 
 
 @BOTH
-@pytest.mark.slow
 async def test_older_node_survives_when_a_partition_heals_and_both_hubs_log_it(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
@@ -115,7 +113,6 @@ async def test_older_node_survives_when_a_partition_heals_and_both_hubs_log_it(
     await older.advertise("more", Int32)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("source", ["robot", "cloud"])
 async def test_messages_overtake_an_image_on_a_slow_link(
     start_machine: StartMachine, start_node: StartNode, source: str
@@ -139,7 +136,6 @@ async def test_messages_overtake_an_image_on_a_slow_link(
             assert [await arrived.get() for _ in range(2)] == [number, "image"]
 
 
-@pytest.mark.slow
 async def test_slow_network_drops_only_the_oldest_images_and_the_link_lives(
     start_machine: StartMachine, start_node: StartNode
 ) -> None:
