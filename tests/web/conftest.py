@@ -39,6 +39,8 @@ QUIET = (
 ).split()
 TASK = "ThreadControllerImpl::RunTask"
 """The name of a thread's task in Chromium's traces."""
+PATIENT: dict[str, Any] = {"port": 0, "open_timeout": 600.0}
+"""A browser opens connections before it needs them; it must not meet the hub as it closes them."""
 STRANGER = "stranger.example"
 """A host name that resolves to this machine."""
 
@@ -111,7 +113,7 @@ async def browser() -> AsyncIterator[Browser]:
 
 @fixture
 async def hub() -> AsyncIterator[Hub]:
-    async with Hub(Settings(port=0)) as hub:
+    async with Hub(Settings(**PATIENT)) as hub:
         yield hub
 
 

@@ -17,7 +17,7 @@ from fibws.hub import Hub, Settings
 from fibws.hub.websocket import self_signed
 from fibws.msg.std_msgs import Int32
 
-from .conftest import STRANGER, OpenPage, web_address
+from .conftest import PATIENT, STRANGER, OpenPage, web_address
 
 
 @asynccontextmanager
@@ -77,7 +77,7 @@ async def test_page_works_at_localhost(hub: Hub, open_page: OpenPage) -> None:
 
 @pytest.mark.skipif(not socket.has_dualstack_ipv6(), reason="IPv6 is not available")
 async def test_page_works_at_an_ipv6_address(open_page: OpenPage) -> None:
-    async with Hub(Settings(host="::1", port=0)) as hub:
+    async with Hub(Settings(host="::1", **PATIENT)) as hub:
         page = await open_page(hub)
         assert web_address(hub).startswith("http://[::1]:")
         await expect_page_to_work(page, hub, web_address(hub))
@@ -85,7 +85,7 @@ async def test_page_works_at_an_ipv6_address(open_page: OpenPage) -> None:
 
 
 async def test_page_works_below_the_path_of_the_hub(open_page: OpenPage) -> None:
-    async with Hub(Settings(port=0, url_path="/lab/robot")) as hub:
+    async with Hub(Settings(url_path="/lab/robot", **PATIENT)) as hub:
         page = await open_page(hub)
         assert web_address(hub).endswith("/lab/robot")
         await expect_page_to_work(page, hub, web_address(hub))
@@ -99,7 +99,7 @@ async def test_phone_gets_a_secure_page_without_an_option_for_its_name(
 ) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     monkeypatch.setenv("FIBWS_CA", str(self_signed.files().authority))
-    async with Hub(Settings(port=0, self_signed=True)) as hub:
+    async with Hub(Settings(self_signed=True, **PATIENT)) as hub:
         address = f"https://{STRANGER}:{hub.port}"
         page = await open_page(hub, address=address, ignore_https_errors=True)
         await expect_page_to_work(page, hub, address)
