@@ -31,6 +31,13 @@ MOST_HOLDERS = 3
 
 Key: TypeAlias = tuple[Kind, str]
 """A type: its kind and its name, ``package/Name``."""
+Shows: TypeAlias = Callable[[str, Kind, str], bool]
+"""Takes a client, and the kind and the name of a type that some client brought."""
+
+
+def show_all(client: str, kind: Kind, name: str) -> bool:
+    """Return True: every client may learn every type."""
+    return True
 
 
 class Limits(NamedTuple):
@@ -237,10 +244,12 @@ class ClientDefinitions:
 
     Args:
         base: the types in folders.
+        shows: returns whether a client may learn a type that clients brought.
     """
 
-    def __init__(self, base: Interfaces) -> None:
+    def __init__(self, base: Interfaces, shows: Shows = show_all) -> None:
         self._base = base
+        self._shows = shows
         self._by_type: dict[Key, list[ClientDefinition]] = {}
         self._holders: dict[ClientDefinition, dict[Hashable, Callable[[], str]]] = {}
         self._usage: dict[str, Usage] = {}
@@ -256,6 +265,20 @@ class ClientDefinitions:
         """Return the definition that has a type, ``package/Name``, if clients brought it."""
         found = self._by_type.get((kind, name))
         return found[0] if found else None
+
+    def find_for(self, client: str, kind: Kind, name: str) -> ClientDefinition | None:
+        """Return the same for a client, for which types that are hidden from it do not exist."""
+        found = self.find(kind, name)
+        return found if found is not None and self._shows(client, kind, name) else None
+
+    def holding(self, kind: Kind, name: str) -> Iterator[Hashable]:
+        """Yield the holders of the definitions that have a type."""
+        for definition in self._by_type.get((kind, name), ()):
+            yield from self._holders[definition]
+
+    def known_to(self, client: str, kind: Kind, name: str) -> Definitions:
+        """Return where a client's type is looked up; as `known`."""
+        return self.find_for(client, kind, Interfaces.canonical(name)) or self._base
 
     def known(self, kind: Kind, name: str) -> Definitions:
         """Return where a type is looked up: in a client's definition, or in the folders.
@@ -331,7 +354,7 @@ class ClientDefinitions:
         self, kind: Kind, name: str, text: str, client: str, parsed: _Parsed
     ) -> ClientDefinition | None:
         """Return a definition that does not contradict others, and for which there is room."""
-        draft = _Draft(self, name, parsed)
+        draft = _Draft(self, name, parsed, client)
         if draft.is_known:
             return self.find(kind, name)
         definition = ClientDefinition(
@@ -425,11 +448,12 @@ class _Draft:
         DefinitionError: a type is known with other fields.
     """
 
-    def __init__(self, known: ClientDefinitions, name: str, parsed: _Parsed) -> None:
+    def __init__(self, known: ClientDefinitions, name: str, parsed: _Parsed, client: str) -> None:
         self.service, self.action, nested = parsed
         self.is_known = False
         """Whether the type is known with the same fields."""
         self._known = known
+        self._client = client
         self._known_md5s: dict[str, str] = {}
         self._md5s: dict[str, str] = {}
         self._unknown: dict[str, MessageDefinition] = {}
@@ -458,7 +482,8 @@ class _Draft:
         return found
 
     def _find(self, name: str) -> MessageDefinition:
-        return self._drafts.get(name) or self._known.message(name)
+        draft = self._drafts.get(name)
+        return draft or self._known.known_to(self._client, "msg", name).message(name)
 
     def _compare_all(self, drafts: dict[str, MessageDefinition]) -> None:
         self._drafts = drafts
@@ -497,7 +522,9 @@ class _Draft:
         md5 = message_md5(known, self._known.message, self._known_md5s)
         if message_md5(draft, self._resolver.message, self._md5s) == md5:
             return
-        fault = f"{draft.type} is known here with other fields (md5 {md5})"
+        fault = f"{draft.type} is known here with other fields"
+        if self._known.known_to(self._client, kind, name) is self._known.known(kind, name):
+            fault = f"{fault} (md5 {md5})"
         holders = self._known.holders(kind, name)
         if holders:
             fault = f"{fault}, in use by {holders}"

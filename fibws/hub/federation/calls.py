@@ -216,8 +216,8 @@ class Calls:
 
     def _call(self, request: Request, caller: str, open_: _OpenRequest) -> Cancel:
         graph, name = self._graph, str(request.fields.get("service"))
-        service = graph.services.get(name)
-        if service is None or not graph.is_visible(caller, "service", name):
+        service = graph.view(caller).service(name)
+        if service is None:
             raise CallFailed(f"Service {name} does not exist", "unknown_service")
         type_ = service.type
         if type_.codecs is None:
@@ -249,8 +249,8 @@ class Calls:
 
     def _send_goal(self, peer: Peer, request: Request, caller: str, open_: _OpenRequest) -> Cancel:
         graph, name = self._graph, str(request.fields.get("action"))
-        action = graph.actions.get(name)
-        if action is None or not graph.is_visible(caller, "action", name):
+        action = graph.view(caller).action(name)
+        if action is None:
             raise CallFailed(f"Action {name} does not exist", "unknown_action")
         type_ = action.type
         if type_.codecs is None:

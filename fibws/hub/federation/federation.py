@@ -127,8 +127,7 @@ class Federation:
             peer.hub.id: {**_hub(peer.hub), "link": peer.hub.name, "distance": 1}
             for peer in self.peers
         }
-        for name in self.graph.visible_nodes(caller, self.graph.nodes):
-            node = self.graph.nodes[name]
+        for _, node in self.graph.view(caller).all_nodes():
             if isinstance(node, RemoteNode):
                 link, distance = node.home.peer.hub.name, len(node.record.path)
                 new = {**_hub(node.hub), "link": link, "distance": distance}

@@ -83,6 +83,7 @@ class Offers:
         self._parameters = parameters
         self._outlets = outlets
         self._call_soon = call_soon
+        self._view = graph.view(backplane.node)
         self._announced: dict[Kind, dict[str, Record]] = {kind: {} for kind in KINDS}
         """The last records, by the names on the backplane."""
         self._users: dict[str, set[str]] = {}
@@ -182,7 +183,7 @@ class Offers:
     def _is_node_visible(self, name: str, node: Any) -> bool:
         """Return whether the other hubs may know a node, and have use for it."""
         view = self.backplane.view
-        if not self.graph.is_node_visible(self.backplane.node, name):
+        if not self._view.sees_node(name):
             return False
         if not view.is_filtered and (not view.prefix or view.is_below):
             return True

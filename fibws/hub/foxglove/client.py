@@ -13,6 +13,7 @@ from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.foxglove.messages import ERROR, WARNING, text_frame
 from fibws.hub.foxglove.turns import Turns
 from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.view import GraphView
 from fibws.hub.log_text import ErrorLog, shortened
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Registration
@@ -72,6 +73,11 @@ class Client:
     audit: Audit
     check_shared: Callable[[Registration], None]
     turns: Turns
+
+    @property
+    def view(self) -> GraphView:
+        """The graph as the client sees it."""
+        return self.graph.view(self.node)
 
     def resolve(self, spelling: str) -> str:
         """Return the global name that the client means; raise `InvalidName`."""

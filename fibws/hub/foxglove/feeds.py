@@ -447,21 +447,16 @@ class GraphFeed(Feed[GraphKey, Users]):
 
     def view(self, key: GraphKey) -> Users | None:
         """Return the users of a topic or a service that the client may see."""
-        graph, node = self.client.graph, self.client.node
+        view = self.client.view
         is_service, name = key
         if is_service:
-            service = graph.services.get(name)
-            if service is None or not graph.is_visible(node, "service", name):
-                return None
-            return Users(key, (service.node,))
-        topic = graph.topics.get(name)
-        if topic is None or not graph.is_visible(node, "topic", name):
+            service = view.service(name)
+            return Users(key, (service.node,)) if service is not None else None
+        topic = view.topic(name)
+        if topic is None:
             return None
-
-        def visible(nodes: Iterable[str]) -> tuple[str, ...]:
-            return tuple(sorted(each for each in nodes if graph.is_user_visible(node, topic, each)))
-
-        return Users(key, visible(topic.sources), visible(topic.subscribers()))
+        users = (view.publishers(topic), view.subscribers(topic))
+        return Users(key, *(tuple(sorted(nodes)) for nodes in users))
 
     def encode(self, removed: Sequence[Users], added: Sequence[Users]) -> bytes:
         """Return the frame of a change; users that have changed need not be removed before."""
@@ -495,7 +490,7 @@ class GraphFeed(Feed[GraphKey, Users]):
 
 def _published(client: Client, name: str) -> Topic | None:
     """Return a topic that has a publisher and that the client may subscribe to."""
-    topic = client.graph.topics.get(name)
+    topic = client.view.topic(name)
     if topic is None or not topic.sources or not client.is_allowed("subscribe", name):
         return None
     return topic

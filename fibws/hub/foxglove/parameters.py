@@ -54,7 +54,7 @@ class ParameterAccess:
             names = yield from _distinct(request.names, _spelled)
             yield from self._answer(request, names, self._asked)
         else:
-            names = client.graph.parameters.names()
+            names = client.view.parameters()
             yield from self._answer(request, names, self._readable)
 
     def set(self, request: SetParameters) -> Work:
@@ -197,8 +197,8 @@ class ParameterAccess:
         return any(self._client.is_allowed("param_read", each) for each in below)
 
     def _text(self, name: str) -> bytes:
-        """Return a parameter as JSON; raises as `Graph.get_parameter` does."""
-        text = self._client.graph.get_parameter(self._client.node, name)
+        """Return a parameter as JSON; raises as `GraphView.parameter` does."""
+        text = self._client.view.parameter(name)
         type_, text = _typed(text)
         mark = b',"type":"%b"' % type_.encode() if type_ else b""
         return b'{"name":%b,"value":%b%b}' % (to_json(name), text, mark)

@@ -41,7 +41,7 @@ from fibws.hub.graph.clock import GraphClock
 from fibws.hub.graph.latched import LatchQuota, LatchTotal
 from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.parameters import Parameters, Prepared, canonical, names_in, prepare
-from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
+from fibws.hub.graph.policy import AllowAll, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
 from fibws.hub.graph.topic import (
     QUEUE_SIZE,
@@ -55,7 +55,8 @@ from fibws.hub.graph.topic import (
 )
 from fibws.hub.graph.totals import CallTotals, TopicTotals
 from fibws.hub.graph.types import MessageType, ServiceType, Types, unknown_service
-from fibws.interfaces import Interfaces
+from fibws.hub.graph.view import GraphView
+from fibws.interfaces import Interfaces, folders
 
 logger = logging.getLogger("fibws.hub")
 
@@ -197,7 +198,7 @@ class Graph:
         """The calls of all services so far."""
         self.revision = 0
         """Another number whenever something but the parameters has changed."""
-        self._types = Types(interfaces, self.clock.now, strict=strict_types)
+        self._types = Types(interfaces, self.clock.now, strict=strict_types, shows=self._shows_type)
         self.definitions = self._types.definitions
         """The definitions of all types: the installed ones, and those that clients brought."""
         self._unnamed: set[str] = set()
@@ -239,52 +240,12 @@ class Graph:
         is_free = is_guarded or self.policy.is_admin(source.node)
         return is_free and self.is_allowed(source.node, "publish", name)
 
-    def is_visible(self, caller: str, kind: Kind, name: str) -> bool:
-        """Return whether a node may learn that something of this name exists."""
-        if self.policy.allows_all:
-            return True
-        return any(self.is_allowed(caller, right, name) for right in RIGHTS_OF[kind])
+    def view(self, caller: str) -> GraphView:
+        """Return the graph as a node sees it, from which that node gets all its answers."""
+        return GraphView(self, caller)
 
-    def is_node_visible(self, caller: str, name: str) -> bool:
-        """Return whether a node may learn that another one exists.
-
-        It sees the nodes of its own principal, and those that use anything that it sees.
-        """
-        if self.policy.allows_all or caller in self.internal:
-            return True
-        node = self.nodes.get(name)
-        if node is None:
-            return False
-        if self.policy.is_same_owner(caller, name) or self.policy.is_admin(caller):
-            return True
-        # Nearly every node publishes the log: that alone must not show it to everybody.
-        topics = {*node.publishing(), *node.subscribing()}.difference(self.guards)
-        return any(self.is_visible(caller, "topic", each) for each in topics) or any(
-            self.is_visible(caller, "service", each) for each in node.providing()
-        )
-
-    def is_user_visible(self, caller: str, topic: Topic, node: str) -> bool:
-        """Return whether a node that sees a topic may learn that another one uses it.
-
-        It may, except for the log: every node sees that topic, as it may write to it.
-        """
-        return topic.name not in self.guards or self.is_node_visible(caller, node)
-
-    def is_address_visible(self, caller: str, node: str) -> bool:
-        """Return whether a node may learn from where another one has connected."""
-        return self.policy.is_admin(caller) or self.policy.is_same_owner(caller, node)
-
-    def visible(self, caller: str, kind: Kind, names: Iterable[str]) -> list[str]:
-        """Return the names that a node may see, sorted."""
-        if self.policy.allows_all:
-            return sorted(names)
-        return sorted(name for name in names if self.is_visible(caller, kind, name))
-
-    def visible_nodes(self, caller: str, names: Iterable[str]) -> list[str]:
-        """Return the nodes that a node may see, sorted."""
-        if self.policy.allows_all:
-            return sorted(names)
-        return sorted(name for name in names if self.is_node_visible(caller, name))
+    def _shows_type(self, node: str, kind: folders.Kind, name: str) -> bool:
+        return not node or self.view(node).sees_type(kind, name)
 
     # Nodes.
 
@@ -807,7 +768,7 @@ class Graph:
         if action is None:
             raise CallFailed(f"Action {name} does not exist", "unknown_action")
         wanted = Interfaces.canonical(type_)
-        if wanted != action.type.name and not self._is_same_action(action, wanted):
+        if wanted != action.type.name and not self._is_same_action(action, wanted, caller):
             text = f"Action {name} is of type {action.type.name}, not {wanted}"
             raise CallFailed(text, "type_conflict")
         uuid = uuid4().bytes  # A client may still mean a goal of a hub that was restarted.
@@ -817,10 +778,10 @@ class Graph:
         """Return whether a node may cancel a goal: its own, or its principal's."""
         return self.policy.is_same_owner(caller, goal.caller) or self.policy.is_admin(caller)
 
-    def _is_same_action(self, action: Action, type_: str) -> bool:
+    def _is_same_action(self, action: Action, type_: str, caller: str) -> bool:
         """Return whether an action's type and the one of this name have the same fields."""
         try:
-            md5sums = self._types.action(type_).md5sums
+            md5sums = self._types.action(type_, None, caller).md5sums
         except InterfaceError:
             return False
         return md5sums is not None and md5sums == action.type.md5sums
@@ -834,24 +795,6 @@ class Graph:
             self._report("action", action.name)
 
     # Parameters.
-
-    def get_parameter(self, node: str, name: str) -> bytes:
-        """Return a parameter's value as JSON; of a namespace, what the node may read of it.
-
-        Raises:
-            NotAllowed: the policy forbids it, or would, if there were such a parameter.
-            ParameterNotSet, InvalidName: as `Parameters.text`.
-        """
-        name = canonical(name)
-        if self.policy.allows_all:
-            return self.parameters.text(name)
-        below = [each for each in self.parameters.below(name) if each != name]
-        readable = [each for each in below if self.is_allowed(node, "param_read", each)]
-        if not readable:
-            self.check_allowed(node, "param_read", name)
-        if len(readable) == len(below):
-            return self.parameters.text(name)
-        return self.parameters.text(name, readable)
 
     def set_parameter(
         self, node: str, name: str, value: Any, prepared: Prepared | None = None
@@ -883,14 +826,6 @@ class Graph:
         affected = tuple(others) or (name,)
         if not all(self.is_allowed(node, "param_write", each) for each in affected):
             raise self.refused(NotAllowed(node, "param_write", name))
-
-    def is_parameter_visible(self, caller: str, name: str) -> bool:
-        """Return whether a node may learn that there is a parameter, or a namespace."""
-        if self.policy.allows_all:
-            return True
-        name = canonical(name)
-        below = self.parameters.below(name) or (name,)
-        return any(self.is_visible(caller, "parameter", each) for each in below)
 
 
 def _check_md5sum(type_: MessageType, md5sum: str | None) -> None:

@@ -170,7 +170,9 @@ class Parameters:
         self.bytes -= _size("/".join(path), space.pop(key))
         self._report("/".join(path), node)
 
-    def search(self, key: str, namespace: str) -> str | None:
+    def search(
+        self, key: str, namespace: str, shows: Callable[[str], bool] = lambda name: True
+    ) -> str | None:
         """Return the nearest name of ``key``, searching a namespace and then those above it.
 
         As in ROS, only the first part of the key is searched for: ``robot/arm`` is found where
@@ -179,12 +181,13 @@ class Parameters:
         Args:
             key: a relative name; a global one is returned if it is set.
             namespace: where the search begins, as a global name; for a node, its own name.
+            shows: returns whether a parameter or a namespace may be found.
 
         Raises:
             InvalidName: the key is empty, private or too long, or the namespace is not global.
         """
         if key.startswith("/"):
-            return key if self.has(key) else None
+            return key if self.has(key) and shows(key) else None
         if key.startswith("~"):
             raise InvalidName(key, "a private name cannot be searched for")
         _, *parts = _path(f"/{key}")
@@ -198,7 +201,7 @@ class Parameters:
                 break
             node = node.get(part)
             if isinstance(node, dict) and parts[0] in node:
-                found = depth
+                found = depth if shows("/".join([*path[:depth], parts[0]])) else found
         return None if found is None else "/".join([*path[:found], *parts])
 
     def names(self) -> list[str]:

@@ -23,7 +23,12 @@ from fibws.errors import (
 from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64text
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
-from fibws.interfaces.client_definitions import ClientDefinition, ClientDefinitions
+from fibws.interfaces.client_definitions import (
+    ClientDefinition,
+    ClientDefinitions,
+    Shows,
+    show_all,
+)
 from fibws.interfaces.folders import Kind
 from fibws.interfaces.long_integers import Convert, LongIntegers
 from fibws.interfaces.serialization import FEWEST_BYTES, Serializer, Serializers
@@ -392,10 +397,18 @@ class Types:
     Args:
         now: returns the nanoseconds since 1970, for messages that ask for the time.
         strict: refuse types of unknown packages, rather than relay their messages unchecked.
+        shows: as of `ClientDefinitions`.
     """
 
-    def __init__(self, interfaces: Interfaces, now: Callable[[], int], *, strict: bool) -> None:
-        self.definitions = ClientDefinitions(interfaces)
+    def __init__(
+        self,
+        interfaces: Interfaces,
+        now: Callable[[], int],
+        *,
+        strict: bool,
+        shows: Shows = show_all,
+    ) -> None:
+        self.definitions = ClientDefinitions(interfaces, shows)
         self._now = now
         self._strict = strict
         self._installed = Codecs(interfaces, now)
@@ -456,7 +469,7 @@ class Types:
     def _codecs(self, kind: Kind, name: str, text: str | None, client: str) -> Codecs:
         """Return the codecs of a type that the folders or clients have, or this client brings."""
         if text is None:
-            definition = self.definitions.find(kind, name)
+            definition = self.definitions.find_for(client, kind, name)
         else:
             definition = self.definitions.read(kind, name, text, client)
         if definition is None:

@@ -64,6 +64,7 @@ class Master:
         self._answers: dict[str, tuple[int, Written]] = {}
         """The answers that list the graph, with the revision they are of."""
         self._setter = ""
+        self._view = graph.view(CLIENT)
         graph.parameters.watch(self._parameter_changed)
         self.methods = self._methods()
 
@@ -170,7 +171,7 @@ class Master:
         """Return the URI of a service: a ROS 1 node's own, or the hub's."""
         found = self._nodes.service(service)
         uri = found[1] if found is not None else ""
-        if not uri and service in self._visible("service", self._graph.services):
+        if not uri and self._view.service(service) is not None:
             uri = (
                 self._nodes.topics.hub_api(caller.hub_host).replace("http:", "rosrpc:").rstrip("/")
             )
@@ -183,7 +184,7 @@ class Master:
         found = self._nodes.by_name.get(name)
         if found is not None:
             return 1, "node api", found.api
-        if name in self._graph.nodes and self._graph.is_node_visible(CLIENT, name):
+        if self._view.node(name) is not None:
             return 1, "node api", self._nodes.topics.hub_api(caller.hub_host, name)
         return -1, f"unknown node [{name}]", ""
 
@@ -211,8 +212,7 @@ class Master:
         topics = list(self._topics())
         publishers = _registrations((name, nodes) for name, nodes, _ in topics)
         subscribers = _registrations((name, nodes) for name, _, nodes in topics)
-        services = self._graph.services
-        of_services = {name: services[name].node for name in self._visible("service", services)}
+        of_services = {each.name: each.node for each in self._view.all_services()}
         of_services.update((name, node.name) for name, node in self._nodes.services())
         found = _registrations((name, [node]) for name, node in of_services.items())
         return f"<value><array><data>{publishers}{subscribers}{found}</data></array></value>"
@@ -221,7 +221,7 @@ class Master:
         """Yield all topics, with the nodes that publish them and those that subscribe to them."""
         graph, nodes = self._graph, self._nodes
         # ROS 1 nodes are always listed, also those that exchange no messages with the hub.
-        names = dict.fromkeys(self._visible("topic", graph.topics))
+        names = dict.fromkeys(self._view.topics())
         names.update(dict.fromkeys(nodes.topics.names()))
         for name in names:
             topic = graph.topics.get(name)
@@ -241,9 +241,6 @@ class Master:
         types = [each.type for each in self._nodes.topics.publishers(name)]
         types += [each.type for each in self._nodes.topics.subscribers(name)]
         return next((type_ for type_ in types if type_ != ANY), ANY)
-
-    def _visible(self, kind: Any, names: Iterable[str]) -> Iterable[str]:
-        return names if self._graph.policy.allows_all else self._graph.visible(CLIENT, kind, names)
 
     def _cached(self, name: str, make: Callable[[], str]) -> Written:
         revision, answer = self._answers.get(name, (-1, None))
@@ -277,7 +274,7 @@ class Master:
     def get_param(self, caller: Caller, node: str, key: str) -> Answer | Awaitable[Answer]:
         """Return a parameter, or a namespace as a struct."""
         try:
-            text = self._graph.get_parameter(CLIENT, key)
+            text = self._view.parameter(key)
         except ParameterNotSet:
             return -1, f"Parameter [{key}] is not set", 0
         if len(text) > LARGE:
@@ -289,7 +286,7 @@ class Master:
 
     def delete_param(self, caller: Caller, node: str, key: str) -> Answer:
         """Delete a parameter, or a namespace."""
-        if not self._has(key):
+        if not self._view.has_parameter(key):
             return -1, f"parameter [{key}] is not set", 0
         self._setter = node
         try:
@@ -301,19 +298,18 @@ class Master:
 
     def has_param(self, caller: Caller, node: str, key: str) -> Answer:
         """Return whether there is a parameter or a namespace of this name."""
-        return 1, key, self._has(key)
+        return 1, key, self._view.has_parameter(key)
 
     def search_param(self, caller: Caller, node: str, key: str) -> Answer:
         """Return the nearest parameter of a name, in the caller's namespace and those above it."""
-        found = self._graph.parameters.search(key, node)
-        if found and self._graph.is_parameter_visible(CLIENT, found):
+        found = self._view.search_parameter(key, node)
+        if found:
             return 1, f"Found [{found}]", found
         return -1, f"Cannot find parameter [{key}] in an upwards search", ""
 
     def get_param_names(self, caller: Caller, node: str) -> Answer:
         """Return the names of all parameters."""
-        names = self._graph.parameters.names()
-        return 1, "Parameter names", list(self._visible("parameter", names))
+        return 1, "Parameter names", self._view.parameters()
 
     def subscribe_param(self, caller: Caller, node: str, uri: str, key: str) -> Answer:
         """Report changes of a parameter to a node; the value is the present one, or {}."""
@@ -343,17 +339,13 @@ class Master:
                 del self._parameter_subscribers[namespace]
 
     def _parameter(self, key: str) -> object:
-        return _native(self._graph.get_parameter(CLIENT, key))
+        return _native(self._view.parameter(key))
 
     def _parameter_or_empty(self, key: str) -> object:
         try:
             return self._parameter(key)
         except ParameterNotSet:
             return {}
-
-    def _has(self, key: str) -> bool:
-        parameters = self._graph.parameters
-        return parameters.has(key) and self._graph.is_parameter_visible(CLIENT, key)
 
     def _parameter_changed(self, name: str, _: str) -> None:
         """Report a change to the subscribers of the parameter, and of all above and below it.

@@ -301,9 +301,8 @@ class ServedClient:
     def _find(self) -> Service:
         """Return the service; raise `OperationError` if the hub does not serve it."""
         graph, name = self._links.graph, self._service
-        service = graph.services.get(name)
-        is_served = service is not None and not isinstance(service.server, RemoteService)
-        if service is None or not is_served or not graph.is_visible(self._caller, "service", name):
+        service = graph.view(self._caller).service(name)
+        if service is None or isinstance(service.server, RemoteService):
             raise OperationError(f"[{ROSBRIDGE}] is not a provider of [{name}]")
         return service
 

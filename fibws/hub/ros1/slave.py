@@ -54,6 +54,7 @@ class Slave:
         port: Callable[[], int],
     ) -> None:
         self._graph = graph
+        self._view = graph.view(CLIENT)
         self._nodes = nodes
         self._topics = topics
         self._kill = kill
@@ -61,8 +62,7 @@ class Slave:
 
     def has(self, node: str) -> bool:
         """Return whether the hub answers for a node."""
-        is_known = node in self._graph.nodes and self._graph.is_node_visible(CLIENT, node)
-        return is_known and node not in self._nodes.by_name
+        return self._view.node(node) is not None and node not in self._nodes.by_name
 
     def methods(self, node: str) -> dict[str, Method]:
         """Return the methods for a node; an empty name stands for all nodes."""
@@ -106,19 +106,18 @@ class Slave:
         return 1, uri, uri
 
     def _publications(self, node: str) -> Answer:
-        return 1, "publications", self._listed(lambda topic: topic.sources, node)
+        return 1, "publications", self._listed(self._view.publishers, node)
 
     def _subscriptions(self, node: str) -> Answer:
-        return 1, "subscriptions", self._listed(lambda topic: topic.subscribers(), node)
+        return 1, "subscriptions", self._listed(self._view.subscribers, node)
 
     def _listed(self, users: Callable[[Topic], Iterable[str]], node: str) -> list[Any]:
         """Return the topics that a node uses, with their types."""
         found = []
-        for name in self._graph.visible(CLIENT, "topic", self._graph.topics):
-            topic = self._graph.topics[name]
+        for topic in self._view.all_topics():
             of_hub = set(users(topic)).difference(self._nodes.by_name)
             if node in of_hub or (not node and of_hub):
-                found.append([name, topic.type.name if topic.type is not None else ANY])
+                found.append([topic.name, topic.type.name if topic.type is not None else ANY])
         return found
 
     def _shut_down(self, node: str, caller_id: str, reason: object) -> Answer:

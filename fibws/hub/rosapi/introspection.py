@@ -15,8 +15,9 @@ from pydantic_core import to_json
 
 from fibws.errors import InterfaceError, InvalidName, InvalidTypeName
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.service import Function, Response
+from fibws.hub.graph.service import Function, Response, Service
 from fibws.hub.graph.topic import Topic
+from fibws.hub.graph.view import GraphView
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosapi.cache import ResponseCache, TextCache
 from fibws.interfaces import Interfaces
@@ -87,9 +88,8 @@ class Introspection:
     def topics_for_type(self, request: dict[str, Any], caller: str) -> Response:
         """Return the topics of a type."""
         wanted = self._canonical(request["type"])
-        topics = self._graph.topics.values()
-        found = (each.name for each in topics if each.type is not None and each.type.name == wanted)
-        return {"topics": self._graph.visible(caller, "topic", found)}
+        found = self._types_of_topics(caller)
+        return {"topics": [name for name, type_ in found if type_ == wanted]}
 
     def topic_type(self, request: dict[str, Any], caller: str) -> Response:
         """Return the type of a topic."""
@@ -99,14 +99,14 @@ class Introspection:
     def publishers(self, request: dict[str, Any], caller: str) -> Response:
         """Return the nodes that publish on a topic."""
         topic = self._topic(request["topic"], caller)
-        nodes = self._graph.visible_nodes(caller, topic.sources) if topic is not None else []
-        return {"publishers": nodes}
+        publishers = self._graph.view(caller).publishers(topic) if topic is not None else ()
+        return {"publishers": sorted(publishers)}
 
     def subscribers(self, request: dict[str, Any], caller: str) -> Response:
         """Return the nodes that subscribe to a topic."""
         topic = self._topic(request["topic"], caller)
-        nodes = self._graph.visible_nodes(caller, topic.subscribers()) if topic is not None else []
-        return {"subscribers": nodes}
+        subscribers = self._graph.view(caller).subscribers(topic) if topic is not None else ()
+        return {"subscribers": sorted(subscribers)}
 
     # Services.
 
@@ -117,30 +117,22 @@ class Introspection:
     def services_for_type(self, request: dict[str, Any], caller: str) -> Response:
         """Return the services of a type."""
         wanted = self._canonical(request["type"])
-        services = self._graph.services.values()
-        found = (each.name for each in services if each.type.name == wanted)
-        return {"services": self._graph.visible(caller, "service", found)}
+        return {"services": [each.name for each in self._of_type(wanted, caller)]}
 
     def service_providers(self, request: dict[str, Any], caller: str) -> Response:
         """Return the nodes that serve a type, which the request calls the service."""
         wanted = self._canonical(request["service"])
-        services = self._graph.services.values()
-        known = self._graph.visible(
-            caller, "service", (each.name for each in services if each.type.name == wanted)
-        )
-        found = {self._graph.services[name].node for name in known}
-        return {"providers": self._graph.visible_nodes(caller, found)}
+        return {"providers": sorted({each.node for each in self._of_type(wanted, caller)})}
 
     def service_type(self, request: dict[str, Any], caller: str) -> Response:
         """Return the type of a service."""
-        name = self._service(request["service"], caller)
-        return {"type": self._graph.services[name].type.name if name is not None else ""}
+        service = self._service(request["service"], caller)
+        return {"type": service.type.name if service is not None else ""}
 
     def service_node(self, request: dict[str, Any], caller: str) -> Response:
         """Return the node that serves a service."""
-        name = self._service(request["service"], caller)
-        node = self._graph.services[name].node if name is not None else ""
-        return {"node": node}
+        service = self._service(request["service"], caller)
+        return {"node": service.node if service is not None else ""}
 
     def service_host(self, request: dict[str, Any], caller: str) -> Response:
         """Return the host of a service."""
@@ -154,15 +146,14 @@ class Introspection:
 
     def node_details(self, request: dict[str, Any], caller: str) -> Response:
         """Return the topics and services of a node."""
-        visible = self._graph.visible
-        name = global_name(self._graph, request["node"], caller)
-        if name not in self._graph.nodes or not self._graph.is_node_visible(caller, name):
+        view = self._graph.view(caller)
+        node = view.node(global_name(self._graph, request["node"], caller))
+        if node is None:
             return {"subscribing": [], "publishing": [], "services": []}
-        node = self._graph.nodes[name]
         return {
-            "subscribing": visible(caller, "topic", node.subscribing()),
-            "publishing": visible(caller, "topic", node.publishing()),
-            "services": visible(caller, "service", node.providing()),
+            "subscribing": view.subscribed_by(node),
+            "publishing": view.published_by(node),
+            "services": view.provided_by(node),
         }
 
     def action_servers(self, request: dict[str, Any], caller: str) -> Response:
@@ -179,9 +170,10 @@ class Introspection:
 
     def _topics_and_raw_types(self, caller: str) -> bytes:
         texts, room = [], MOST_TEXT
+        view = self._graph.view(caller)
         for _, type_ in self._types_of_topics(caller):
             # Once there is no room left, no more texts are made.
-            text = self._full_text(type_) if room >= 0 else _NO_TEXT
+            text = self._full_text(type_, view) if room >= 0 else _NO_TEXT
             room -= len(text)
             texts.append(text if room >= 0 else _NO_TEXT)
         if room < 0:
@@ -196,44 +188,40 @@ class Introspection:
         return b'%b,"typedefs_full_text":[%b]}' % (topics[:-1], b",".join(texts))
 
     def _services(self, caller: str) -> bytes:
-        return to_json({"services": self._graph.visible(caller, "service", self._graph.services)})
+        return to_json({"services": self._graph.view(caller).services()})
 
     def _nodes(self, caller: str) -> bytes:
-        return to_json({"nodes": self._graph.visible_nodes(caller, self._graph.nodes)})
+        return to_json({"nodes": self._graph.view(caller).nodes()})
 
     def _action_servers(self, caller: str) -> bytes:
-        graph = self._graph
-        over_topics = actions_over_topics(graph.visible(caller, "topic", graph.topics))
-        servers = over_topics.union(graph.visible(caller, "action", graph.actions))
+        view = self._graph.view(caller)
+        servers = actions_over_topics(view.topics()).union(view.actions())
         return to_json({"action_servers": sorted(servers)})
 
     def _types_of_topics(self, caller: str) -> list[tuple[str, str]]:
         """Return all topics, sorted, each with its type's name, which is empty without a type."""
-        topics = self._graph.topics
-        types = ((name, topics[name].type) for name in self._graph.visible(caller, "topic", topics))
+        types = ((each.name, each.type) for each in self._graph.view(caller).all_topics())
         return [(name, type_.name if type_ is not None else "") for name, type_ in types]
+
+    def _of_type(self, type_: str | None, caller: str) -> list[Service]:
+        """Return the services of a type, sorted by their names."""
+        return [each for each in self._graph.view(caller).all_services() if each.type.name == type_]
 
     # Looking up.
 
     def _topic(self, name: str, caller: str) -> Topic | None:
         """Return a topic that the caller may see."""
-        found = global_name(self._graph, name, caller)
-        return (
-            self._graph.topics.get(found)
-            if self._graph.is_visible(caller, "topic", found)
-            else None
-        )
+        return self._graph.view(caller).topic(global_name(self._graph, name, caller))
 
-    def _service(self, name: str, caller: str) -> str | None:
-        """Return the global name of a service that is there and that the caller may see."""
-        found = global_name(self._graph, name, caller)
-        known = found in self._graph.services and self._graph.is_visible(caller, "service", found)
-        return found if known else None
+    def _service(self, name: str, caller: str) -> Service | None:
+        """Return a service that the caller may see."""
+        return self._graph.view(caller).service(global_name(self._graph, name, caller))
 
-    def _full_text(self, type_: str) -> bytes:
+    def _full_text(self, type_: str, view: GraphView) -> bytes:
         """Return the full text of a type as JSON, which is empty if the type is unknown."""
         try:
-            return self._full_texts.get(type_) if type_ else _NO_TEXT
+            is_known = type_ and view.sees_type("msg", type_)
+            return self._full_texts.get(type_) if is_known else _NO_TEXT
         except InterfaceError:
             return _NO_TEXT
 

@@ -50,7 +50,6 @@ class ParameterServices:
     def __init__(self, graph: Graph, audit: Audit) -> None:
         self._graph = graph
         self._audit = audit
-        self._parameters = graph.parameters
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """Return all services by their global names, each with its type and handler."""
@@ -66,7 +65,7 @@ class ParameterServices:
     def get(self, request: dict[str, Any], caller: str) -> Response:
         """Return a value as JSON, or the default, which is taken for a string if it is not JSON."""
         try:
-            text = self._graph.get_parameter(caller, _global(request["name"], caller))
+            text = self._graph.view(caller).parameter(_global(request["name"], caller))
         except ParameterNotSet:
             text = _default(request["default"])
         return {"value": text.decode()}
@@ -78,7 +77,7 @@ class ParameterServices:
             OperationError: the text is not JSON, or the policy forbids it.
             ParameterError: the value cannot be a parameter's, or there is no room.
         """
-        text, most = request["value"], self._parameters.max_bytes
+        text, most = request["value"], self._graph.parameters.max_bytes
         if len(text) > most:  # Decoding it first would only take time.
             raise ParametersFull(request["name"], len(text), most)
         try:
@@ -96,8 +95,7 @@ class ParameterServices:
     def has(self, request: dict[str, Any], caller: str) -> Response:
         """Return whether there is a parameter of that name, or a namespace."""
         name = _global(request["name"], caller)
-        exists = self._parameters.has(name)
-        return {"exists": exists and self._graph.is_parameter_visible(caller, name)}
+        return {"exists": self._graph.view(caller).has_parameter(name)}
 
     def delete(self, request: dict[str, Any], caller: str) -> Response:
         """Delete a parameter, whether or not it was there."""
@@ -108,13 +106,12 @@ class ParameterServices:
 
     def search(self, request: dict[str, Any], caller: str) -> Response:
         """Return the name of the parameter nearest to the caller, or an empty string."""
-        found = self._parameters.search(request["name"], caller)
-        is_visible = found is not None and self._graph.is_parameter_visible(caller, found)
-        return {"global_name": found if is_visible else ""}
+        found = self._graph.view(caller).search_parameter(request["name"], caller)
+        return {"global_name": found or ""}
 
     def names(self, request: dict[str, Any], caller: str) -> Response:
         """Return the names of all parameters."""
-        return {"names": self._graph.visible(caller, "parameter", self._parameters.names())}
+        return {"names": self._graph.view(caller).parameters()}
 
 
 def _global(name: str, caller: str) -> str:

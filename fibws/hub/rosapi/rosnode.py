@@ -61,9 +61,9 @@ class Rosnode:
     def ping(self, request: dict[str, Any], caller: str) -> Response | Deferred:
         """Return how many seconds a node takes to answer a WebSocket ping."""
         node = global_name(self._graph, request["node"], caller)
-        if not self._is_known(node, caller):
+        found = self._graph.view(caller).node(node)
+        if found is None:
             return _ping_failed(_unknown(node))
-        found = self._graph.nodes[node]
         if isinstance(found, DistantNode):
             return self._ping_distant(node, found)
         client = self._clients.find(node)
@@ -90,9 +90,10 @@ class Rosnode:
             NotAllowed: the node is another principal's, and the caller is not an admin.
         """
         node = global_name(self._graph, request["node"], caller)
-        if not self._is_known(node, caller):
+        found = self._graph.view(caller).node(node)
+        if found is None:
             return {"success": False, "message": _unknown(node)}
-        client, found = self._clients.find(node), self._graph.nodes[node]
+        client = self._clients.find(node)
         if client is None and not isinstance(found, DistantNode):
             text = f"{node} is the hub's own, which ends with the hub alone"
             return {"success": False, "message": text}
@@ -115,9 +116,9 @@ class Rosnode:
             NotAllowed: as with `kill`.
         """
         node = global_name(self._graph, request["node"], caller)
-        if not self._is_known(node, caller):
+        external = self._graph.view(caller).node(node)
+        if external is None:
             return {"success": False, "message": _unknown(node)}
-        external = self._graph.nodes[node]
         if not isinstance(external, ExternalNode):
             text = f"{node} is not a ROS 1 node: it is removed when it disconnects"
             return {"success": False, "message": text}
@@ -164,10 +165,6 @@ class Rosnode:
 
         response.on_cancel(node.ping(done))
         return response
-
-    def _is_known(self, node: str, caller: str) -> bool:
-        """Return whether a node is there and the caller may see it."""
-        return node in self._graph.nodes and self._graph.is_node_visible(caller, node)
 
     def _check_may_end(self, caller: str, node: str) -> None:
         """Check that a node is the caller's, or the caller an admin; raises `NotAllowed`."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -12,6 +11,7 @@ from pydantic_core import to_json
 from fibws.hub.graph.graph import ExternalNode, Graph, NodeOfHub, NodeOfLink
 from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
+from fibws.hub.graph.view import GraphView
 from fibws.hub.rosapi.cache import ResponseCache
 from fibws.hub.rosapi.clients import ConnectedClients
 from fibws.hub.rosapi.introspection import actions_over_topics
@@ -58,40 +58,33 @@ class Snapshot:
         return self._cached(self._all, caller)
 
     def _all(self, caller: str) -> bytes:
-        graph = self._graph
+        view = self._graph.view(caller)
+        topics = view.all_topics()
         return to_json(
             {
-                "revision": graph.revision,
-                "nodes": self._nodes(caller),
-                "topics": [
-                    self._topic(graph.topics[name], caller)
-                    for name in graph.visible(caller, "topic", graph.topics)
-                ],
+                "revision": self._graph.revision,
+                "nodes": self._nodes(view),
+                "topics": [_topic(each, view) for each in topics],
                 "services": [
-                    {
-                        "name": name,
-                        "type": graph.services[name].type.name,
-                        "node": graph.services[name].node,
-                    }
-                    for name in graph.visible(caller, "service", graph.services)
+                    {"name": each.name, "type": each.type.name, "node": each.node}
+                    for each in view.all_services()
                 ],
-                "actions": sorted(self._actions(caller), key=lambda action: str(action["name"])),
+                "actions": sorted(_actions(view, topics), key=lambda each: str(each["name"])),
             }
         )
 
-    def _nodes(self, caller: str) -> list[dict[str, Any]]:
+    def _nodes(self, view: GraphView) -> list[dict[str, Any]]:
         connected = {client.name: (client.peer, since) for client, since in self._clients}
         nodes = []
-        for name in self._graph.visible_nodes(caller, self._graph.nodes):
+        for name, node in view.all_nodes():
             address, since = connected.get(name, ("", self._began))
             api = fault = hub = ""
-            node = self._graph.nodes[name]
             if isinstance(node, ExternalNode):
                 api, fault, since = node.api, node.fault, node.since
                 address = urlsplit(api).netloc
             elif isinstance(node, NodeOfHub):
                 hub, since = node.hub_name, node.since
-            is_visible = self._graph.is_address_visible(caller, name)
+            is_visible = view.sees_address(name)
             secs, nsecs = divmod(since, 1_000_000_000)
             nodes.append(
                 {
@@ -106,37 +99,28 @@ class Snapshot:
             )
         return nodes
 
-    def _topic(self, topic: Topic, caller: str) -> dict[str, Any]:
-        is_visible = partial(self._graph.is_user_visible, caller, topic)
-        sinks = sorted(topic.sinks(), key=lambda sink: sink.node)
-        return {
-            "name": topic.name,
-            "type": topic.type.name if topic.type is not None else "",
-            "checked": topic.type is not None and topic.type.checked,
-            "publishers": [
-                {"node": node, "latch": topic.sources[node].latch}
-                for node in sorted(topic.sources)
-                if is_visible(node)
-            ],
-            "subscriptions": [_subscription(sink) for sink in sinks if is_visible(sink.node)],
-            "conflicts": [
-                each._asdict() for each in sorted(topic.conflicts) if is_visible(each.node)
-            ],
-        }
 
-    def _actions(self, caller: str) -> Iterator[dict[str, Any]]:
-        graph = self._graph
-        for name in graph.visible(caller, "action", graph.actions):
-            action = graph.actions[name]
-            yield _action(name, action.type.name, action.node, over_topics=False)
-        for name in actions_over_topics(graph.visible(caller, "topic", graph.topics)):
-            goal, status, result = (
-                graph.topics[f"{name}/{topic}"] for topic in ("goal", "status", "result")
-            )
-            type_ = goal.type.name if goal.type is not None else ""
-            node = min(status.sources or result.sources, default="")
-            type_ = type_.removesuffix(GOAL) if type_.endswith(GOAL) else ""
-            yield _action(name, type_, node, over_topics=True)
+def _topic(topic: Topic, view: GraphView) -> dict[str, Any]:
+    return {
+        "name": topic.name,
+        "type": topic.type.name if topic.type is not None else "",
+        "checked": topic.type is not None and topic.type.checked,
+        "publishers": [{"node": each.node, "latch": each.latch} for each in view.sources(topic)],
+        "subscriptions": [_subscription(sink) for sink in view.sinks(topic)],
+        "conflicts": [each._asdict() for each in view.conflicts(topic)],
+    }
+
+
+def _actions(view: GraphView, topics: list[Topic]) -> Iterator[dict[str, Any]]:
+    for action in view.all_actions():
+        yield _action(action.name, action.type.name, action.node, over_topics=False)
+    by_name = {each.name: each for each in topics}
+    for name in actions_over_topics(by_name):
+        goal, status, result = (by_name[f"{name}/{each}"] for each in ("goal", "status", "result"))
+        type_ = goal.type.name if goal.type is not None else ""
+        node = min(view.publishers(status) or view.publishers(result), default="")
+        type_ = type_.removesuffix(GOAL) if type_.endswith(GOAL) else ""
+        yield _action(name, type_, node, over_topics=True)
 
 
 def _subscription(sink: Sink) -> dict[str, Any]:

@@ -6,8 +6,6 @@ hub keeps no windows and runs no timer.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from pydantic_core import to_json
@@ -15,6 +13,7 @@ from pydantic_core import to_json
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
+from fibws.hub.graph.view import GraphView
 from fibws.hub.rosapi.cache import ResponseCache, Views
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 
@@ -30,8 +29,8 @@ class Statistics:
         self._graph = graph
         self._clients = clients
         self._cached = ResponseCache(graph).get_recent
-        self._topics = Views(graph, lambda caller: graph.visible(caller, "topic", graph.topics))
-        self._nodes = Views(graph, lambda caller: graph.visible_nodes(caller, graph.nodes))
+        self._topics = Views(graph, lambda caller: graph.view(caller).all_topics())
+        self._nodes = Views(graph, lambda caller: graph.view(caller).nodes())
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """Return the service by its global name, with its type and handler."""
@@ -42,25 +41,23 @@ class Statistics:
         return self._cached(self._all, caller)
 
     def _all(self, caller: str) -> bytes:
-        graph = self._graph
+        graph, view = self._graph, self._graph.view(caller)
         secs, nsecs = divmod(graph.now(), 1_000_000_000)
         return to_json(
             {
                 "revision": graph.revision,
                 "stamp": {"secs": secs, "nsecs": nsecs},
-                "topics": [
-                    _topic(graph.topics[name], partial(graph.is_user_visible, caller))
-                    for name in self._topics.get(caller)
-                ],
+                "topics": [_topic(each, view) for each in self._topics.get(caller)],
                 "clients": self._list(caller),
             }
         )
 
     def _list(self, caller: str) -> list[dict[str, Any]]:
         # A client that was replaced, or is being closed, may still be connected.
+        view = self._graph.view(caller)
         clients = {client.name: (client, since) for client, since in self._clients}
         return [
-            _client(name, *clients[name], shown=self._graph.is_address_visible(caller, name))
+            _client(name, *clients[name], shown=view.sees_address(name))
             for name in self._nodes.get(caller)
             if name in clients
         ]
@@ -95,20 +92,15 @@ def _client(name: str, client: Client, since: int, *, shown: bool) -> dict[str, 
     }
 
 
-def _topic(topic: Topic, is_visible: Callable[[Topic, str], bool]) -> dict[str, Any]:
-    """Return the totals of a topic's publishers and subscriptions that the caller may see."""
-    shown = sorted(node for node in topic.sources if is_visible(topic, node))
-    sources = (topic.sources[node] for node in shown)
-    sinks = sorted(
-        (sink for sink in topic.sinks() if is_visible(topic, sink.node)),
-        key=lambda sink: sink.node,
-    )
+def _topic(topic: Topic, view: GraphView) -> dict[str, Any]:
+    """Return the totals of a topic's publishers and subscriptions."""
     return {
         "topic": topic.name,
         "publishers": [
-            {"node": each.node, "messages": each.messages, "bytes": each.bytes} for each in sources
+            {"node": each.node, "messages": each.messages, "bytes": each.bytes}
+            for each in view.sources(topic)
         ],
-        "subscriptions": [_subscription(sink) for sink in sinks],
+        "subscriptions": [_subscription(sink) for sink in view.sinks(topic)],
     }
 
 

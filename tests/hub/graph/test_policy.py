@@ -227,7 +227,7 @@ def test_graph_asks_the_policy_about_parameters(right: Right) -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS, policy=Forbid(("/guest", right, "/x")))
     graph.set_parameter("/member", "/x", 1)
     actions: dict[str, list[Callable[[str], object]]] = {
-        "param_read": [lambda node: graph.get_parameter(node, "/x")],
+        "param_read": [lambda node: graph.view(node).parameter("/x")],
         "param_write": [
             lambda node: graph.set_parameter(node, "/x", 2),
             lambda node: graph.delete_parameter(node, "/x"),
@@ -237,7 +237,7 @@ def test_graph_asks_the_policy_about_parameters(right: Right) -> None:
         with pytest.raises(NotAllowed) as caught:
             action("/guest")
         assert caught.value.code == "not_allowed"
-        assert graph.get_parameter("/member", "/x") == b"1"
+        assert graph.view("/member").parameter("/x") == b"1"
     for action in actions[right]:
         action("/member")
 
@@ -380,7 +380,7 @@ def test_without_a_policy_everything_is_allowed() -> None:
     assert isinstance(graph.policy, AllowAll)
     rights: list[Right] = ["publish", "subscribe", "call", "provide", "param_read", "param_write"]
     assert all(graph.policy.may("/guest", right, "/a") for right in rights)
-    assert graph.is_visible("/guest", "topic", "/a")
+    assert graph.view("/guest").sees("topic", "/a")
 
 
 @pytest.mark.parametrize(
