@@ -70,11 +70,12 @@ class AccessPolicy:
         """Let a principal's client be a node; see `Policy.enter`."""
         if principal is None:
             raise NotAllowed(node, "node", node, f"missing token for {node}")
+        # First the right: who may not have the name must not learn whether there is such a node.
+        if is_chosen and not self._may_be(principal, node):
+            raise NotAllowed(node, "node", node)
         owner = self._principals.get(node)
         if is_taken and not (owner is not None and owner.is_same(principal)):
             raise NotAllowed(node, "node", node, f"{node} is a node of another principal")
-        if is_chosen and not self._may_be(principal, node):
-            raise NotAllowed(node, "node", node)
         self._principals[node] = principal
 
     def leave(self, node: str) -> None:
