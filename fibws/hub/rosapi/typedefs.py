@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydantic_core import to_json
 
 from fibws.hub.graph.service import Function
 from fibws.hub.rosapi.cache import TextCache
 from fibws.interfaces import Interfaces, MessageDefinition, builtin
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.definition import Field
+from fibws.interfaces.folders import Kind
+
+Known: TypeAlias = Definitions | ClientDefinitions
+Find: TypeAlias = Callable[[Known, str], MessageDefinition]
+"""Finds a message, or a part of a service, by the name of the type."""
 
 
 class TypeDefs:
@@ -23,12 +29,16 @@ class TypeDefs:
 
     def __init__(self, definitions: Interfaces | ClientDefinitions) -> None:
         self._definitions = definitions
-        self._messages = TextCache(lambda name: self._text(definitions.message(name)))
-        self._requests = TextCache(lambda name: self._text(definitions.service(name).request))
-        self._responses = TextCache(lambda name: self._text(definitions.service(name).response))
+        self._messages = self._cache(_message)
+        self._requests = self._cache(_request)
+        self._responses = self._cache(_response_of)
+
+    def _cache(self, find: Find) -> TextCache:
+        definitions = self._definitions
+        cache = TextCache(lambda name: self._text(find(definitions, name)))
         if isinstance(definitions, ClientDefinitions):
-            for cache in (self._messages, self._requests, self._responses):
-                definitions.watch(cache.forget)
+            definitions.watch(cache.forget)
+        return cache
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """Return all services by their global names, each with its type and handler."""
@@ -44,21 +54,28 @@ class TypeDefs:
             ),
         }
 
-    def message(self, name: str) -> bytes:
+    def message(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of a message; none for the builtin types, except the times."""
         if name in builtin.TIMES:
             return _response([_time(name)])
         if name in builtin.NAMES:
             return _response([])
-        return self._messages.get(Interfaces.canonical(name))
+        return self._get(self._messages, "msg", _message, name, caller)
 
-    def request(self, name: str) -> bytes:
+    def request(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of a service's request."""
-        return self._requests.get(Interfaces.canonical(name))
+        return self._get(self._requests, "srv", _request, name, caller)
 
-    def response(self, name: str) -> bytes:
+    def response(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of a service's response."""
-        return self._responses.get(Interfaces.canonical(name))
+        return self._get(self._responses, "srv", _response_of, name, caller)
+
+    def _get(self, texts: TextCache, kind: Kind, find: Find, name: str, caller: str) -> bytes:
+        name, definitions = Interfaces.canonical(name), self._definitions
+        if isinstance(definitions, ClientDefinitions):
+            # A type that is hidden from the caller is unknown to it, even if its text is cached.
+            find(definitions.known_to(caller, kind, name), name)
+        return texts.get(name)
 
     def _text(self, definition: MessageDefinition) -> bytes:
         return _response(list(self._typedefs(definition, set())))
@@ -75,9 +92,21 @@ class TypeDefs:
                 yield _time(field.type)
 
 
-def _for_type(respond: Callable[[str], bytes]) -> Function:
+def _for_type(respond: Callable[[str, str], bytes]) -> Function:
     """Return the handler of a request that names a type."""
-    return lambda request, caller: respond(request["type"])
+    return lambda request, caller: respond(request["type"], caller)
+
+
+def _message(definitions: Known, name: str) -> MessageDefinition:
+    return definitions.message(name)
+
+
+def _request(definitions: Known, name: str) -> MessageDefinition:
+    return definitions.service(name).request
+
+
+def _response_of(definitions: Known, name: str) -> MessageDefinition:
+    return definitions.service(name).response
 
 
 def _response(typedefs: list[dict[str, Any]]) -> bytes:
