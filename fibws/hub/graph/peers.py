@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from functools import cached_property
 from typing import Protocol
 
@@ -31,6 +31,25 @@ class PeerNews:
         self._names = names
         self._removed = None if removed is None else set(removed)
         self._added = set(added)
+
+    def only(self, known: set[str], shows: Callable[[str], bool]) -> PeerNews:
+        """Return the news for a watcher from which some nodes are hidden.
+
+        A node that becomes visible later is in them once it, or all names, are new again.
+
+        Args:
+            known: the nodes that the watcher has been told of; it is brought up to date.
+            shows: returns whether the watcher may learn of a node.
+        """
+        if self._removed is None:
+            known.clear()
+            known.update(filter(shows, self._names))
+            return PeerNews(known, None)
+        removed = known.intersection(self._removed)
+        known -= removed
+        added = set(filter(shows, self._added))
+        known |= added
+        return PeerNews(known, removed, added)
 
     def __bool__(self) -> bool:
         return self._removed is None or bool(self._removed or self._added)

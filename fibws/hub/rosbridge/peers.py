@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.graph.peers import PeerWatch
@@ -26,14 +28,23 @@ class PeerReports:
         peers: those of the topic's other end.
         request: the advertisement or subscription.
         queue: the client's.
+        shows: returns whether the client may learn of a node; None if it may of all.
     """
 
-    __slots__ = ("_change", "_clock", "_list", "_peers", "_queue")
+    __slots__ = ("_change", "_clock", "_known", "_list", "_peers", "_queue", "_shows")
 
     def __init__(
-        self, peers: PeerWatch, request: Advertise | Subscribe, queue: SendQueue, clock: Clock
+        self,
+        peers: PeerWatch,
+        request: Advertise | Subscribe,
+        queue: SendQueue,
+        clock: Clock,
+        shows: Callable[[str], bool] | None = None,
     ) -> None:
         self._peers = peers
+        self._shows = shows
+        self._known: set[str] = set()
+        """The nodes that the client was told of, if there may be others."""
         # The first bytes are always the same, and there may be thousands of reports.
         fields = {"op": "peers", "id": request.id, "topic": request.topic}
         self._list = encode_fields(fields)[:-1]
@@ -57,7 +68,9 @@ class PeerReports:
 
     def _frames(self) -> bytes:
         news = self._peers.read(self)
-        if news is None:
+        if news is not None and self._shows is not None:
+            news = news.only(self._known, self._shows)
+        if not news:
             return b""
         text = self._change
         if text is not None and news.changes is not None:

@@ -137,7 +137,7 @@ class Topics:
         if topic.name not in self._client.graph.guards or self._client.graph.is_allowed(
             self._client.node, "subscribe", topic.name
         ):
-            self._watch(request, topic.watching_sinks, source)
+            self._watch(request, topic, topic.watching_sinks, source)
         self._publish_pending(topic)
 
     def refuse_advertise(self, fields: dict[str, Any], text: str, code: str) -> None:
@@ -367,7 +367,7 @@ class Topics:
             client.statuses.unchecked(request.id, text, topic.type.fault)
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
-        self._watch(request, topic.watching_sources, subscription)
+        self._watch(request, topic, topic.watching_sources, subscription)
         topic.replay(subscription)
 
     def unsubscribe(self, request: Unsubscribe) -> None:
@@ -427,11 +427,15 @@ class Topics:
             subscription.cancel(None)
         self.subscriptions.clear()
 
-    def _watch(self, request: Advertise | Subscribe, peers: PeerWatch, owner: object) -> None:
+    def _watch(
+        self, request: Advertise | Subscribe, topic: Topic, peers: PeerWatch, owner: object
+    ) -> None:
         """Send the client its peers from now on, if a request asks for them."""
         if request.peers:
             client = self._client
-            reports = PeerReports(peers, request, client.queue, client.clock)
+            view = client.graph.view(client.node)
+            shows = view.sees_node if view.hides_users(topic) else None
+            reports = PeerReports(peers, request, client.queue, client.clock, shows)
             peers.add(owner, request.id, reports)
         else:
             peers.cancel(owner, request.id)
