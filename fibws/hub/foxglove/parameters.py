@@ -190,11 +190,7 @@ class ParameterAccess:
 
     def _is_readable(self, name: str) -> bool:
         """Return whether the client may read a parameter, or anything of a namespace."""
-        graph = self._client.graph
-        if graph.policy.allows_all:
-            return True
-        below = graph.parameters.below(name) or [name]
-        return any(self._client.is_allowed("param_read", each) for each in below)
+        return self._client.view.may_read(name)
 
     def _text(self, name: str) -> bytes:
         """Return a parameter as JSON; raises as `GraphView.parameter` does."""

@@ -226,6 +226,14 @@ class GraphView:
         below = self._graph.parameters.below(name) or (canonical(name),)
         return any(self.sees("parameter", each) for each in below)
 
+    def may_read(self, name: str) -> bool:
+        """Return whether it may read a parameter, or anything of a namespace."""
+        graph, caller = self._graph, self.caller
+        if self._sees_all or graph.is_allowed(caller, "param_read", name):
+            return True
+        below = graph.parameters.below(name)
+        return any(graph.is_allowed(caller, "param_read", each) for each in below)
+
     def parameter(self, name: str) -> bytes:
         """Return a parameter's value as JSON; of a namespace, what may be read of it.
 
