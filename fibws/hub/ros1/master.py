@@ -23,14 +23,11 @@ from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Check, Method
 from fibws.hub.ros1.http import Caller, NodeCalls
 from fibws.hub.ros1.nodes import Ros1Nodes
-from fibws.hub.ros1.topic_registrations import ANY, MASTER
+from fibws.hub.ros1.topic_registrations import ANY, CLIENT, MASTER
 from fibws.hub.ros1.xmlrpc import Written, escaped, write_value
 
 logger = logging.getLogger("fibws.hub")
 
-CLIENT = "ros1"
-"""The policy's name for all callers of the master, because their own names are not proven. Names of
-nodes begin with a slash, so that none is equal to it."""
 MOST_PARAMETER_SUBSCRIPTIONS = 10_000
 LARGE = 32 * 1024
 """Bytes from which on a parameter is read, or written, in a thread."""
@@ -219,23 +216,23 @@ class Master:
 
     def _topics(self) -> Iterable[tuple[str, Collection[str], Collection[str]]]:
         """Yield all topics, with the nodes that publish them and those that subscribe to them."""
-        graph, nodes = self._graph, self._nodes
+        view, nodes = self._view, self._nodes
         # ROS 1 nodes are always listed, also those that exchange no messages with the hub.
-        names = dict.fromkeys(self._view.topics())
+        names = dict.fromkeys(view.topics())
         names.update(dict.fromkeys(nodes.topics.names()))
         for name in names:
-            topic = graph.topics.get(name)
+            topic = view.topic(name)
             if topic is not None and not topic.conflicts:
-                yield name, topic.sources, topic.subscribers()
+                yield name, view.publishers(topic), view.subscribers(topic)
                 continue
-            publishers = dict.fromkeys(topic.sources if topic is not None else ())
-            subscribers = dict.fromkeys(topic.subscribers() if topic is not None else ())
+            publishers = dict.fromkeys(view.publishers(topic) if topic is not None else ())
+            subscribers = dict.fromkeys(view.subscribers(topic) if topic is not None else ())
             publishers.update((each.node.name, None) for each in nodes.topics.publishers(name))
             subscribers.update((each.node, None) for each in nodes.topics.subscribers(name))
             yield name, publishers, subscribers
 
     def _type_of(self, name: str) -> str:
-        topic = self._graph.topics.get(name)
+        topic = self._view.topic(name)
         if topic is not None and topic.type is not None:
             return topic.type.name
         types = [each.type for each in self._nodes.topics.publishers(name)]

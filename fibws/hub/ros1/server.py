@@ -25,11 +25,12 @@ from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.connection import Acceptor, TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
 from fibws.hub.ros1.http import Caller, NodeCalls, XmlRpcConnection
-from fibws.hub.ros1.master import CLIENT, Master, is_loopback
+from fibws.hub.ros1.master import Master, is_loopback
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.services import ServiceLinks
 from fibws.hub.ros1.slave import Slave
 from fibws.hub.ros1.state import StateFile
+from fibws.hub.ros1.topic_registrations import CLIENT
 from fibws.hub.ros1.topics import TopicLinks
 from fibws.hub.settings import Settings
 from fibws.origins import OwnHosts, machine_names

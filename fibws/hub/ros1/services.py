@@ -26,10 +26,10 @@ from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import printable
 from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
-from fibws.hub.ros1.master import CLIENT
 from fibws.hub.ros1.nodes import Ros1Node, Ros1Nodes
 from fibws.hub.ros1.rosrpc import INSTANT, Address, ServiceConnection, ServiceConnections
 from fibws.hub.ros1.tcpros import ANY, LENGTH, require
+from fibws.hub.ros1.topic_registrations import CLIENT
 from fibws.hub.settings import Settings
 from fibws.interfaces.json_text import json_of
 from fibws.interfaces.serialization import Serializer
@@ -183,7 +183,8 @@ class RemoteService:
         """Give the service its type; raise `InterfaceError` if the definition is missing."""
         graph, text = self._links.graph, None
         try:
-            if graph.definitions.known("srv", type_).service_md5(type_) != md5sum:
+            known = graph.definitions.known_to(self.service.node, "srv", type_)
+            if known.service_md5(type_) != md5sum:
                 text = await self._find_definition(type_, md5sum)
         except InterfaceError:
             try:

@@ -15,9 +15,8 @@ from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.http import Caller
-from fibws.hub.ros1.master import CLIENT
 from fibws.hub.ros1.nodes import Ros1Nodes
-from fibws.hub.ros1.topic_registrations import ANY
+from fibws.hub.ros1.topic_registrations import ANY, CLIENT
 
 _topic = api.resolved("topic")
 

@@ -25,6 +25,9 @@ from fibws.hub.ros1.http import NodeCalls
 
 logger = logging.getLogger("fibws.hub")
 
+CLIENT = "ros1"
+"""The policy's name for all ROS 1 programs, because their own names are not proven. Names of nodes
+begin with a slash, so that none is equal to it."""
 MASTER = "/master"
 """The caller_id of the master's own calls."""
 ANY = "*"
@@ -207,7 +210,10 @@ class TopicRegistrations:
         return f"http://{host}:{self._port()}/{f'node{node}' if node else ''}"
 
     def publisher_apis(self, topic: str, hub_host: str) -> list[str]:
-        """Return the URIs of a topic's publishers, the hub's once for all of its clients."""
+        """Return the URIs of a topic's publishers, the hub's once for all of its clients.
+
+        The hub is left out where ROS 1 may not subscribe.
+        """
         apis = dict.fromkeys(each.node.api for each in self.publishers(topic))
         if self.has_own_sources(topic):
             apis[self.hub_api(hub_host)] = None
@@ -218,14 +224,20 @@ class TopicRegistrations:
         return node in self._publishers.get(topic, ())
 
     def has_own_sources(self, topic: str) -> bool:
-        """Return whether a topic has a publisher that is not a ROS 1 node."""
+        """Return whether ROS 1 may subscribe to a topic, and others than ROS 1 nodes publish it."""
+        if not self._graph.is_allowed(CLIENT, "subscribe", topic):
+            return False
         found = self._graph.topics.get(topic)
         return found is not None and any(node not in self._names for node in found.sources)
 
     def subscriber_apis(self, topic: str, hub_host: str) -> list[str]:
-        """Return the URIs of a topic's subscribers, the hub's once for all of its clients."""
+        """Return the URIs of a topic's subscribers, the hub's once for all of its clients.
+
+        The hub is left out where ROS 1 may not publish.
+        """
         apis = dict.fromkeys(each.owner.api for each in self.subscribers(topic))
-        found = self._graph.topics.get(topic)
+        may_publish = self._graph.is_allowed(CLIENT, "publish", topic)
+        found = self._graph.topics.get(topic) if may_publish else None
         if found is not None and any(node not in self._names for node in found.subscribers()):
             apis[self.hub_api(hub_host)] = None
         return list(apis)

@@ -20,7 +20,6 @@ from fibws.hub.ros1.api import Answer
 from fibws.hub.ros1.connection import TcprosConnection, describe
 from fibws.hub.ros1.http import NodeCalls
 from fibws.hub.ros1.inlet import Inlet
-from fibws.hub.ros1.master import CLIENT
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.outlet import Outlet, OutletLink
 from fibws.hub.ros1.tcpros import require
@@ -73,7 +72,7 @@ class TopicLinks:
         self, caller: str, topic: str, protocols: list[Any], host: str, port: int
     ) -> Answer:
         """Return how a subscriber can connect to the hub for a topic: by TCPROS."""
-        if not self._nodes.topics.has_own_sources(topic) or not self._may_subscribe(topic):
+        if not self._nodes.topics.has_own_sources(topic):
             return -1, f"Not a publisher of [{topic}]", []
         if any(isinstance(each, list) and each[:1] == ["TCPROS"] for each in protocols):
             return 1, f"ready on {host}:{port}", ["TCPROS", host, port]
@@ -83,7 +82,7 @@ class TopicLinks:
         """Connect a ROS 1 subscriber; raises `TcprosError`."""
         require(header, "topic", "md5sum", "callerid")
         topic, caller = header["topic"], f"/{header['callerid'].lstrip('/')}"
-        if not self._nodes.topics.has_own_sources(topic) or not self._may_subscribe(topic):
+        if not self._nodes.topics.has_own_sources(topic):
             raise TcprosError(f"[{ROSBRIDGE}] is not a publisher of [{topic}]")
         subscriber = self._nodes.topics.subscriber(caller, topic)
         if subscriber is None:
@@ -148,9 +147,6 @@ class TopicLinks:
         for outlet in self._outlets.values():
             for link in list(outlet.links):
                 link.close()
-
-    def _may_subscribe(self, topic: str) -> bool:
-        return self._graph.is_allowed(CLIENT, "subscribe", topic)
 
     def _update_inlets(self, topic: Topic) -> None:
         """Open links while a client subscribes, and close them some time after the last one."""
