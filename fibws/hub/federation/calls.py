@@ -200,7 +200,7 @@ class Calls:
                 case "ping_node" | "kill_node":
                     return self._ask_node(request, caller, open_)
                 case "describe":
-                    open_.reply(Reply({"text": self._describe(request)}))
+                    open_.reply(Reply({"text": self._describe(request, caller)}))
                 case op:
                     open_.reply(failure(f"unknown request {op[:40]}", "invalid_operation"))
         except FibwsError as error:
@@ -281,13 +281,13 @@ class Calls:
         call.start()
         return self._until_done(open_, call)
 
-    def _describe(self, request: Request) -> str:
+    def _describe(self, request: Request, caller: str) -> str:
         """Return the full text of a type; raise `InterfaceError` if it is unknown."""
         kind, type_ = str(request.fields.get("kind")), str(request.fields.get("type"))
         kinds: dict[str, TypeKind] = {"msg": "msg", "srv": "srv", "action": "action"}
         if kind not in kinds:
             raise InvalidMessage(f"kind must be msg, srv or action, got {kind[:40]}")
-        known = self._graph.definitions.known(kinds[kind], type_)
+        known = self._graph.definitions.known_to(caller, kinds[kind], type_)
         if kind == "msg":
             return known.full_text(type_)
         if kind == "srv":

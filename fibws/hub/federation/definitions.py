@@ -36,7 +36,7 @@ class RemoteDefinitions:
     def find(
         self, peer: Peer, kind: TypeKind, type_: str, md5sum: str, user: tuple[Kind, str]
     ) -> str | None:
-        """Return the text of a type; None if this hub knows the type, or nobody does.
+        """Return the text of a type; None if it is known to the peer's node, or nobody knows it.
 
         Args:
             peer: the hub to ask.
@@ -45,7 +45,7 @@ class RemoteDefinitions:
         Raises:
             DefinitionPending: the hub is asked for it.
         """
-        if md5sum and self._known_md5sum(kind, type_) == md5sum:
+        if md5sum and self._known_md5sum(peer.backplane.node, kind, type_) == md5sum:
             return None
         key = kind, type_, md5sum
         if self._texts.get(key) is None:
@@ -71,10 +71,10 @@ class RemoteDefinitions:
         request = Request("describe", {"kind": kind, "type": type_})
         peer.backplane.request(peer, request, described)
 
-    def _known_md5sum(self, kind: TypeKind, type_: str) -> str | None:
-        """Return the md5 of a type as this hub knows it; those of an action's parts in one text."""
+    def _known_md5sum(self, node: str, kind: TypeKind, type_: str) -> str | None:
+        """Return the md5 of a type as a node knows it; those of an action's parts in one text."""
         try:
-            known = self._graph.definitions.known(kind, type_)
+            known = self._graph.definitions.known_to(node, kind, type_)
             if kind == "msg":
                 return known.md5(type_)
             if kind == "srv":

@@ -16,6 +16,7 @@ from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.tcpros import ANY, frame, require
 from fibws.hub.ros1.topic_registrations import Ros1Subscriber
+from fibws.interfaces.catalogue import Definitions
 
 logger = logging.getLogger("fibws.hub")
 
@@ -69,13 +70,13 @@ class Outlet:
         sources = self.own_sources(topic)
         if not sources or topic.type is None:
             raise TcprosError(f"[{ROSBRIDGE}] is not a publisher of [{self.name}]")
-        md5sum = _check_type(header, topic, topic.type)
+        md5sum, definitions = _check_type(header, topic, topic.type)
         connection.answer(
             {
                 "callerid": sources[0].node if len(sources) == 1 else ROSBRIDGE,
                 "latching": "1" if any(source.latch for source in sources) else "0",
                 "md5sum": md5sum,
-                "message_definition": self._graph.definitions.full_text(topic.type.name),
+                "message_definition": definitions.full_text(topic.type.name),
                 "topic": self.name,
                 "type": topic.type.name,
             }
@@ -235,17 +236,23 @@ def _queue_length(sources: Iterable[Source]) -> int:
     return sum(sizes) if all(size > 0 for size in sizes) else 0
 
 
-def _check_type(header: Mapping[str, str], topic: Topic, type_: MessageType) -> str:
-    """Return the md5sum of a topic; raise `TcprosError` if a subscriber expects another one."""
+def _check_type(
+    header: Mapping[str, str], topic: Topic, type_: MessageType
+) -> tuple[str, Definitions]:
+    """Return the md5sum of a topic, and the definitions that have its type.
+
+    Raises:
+        TcprosError: a subscriber expects another type, or this one is unknown.
+    """
     require(header, "topic", "md5sum", "callerid")
-    if type_.md5sum is None:
+    if type_.md5sum is None or type_.codecs is None:
         raise TcprosError(
             f"topic [{topic.name}] has type [{type_.name}], whose definition is unknown to the "
             "hub; start it with the folder of its package: --interfaces DIR"
         )
     wanted, named = header["md5sum"], header.get("type", type_.name)
     if wanted in (ANY, type_.md5sum):
-        return type_.md5sum
+        return type_.md5sum, type_.codecs.definitions
     if named != type_.name:
         raise TcprosError(f"topic types do not match: [{named}] vs. [{type_.name}]")
     raise TcprosError(

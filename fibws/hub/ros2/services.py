@@ -272,7 +272,7 @@ class Ros2Services:
     def _check_hash(self, type_: str, type_hash: str) -> None:
         """Raise `Ros2Error` if a service in ROS 2 has other fields, or cannot be converted."""
         try:
-            definitions = self._graph.definitions.known("srv", type_)
+            definitions = self._graph.definitions.known_to(CLIENT, "srv", type_)
             found = self._types.service(definitions, type_)
         except InterfaceError:
             return  # It is shown, and cannot be called.

@@ -438,7 +438,7 @@ class Ros2Topics:
             return None
         definitions: Definitions = type_.codecs.definitions
         if name != type_.name:
-            definitions = self._graph.definitions.known("msg", name)
+            definitions = self._graph.definitions.known_to(CLIENT, "msg", name)
             if definitions.md5(name) != type_.md5sum:
                 return None
         message = self._types.message(definitions, name)

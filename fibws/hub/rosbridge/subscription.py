@@ -6,7 +6,7 @@ import logging
 from collections.abc import Iterable
 from functools import partial
 
-from fibws.errors import InterfaceError, LimitReached, OperationError
+from fibws.errors import LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.cohort import Cohort, Throttling
 from fibws.hub.delivery.fan_out import FanOut
@@ -360,10 +360,8 @@ class Subscription:
         self.queue.reply(text_frame(encode(answer)))
 
     def _definition(self, type_: MessageType) -> str | None:
-        try:
-            return self._graph.definitions.full_text(type_.name)
-        except InterfaceError:
-            return None
+        codecs = type_.codecs
+        return codecs.definitions.full_text(type_.name) if codecs is not None else None
 
 
 def _names_fields(request: Subscribe) -> bool:
