@@ -157,6 +157,8 @@ class Offers:
             return
         record = self._make[kind](name)
         if record != announced.get(outward):
+            if kind == "nodes" and (record is None or outward not in announced):
+                self._note_sight()
             changes[outward] = record
             if record is None:
                 del announced[outward]
@@ -201,7 +203,7 @@ class Offers:
         publishers = self._publishers(topic) if self._may(name, "subscribe", exports=True) else ()
         subscribers: tuple[str, ...] = ()
         if self._may(name, "publish", exports=False):
-            subscribers = tuple(filter(self._may_offer, topic.subscribers()))
+            subscribers = tuple(filter(self._may_offer, self._view.subscribers(topic)))
         self._note_users(name, {*topic.sources, *topic.subscribers()})
         if not publishers and not subscribers:
             return None
@@ -216,7 +218,8 @@ class Offers:
 
     def _publishers(self, topic: Topic) -> tuple[Publisher, ...]:
         found = []
-        for node, source in topic.sources.items():
+        for source in self._view.sources(topic):
+            node = source.node
             if self._may_offer(node):
                 remote, number = (
                     self._remote.topics.by_source.get(source),
@@ -233,10 +236,16 @@ class Offers:
                 )
         return tuple(found)
 
+    def _note_sight(self) -> None:
+        """Announce topics again whose users are announced as far as the other hubs see them."""
+        if not self.graph.policy.allows_all:
+            for name in self.graph.guards:
+                self.changed("topics", name)
+
     def _note_users(self, topic: str, users: set[str]) -> None:
         """Announce nodes that began or ceased to use a topic, if only that makes them visible."""
-        view = self.backplane.view
-        if view.is_filtered or (view.prefix and not view.is_below):
+        view, allows_all = self.backplane.view, self.graph.policy.allows_all
+        if not allows_all or view.is_filtered or (view.prefix and not view.is_below):
             for node in users ^ self._users.get(topic, set()):
                 self.changed("nodes", node)
             if users:
