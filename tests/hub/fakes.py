@@ -173,7 +173,7 @@ class Client:
         )
         self._hub = hub
         session = hub.rosbridge.open(
-            Opening(node, self.queue, self.closings.append, principal), serialized=serialized
+            Opening(node, self.queue, self._close, principal), serialized=serialized
         )
         assert isinstance(session, Session)
         self.session = session
@@ -232,8 +232,12 @@ class Client:
     def fail(self) -> None:
         raise AssertionError("a write failed")
 
+    def _close(self, reason: CloseReason) -> None:
+        self.closings.append(reason)
+        self.disconnect()
+
     def disconnect(self) -> None:
-        self.session.leave()
+        finish(self.session.leave())
 
     @property
     def kept(self) -> dict[str, Sized]:

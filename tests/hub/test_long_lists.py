@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Iterator
-from types import FrameType
 from typing import Any, get_args
 
 import pytest
@@ -25,6 +23,7 @@ from fibws.protocol.websocket import CloseReason
 from .fakes import ADD, FIBONACCI, INT32, FakeHub
 from .foxglove.foxglove_client import FoxgloveHub
 from .raw_client import BINARY, TEXT, frame
+from .work_clock import WorkClock
 
 FEW, MANY = 50, 1000
 LIMIT = 1.2
@@ -32,34 +31,6 @@ LIMIT = 1.2
 twenty times as many things."""
 LOG_LINE = 300
 """The work of a line in the log, as that for the thousandth error of a client."""
-
-
-class WorkClock:
-    """A clock that only work advances: it counts calls of functions, and notes how often it is
-    looked at.
-    """
-
-    def __init__(self) -> None:
-        self.longest = 0
-        """The most work between two looks."""
-        self._now = self._looked = 0
-
-    def __call__(self) -> float:
-        self.longest = max(self.longest, self._now - self._looked)
-        self._looked = self._now
-        return self._now
-
-    def measure(self, function: Callable[[], object]) -> None:
-        def count(frame: FrameType, event: str, arg: Any) -> None:
-            self._now += event in ("call", "c_call")
-
-        before = sys.getprofile()
-        sys.setprofile(count)
-        try:
-            function()
-        finally:
-            sys.setprofile(before)
-        self()
 
 
 class Reading:

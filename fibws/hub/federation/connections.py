@@ -122,9 +122,10 @@ class LinkEndpoint:
     def revoke(self) -> None:
         """Do nothing: what the other hub's nodes have here ends with the link."""
 
-    def leave(self) -> None:
+    def leave(self) -> Work:
         """Detach the other hub."""
         self.link.closed(self._reason)
+        return iter(())
 
     # The link's wire.
 

@@ -20,6 +20,7 @@ from fibws.hub.foxglove.messages import (
 from fibws.hub.graph.service import Call
 from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import INTERNAL_ERROR, shortened
+from fibws.hub.websocket.endpoint import Removals
 from fibws.interfaces.serialization import Serializer
 from fibws.protocol.value_limits import check_json
 
@@ -68,13 +69,14 @@ class Calls:
             if not self._client.is_allowed("call", call.service.name):
                 call.withdraw()
 
-    def leave(self) -> None:
-        """Abandon all calls."""
-        for call, waiting in list(self._waiting.items()):
-            if waiting.timer is not None:
-                waiting.timer.cancel()
+    def leave(self) -> Removals:
+        """Return the calls that are to be abandoned."""
+        return ((self._abandon, list(self._waiting)),)
+
+    def _abandon(self, call: Call) -> None:
+        if call in self._waiting:  # It may have ended meanwhile.
+            self._pop(call)
             call.abandon()
-        self._waiting.clear()
 
     def _start(self, request: ClientRequest) -> None:
         client = self._client

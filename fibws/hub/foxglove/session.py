@@ -11,6 +11,7 @@ import secrets
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
 from functools import partial
+from itertools import chain
 from typing import assert_never
 
 from fibws.access.rights import Principal
@@ -60,7 +61,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening, Registration, Work
+from fibws.hub.websocket.endpoint import Opening, Part, Registration, Removals, Work, remove_all
 from fibws.protocol.websocket import REPLACED, Payload
 
 CAPABILITIES = (
@@ -320,25 +321,33 @@ class Session:
         """Take all rights from the client, which is about to leave."""
         self._client.graph.revoke(self.node)
 
-    def leave(self) -> None:
-        """Take the client's registrations back; the second time nothing happens."""
+    def leave(self) -> Work:
+        """Take the client's node back, and return the steps that remove what it has registered.
+
+        The second time nothing happens.
+        """
         self._foxglove.left(self)
         feeds = (self._channels, self._undefined, self._services, self._graph_feed)
+        removals: list[Removals] = []
+
+        def leave(part: Part) -> None:
+            removals.append(part.leave())
+
         with ExitStack() as stack:  # Whatever fails of this, the rest is done.
             stack.callback(self._client.graph.leave, self, self.node)
-            for part in (self.calls, self.parameters, self._assets, self._playback):
+            for part in (self.parameters, self._assets, self._playback):
                 stack.callback(part.leave)
-            for topics in (self._publications, self._subscriptions):
-                stack.callback(topics.leave)
+            for each in (self.calls, self._publications, self._subscriptions):
+                stack.callback(leave, each)
             for feed in feeds:
                 if feed is not None:
                     stack.callback(feed.close)
+        return remove_all([*chain(*removals)])
 
     # As a node.
 
     def replaced(self) -> None:
-        """Leave: another client has taken this one's name."""
-        self.leave()
+        """Close the connection, and so leave: another client has taken this one's name."""
         self._close(REPLACED)
 
     def publishing(self) -> set[str]:

@@ -25,6 +25,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.websocket.endpoint import Removals
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.value_limits import check_json
 from fibws.protocol.websocket import BINARY, server_header
@@ -252,10 +253,10 @@ class Subscriptions:
                 self.remove(id_)
                 self.client.report_withdrawn("subscribe", name)
 
-    def leave(self) -> None:
-        """End all."""
-        for id_ in list(self.by_id):
-            self.remove(id_)
+    def leave(self) -> Removals:
+        """Return the subscriptions that are to be ended."""
+        self.client.graph.abandon(self.by_id.values())
+        return ((self.remove, list(self.by_id)),)
 
     def behind(self) -> None:
         """Let the client know, once it reads again, that messages were dropped."""
@@ -369,12 +370,12 @@ class Publications:
         for source in lost:
             self._client.report_withdrawn("publish", source.topic.name)
 
-    def leave(self) -> None:
-        """Take everything back."""
-        for source in self._uses:
-            self._client.graph.remove_source(source)
-        self._uses.clear()
+    def leave(self) -> Removals:
+        """Publish nothing any more, and return the sources that are to be removed."""
+        sources, self._uses = list(self._uses), {}
         self._channels.clear()
+        self._client.graph.abandon(sources)
+        return ((self._client.graph.remove_source, sources),)
 
 
 def unknown_channel(id_: int) -> OperationError:

@@ -204,6 +204,9 @@ class Graph:
         self._unnamed: set[str] = set()
         """The names given to nodes that requested none."""
         self._clients = 0
+        self._left: set[object] = set()
+        """The sources, sinks, services and actions of nodes that have left, which are removed one
+        by one: to those that come meanwhile it is as if they were not there."""
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
         self._topic_numbers = Numbers()
@@ -308,6 +311,39 @@ class Graph:
             self.definitions.forget_refusals(name)
             self._report("node", name)
 
+    def abandon(self, registrations: Iterable[object]) -> None:
+        """Take note that sources, sinks, services or actions are about to be removed.
+
+        A node may leave many, and others have their turns meanwhile. Whoever comes under its name,
+        or uses one of its names, finds them gone.
+        """
+        self._left.update(registrations)
+
+    def _remove_left(self, topic: Topic) -> None:
+        """Remove the users of a topic whose nodes have left, before another one comes."""
+        left = self._left
+        if left:
+            for source in [each for each in topic.sources.values() if each in left]:
+                self.remove_source(source)
+            for sink in [each for each in topic.sinks() if each in left]:
+                self.unsubscribe(topic, sink)
+
+    def _service(self, name: str) -> Service | None:
+        """Return the service of this name, unless its node has left."""
+        service = self.services.get(name)
+        if service is not None and service in self._left:
+            self.remove_service(service)
+            return None
+        return service
+
+    def _action(self, name: str) -> Action | None:
+        """Return the action of this name, unless its node has left."""
+        action = self.actions.get(name)
+        if action is not None and action in self._left:
+            self.remove_action(action)
+            return None
+        return action
+
     def authorize(self, node: str, principal: Principal) -> None:
         """Give a living node the rights of a principal; raises `NotAllowed` for its name."""
         is_chosen = node not in self._unnamed
@@ -395,6 +431,7 @@ class Graph:
         if topic.name in self.reserved and node not in self.internal:
             raise OperationError(f"{topic.name} is published by the hub alone")
         self.check_allowed(node, "publish", topic.name)
+        self._remove_left(topic)
         present = topic.type
         message_type = self._set_type(topic, type_, definition, md5sum, node)
         if serialized and message_type.fault:
@@ -426,6 +463,7 @@ class Graph:
 
     def remove_source(self, source: Source) -> None:
         """Remove a source from its topic."""
+        self._left.discard(source)
         source.forget_latched()
         if source.topic.sources.get(source.node) is source:
             self.messages.source_left(source)
@@ -463,6 +501,7 @@ class Graph:
                 others as `advertise`. The sink is subscribed as before.
         """
         self.check_allowed(sink.node, "subscribe", topic.name)
+        self._remove_left(topic)
         try:
             if type_ is not None:
                 self._set_type(topic, type_, definition, md5sum, sink.node)
@@ -484,6 +523,7 @@ class Graph:
 
     def unsubscribe(self, topic: Topic, sink: Sink) -> None:
         """Remove a sink from a topic."""
+        self._left.discard(sink)
         if sink in topic.sinks():
             self.messages.sink_left(topic, sink.report())
         topic.detach(sink)
@@ -620,7 +660,7 @@ class Graph:
             service_type = unknown_service()
         else:
             service_type = self._types.service(Interfaces.canonical(type_), definition, server.node)
-        older = self.services.get(name)
+        older = self._service(name)
         if older is not None and isinstance(older.server, InternalServer):
             raise OperationError(f"Service {name} is the hub's own ({older.node})")
         self._check_free("Service", name, older, server.node)
@@ -690,6 +730,7 @@ class Graph:
 
     def remove_service(self, service: Service) -> None:
         """Remove a service, unless another server has taken it over."""
+        self._left.discard(service)
         if self.services.get(service.name) is service:
             del self.services[service.name]
             self._types.release(service.type, service)
@@ -713,7 +754,7 @@ class Graph:
         """
         try:
             self.check_allowed(caller, "call", name)
-            service = self.services.get(name)
+            service = self._service(name)
             if service is None:
                 raise CallFailed(f"Service {name} does not exist", "unknown_service")
             return Call(service, args, caller, succeeded, failed, headers, self.calls)
@@ -733,10 +774,10 @@ class Graph:
         """
         self.check_allowed(server.node, "provide", name)
         action_type = self._types.action(Interfaces.canonical(type_), definition, server.node)
-        older = self.actions.get(name)
+        older = self._action(name)
         self._check_free("Action", name, older, server.node)
         cancelling = cancel_service(name)
-        self._check_free("Service", cancelling, self.services.get(cancelling), server.node)
+        self._check_free("Service", cancelling, self._service(cancelling), server.node)
         if older is not None:
             self.remove_action(older)
         goals = self._goals.setdefault(name, Goals())
@@ -764,7 +805,7 @@ class Graph:
             InvalidMessage: the goal does not fit the type.
         """
         self.check_allowed(caller, "call", name)
-        action = self.actions.get(name)
+        action = self._action(name)
         if action is None:
             raise CallFailed(f"Action {name} does not exist", "unknown_action")
         wanted = Interfaces.canonical(type_)
@@ -788,6 +829,7 @@ class Graph:
 
     def remove_action(self, action: Action) -> None:
         """Remove an action, unless another server has taken it over."""
+        self._left.discard(action)
         if self.actions.get(action.name) is action:
             del self.actions[action.name]
             self._types.release(action.type, action)

@@ -7,6 +7,7 @@ from typing import Any
 from fibws.errors import FibwsError, InvalidMessage, OperationError
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_service
 from fibws.hub.rosbridge.client import Client, check_room
+from fibws.hub.websocket.endpoint import Removals
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.operations import (
     ActionFeedback,
@@ -106,13 +107,14 @@ class Goals:
             if not self._client.graph.is_allowed(self._client.node, "call", goal.action.name):
                 goal.withdraw()
 
-    def leave(self) -> None:
-        """Cancel all goals."""
-        for goal, (_, lane) in list(self._sent.items()):
+    def leave(self) -> Removals:
+        """Wait for no result any more, and return the goals that are to be cancelled."""
+        return ((self._abandon, list(self._sent)),)
+
+    def _abandon(self, goal: Goal) -> None:
+        if goal in self._sent:  # It may have ended meanwhile.
             goal.abandon()
-            self._client.queue.forget(lane)
-        self._sent.clear()
-        self._by_id.clear()
+            self._pop(goal)
 
     def _pop(self, goal: Goal) -> SendActionGoal:
         request, lane = self._sent.pop(goal)
@@ -271,12 +273,17 @@ class Actions:
         if isinstance(id_, str) and id_ in self._goals:
             self._goals[id_][0].fail(text, code)
 
-    def leave(self) -> None:
-        """Take all actions back; goals that have not ended are aborted."""
-        for action, _ in self._served.values():
-            self._client.graph.remove_action(action)
+    def leave(self) -> Removals:
+        """Serve nothing any more, and return the actions to remove and the goals that fail."""
+        graph = self._client.graph
+        actions = [action for action, _ in self._served.values()]
         self._served.clear()
-        for goal, _ in list(self._goals.values()):
+        graph.abandon(actions)
+        return (graph.remove_action, actions), (self._lose, list(self._goals))
+
+    def _lose(self, id_: Id) -> None:
+        goal, _ = self._goals.get(id_, (None, ""))
+        if goal is not None:
             text = f"Action {goal.action.name} is unavailable: {self.node} has left"
             goal.fail(text, "server_lost")
 

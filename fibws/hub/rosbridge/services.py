@@ -13,6 +13,7 @@ from fibws.errors import FibwsError, InvalidMessage, InvalidName, NotAllowed
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import Client, check_room
+from fibws.hub.websocket.endpoint import Removals
 from fibws.protocol.operations import (
     AdvertiseService,
     CallService,
@@ -89,15 +90,17 @@ class Calls:
             if not self._client.graph.is_allowed(self._client.node, "call", call.service.name):
                 call.withdraw()
 
-    def leave(self) -> None:
-        """Abandon all calls."""
-        for call in list(self._waiting):
-            call.abandon()
-        self._waiting.clear()
+    def leave(self) -> Removals:
+        """Wait for no response any more, and return the calls that are to be abandoned."""
         self._deadlines.clear()
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
+        return ((self._abandon, list(self._waiting)),)
+
+    def _abandon(self, call: Call) -> None:
+        if self._waiting.pop(call, None) is not None:  # It may have ended meanwhile.
+            call.abandon()
 
     def _start(self, waiting: WaitingCall, name: str, request: CallService) -> None:
         client = self._client
@@ -341,13 +344,18 @@ class Services:
             self._served.pop(service.name, None)
             self._client.statuses.displaced(service.name, newer.node)
 
-    def leave(self) -> None:
-        """Take all services back; calls that wait for a response fail."""
-        for served in self._served.values():
-            self._client.graph.remove_service(served.service)
+    def leave(self) -> Removals:
+        """Serve nothing any more, and return the services to remove and the calls that fail."""
+        graph = self._client.graph
+        services = [served.service for served in self._served.values()]
         self._served.clear()
         self._client.servers.pop(self._secret, None)
-        for id_, call in list(self._calls.items()):
+        graph.abandon(services)
+        return (graph.remove_service, services), (self._lose, list(self._calls))
+
+    def _lose(self, id_: Id) -> None:
+        call = self._calls.get(id_)
+        if call is not None:
             text = f"service [{call.service.name}] unavailable: {self.node} has left"
             self._fail(id_, text, "server_lost")
 

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from typing import Any, assert_never
 
 from pydantic_core import from_json
@@ -39,7 +40,7 @@ from fibws.hub.rosbridge.statuses import Report, Statuses, ignore
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening, Registration, Work
+from fibws.hub.websocket.endpoint import Opening, Part, Registration, Removals, Work, remove_all
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
@@ -177,8 +178,9 @@ class TokenWait:
     def revoke(self) -> None:
         """Do nothing: the client has no rights yet."""
 
-    def leave(self) -> None:
+    def leave(self) -> Work:
         """Do nothing: the client has registered nothing."""
+        return iter(())
 
     def _session(self, fields: dict[str, Any]) -> Session | None:
         """Return the session that ``auth`` opens; refuse all other operations."""
@@ -421,20 +423,28 @@ class Session:
         """Take all rights from the client, which is about to leave."""
         self._client.graph.revoke(self.node)
 
-    def leave(self) -> None:
-        """Take the client's registrations back; the second time nothing happens."""
+    def leave(self) -> Work:
+        """Take the client's node back, and return the steps that remove what it has registered.
+
+        The second time nothing happens.
+        """
         self._reassembly = None
+        removals: list[Removals] = []
+
+        def leave(part: Part) -> None:
+            removals.append(part.leave())
+
         with ExitStack() as stack:  # Whatever fails of this, the rest is done.
             stack.callback(self._client.graph.leave, self, self.node)
             for part in (self._actions, self._goals, self._services, self._calls, self.topics):
                 if part is not None:
-                    stack.callback(part.leave)
+                    stack.callback(leave, part)
+        return remove_all([*chain(*removals)])
 
     # As a node.
 
     def replaced(self) -> None:
-        """Leave: another client has taken this one's name."""
-        self.leave()
+        """Close the connection, and so leave: another client has taken this one's name."""
         self._close(REPLACED)
 
     def publishing(self) -> set[str]:

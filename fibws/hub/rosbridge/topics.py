@@ -26,6 +26,7 @@ from fibws.hub.rosbridge.encodings import COMPRESSIONS
 from fibws.hub.rosbridge.peers import PeerReports
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.hub.rosbridge.wills import Wills
+from fibws.hub.websocket.endpoint import Removals
 from fibws.protocol.operations import (
     Acknowledge,
     Advertise,
@@ -411,21 +412,23 @@ class Topics:
                 self.unsubscribe(Unsubscribe(topic=spelling))
                 self._client.report_withdrawn("subscribe", name)
 
-    def leave(self) -> None:
-        """Publish the wills, and take everything back."""
+    def leave(self) -> Removals:
+        """Publish the wills, accept nothing more, and return what is to be removed."""
         if self._pending is not None:
             self._pending.close()
         if self._wills is not None:
             self._wills.publish()
-        for source in self._spellings:
-            self._client.graph.remove_source(source)
-        self._spellings.clear()
+        sources, self._spellings = list(self._spellings), {}
+        subscriptions, self.subscriptions = list(self.subscriptions.values()), {}
         self.sources.clear()
         self._advertisements.clear()
         self._numbered.clear()
-        for subscription in self.subscriptions.values():
-            subscription.cancel(None)
-        self.subscriptions.clear()
+        graph = self._client.graph
+        graph.abandon(chain(sources, subscriptions))
+        return (
+            (graph.remove_source, sources),
+            (lambda subscription: subscription.cancel(None), subscriptions),
+        )
 
     def _watch(
         self, request: Advertise | Subscribe, topic: Topic, peers: PeerWatch, owner: object

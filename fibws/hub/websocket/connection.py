@@ -520,7 +520,7 @@ class Connection(asyncio.BufferedProtocol):
         Returns:
             Whether the client stays.
         """
-        if self._again is None or self.endpoint is None:
+        if self._again is None or self.endpoint is None or self._left:
             return True
         try:
             principal = self._again()
@@ -700,15 +700,16 @@ class Connection(asyncio.BufferedProtocol):
         self._send()
 
     def _leave(self) -> None:
-        """Remove the client's registrations; frames queued until now are still sent."""
+        """Take the client's node back; frames queued until now are still sent."""
         if self.endpoint is not None and not self._left:
             self._left = True
             self._reader.stop()
             if self._is_expired():
                 self.endpoint.revoke()
-            self.endpoint.leave()
+            rest = self.endpoint.leave()
             self.queue.flush()
             self.queue.close()
+            self._shared.turns.finish(rest)
 
     def _release(self) -> None:
         """Free incomplete messages of the client, and everything else.

@@ -7,11 +7,12 @@ endpoint a connection gets is decided by the WebSocket subprotocol, or by the pa
 from __future__ import annotations
 
 import asyncio
+import logging
 import socket
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Literal, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
@@ -20,6 +21,8 @@ from fibws.access.rights import Principal
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.settings import KIB
 from fibws.protocol.websocket import TOKEN_SUBPROTOCOL, CloseReason, Payload
+
+logger = logging.getLogger("fibws.hub")
 
 STRANGER_BYTES = 64 * KIB
 """Bytes that a message of a client may have before its login: those without a token must not use
@@ -34,6 +37,31 @@ Work: TypeAlias = Iterator[None]
 The connection takes the steps in its turns, the first ones at once, and passes on no other message
 before the end. It takes no further step once it is closed.
 """
+
+Removals: TypeAlias = Sequence[tuple[Callable[[Any], object], list[Any]]]
+"""What a client leaves behind: functions, each with the things to remove by it one by one."""
+
+
+class Part(Protocol):
+    """A part of an endpoint."""
+
+    def leave(self) -> Removals:
+        """Accept nothing more, and return what is to be removed."""
+
+
+def remove_all(removals: Removals) -> Work:
+    """Remove what a client leaves behind, one thing with each step.
+
+    Whatever fails of this, the rest is done.
+    """
+    for remove, things in removals:
+        things.reverse()
+        while things:  # Their memory is freed one by one, too.
+            try:
+                remove(things.pop())
+            except Exception:
+                logger.exception("Something of a client that has left could not be removed.")
+            yield
 
 
 class Endpoint(Protocol):
@@ -81,8 +109,14 @@ class Endpoint(Protocol):
     def revoke(self) -> None:
         """Take all rights from the client: its token is gone; `leave` follows."""
 
-    def leave(self) -> None:
-        """Take the client's registrations back; called once, when the connection ends."""
+    def leave(self) -> Work:
+        """Take the client's node back; called once, when the connection ends.
+
+        Nothing is accepted from the client any more, its wills are published, and its name is free.
+
+        Returns:
+            Steps that remove what it has registered, in turns with other clients.
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,8 @@ A connection with little to read is served at once. One with more than fits its 
 queue with the others of its kind, and its socket is not read meanwhile. Each iteration of the loop
 spends a few milliseconds on that queue, so that all other connections are served in between,
 regardless of how many wait and what their operations cost. A message that asks for many things is
-handled item by item, and the clock is looked at after each.
+handled item by item, and the clock is looked at after each. What a client leaves behind is removed
+in the same way.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from collections import deque
 from collections.abc import Callable
 from time import perf_counter
 from typing import Protocol
+
+from fibws.hub.websocket.endpoint import Work
 
 logger = logging.getLogger("fibws.hub")
 
@@ -34,6 +37,24 @@ class Reader(Protocol):
 
     def abort(self) -> None:
         """Cut the connection off."""
+
+
+class _Rest:
+    """Work without a connection."""
+
+    def __init__(self, turns: Turns, work: Work) -> None:
+        self._turns = turns
+        self._work = work
+
+    def take_turn(self) -> None:
+        """Take steps until the turn is over, then wait again."""
+        for _ in self._work:
+            if self._turns.is_over():
+                self._turns.wait(self)
+                return
+
+    def abort(self) -> None:
+        """Drop what is left: a step has failed."""
 
 
 class Turns:
@@ -95,13 +116,32 @@ class Turns:
             self._length = TURN
             self._call_later(0, self._run)
 
+    def finish(self, work: Work) -> None:
+        """Do what a client has left behind: at once if that is little, the rest in further turns.
+
+        If many leave at once, they share the time of an iteration.
+        """
+        rest = _Rest(self, work)
+        if not self._is_due:
+            self._is_due = True
+            self._spent_at = self.clock() + ITERATION
+            self._call_later(0, self._run)
+        now = self.clock()
+        if now >= self._spent_at:
+            self._waiting.append(rest)
+            return
+        present = self.began, self._length
+        self.began, self._length = now, TURN
+        rest.take_turn()
+        self.began, self._length = present
+
     def _run(self) -> None:
         # What the others have just published must not wait for this.
         self._flush()
         waiting = self._waiting
         now = self.clock()
         self._spent_at = now + ITERATION
-        self._length = max(TURN, ITERATION / len(waiting))
+        self._length = max(TURN, ITERATION / max(1, len(waiting)))
         for _ in range(len(waiting)):
             reader = waiting.popleft()
             self.began = now

@@ -59,7 +59,7 @@ class FoxgloveClient:
             self.writes.append, self.fail, hub.flusher, max_bytes=hub.settings.max_queued_bytes
         )
         self._hub = hub
-        opening = Opening(node, self.queue, self.closings.append, principal)
+        opening = Opening(node, self.queue, self._close, principal)
         self.session = hub.foxglove.open(opening, SUBPROTOCOLS[0])
         self.channels: dict[str, dict[str, Any]] = {}
         """The channels that the hub offers, by topics."""
@@ -157,8 +157,12 @@ class FoxgloveClient:
         assert kind == 3
         return service, call, received[13 : 13 + size].decode(), received[13 + size :]
 
+    def _close(self, reason: CloseReason) -> None:
+        self.closings.append(reason)
+        self.disconnect()
+
     def disconnect(self) -> None:
-        self.session.leave()
+        finish(self.session.leave())
 
     def pause(self) -> None:
         """Read nothing more for a while."""

@@ -11,7 +11,7 @@ from websockets.asyncio.client import connect
 from fibws.access.rights import Principal
 from fibws.hub import Hub
 from fibws.hub.rosbridge.encodings import text_frame
-from fibws.hub.websocket.endpoint import Opening, Registration
+from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import BINARY, KILLED, Payload, server_frame
 
@@ -54,11 +54,11 @@ class Echo:
     def revoke(self) -> None:
         raise AssertionError("the hub has no authentication")
 
-    def leave(self) -> None:
+    def leave(self) -> Work:
         self._hub.graph.leave(self, self.node)
+        return iter(())
 
     def replaced(self) -> None:
-        self.leave()
         self._opening.close(KILLED)
 
     def publishing(self) -> list[str]:

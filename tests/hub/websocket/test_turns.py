@@ -16,7 +16,7 @@ from conftest import Faults, StartHub
 
 from fibws.access.rights import Principal
 from fibws.hub import Hub
-from fibws.hub.websocket.endpoint import Opening, Registration
+from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.hub.websocket.turns import ITERATION, MOST_FRAMES, TURN, Turns
 from fibws.protocol.websocket import LARGE, SHUTDOWN, Payload
 
@@ -215,8 +215,9 @@ class Slow:
     def revoke(self) -> None:
         raise AssertionError("the hub has no authentication")
 
-    def leave(self) -> None:
+    def leave(self) -> Work:
         self.left += 1
+        return iter(())
 
 
 def slow(hub: Hub, *, seconds: float = 0.001) -> Slow:
