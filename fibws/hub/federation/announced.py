@@ -73,10 +73,15 @@ class Announced:
     def __init__(self, changed: Callable[[Kind, str], None]) -> None:
         self._changed = changed
         self._records: dict[Kind, dict[str, dict[PeerGraph, Any]]] = {kind: {} for kind in KINDS}
+        self._lost: set[PeerGraph] = set()
+        """The lost hubs of which records are still kept."""
 
     def of(self, kind: Kind, name: str) -> Mapping[PeerGraph, Any]:
         """Return the records of a name, by the hubs that have announced them."""
-        return self._records[kind].get(name, {})
+        found = self._records[kind].get(name, {})
+        if not self._lost:
+            return found
+        return {home: record for home, record in found.items() if home not in self._lost}
 
     def take(self, home: PeerGraph, announcement: Announcement) -> None:
         """Take changes of what a hub has; names that it may not use are ignored."""
@@ -96,12 +101,18 @@ class Announced:
                 if (local := view.inward(name)) and view.may_import(local):
                     self._set(home, kind, local, _renamed(served, peer))  # type: ignore[arg-type]
 
-    def forget(self, home: PeerGraph) -> None:
-        """Remove everything of a hub that is lost."""
+    def forget(self, home: PeerGraph) -> Iterator[None]:
+        """Forget a hub that is lost; return the steps that remove its records."""
         home.is_lost = True
+        self._lost.add(home)
+        return self._remove_all(home)
+
+    def _remove_all(self, home: PeerGraph) -> Iterator[None]:
         for kind, names in home.names.items():
-            for name in list(names):
-                self._remove(home, kind, name)
+            while names:
+                self._remove(home, kind, next(iter(names)))
+                yield
+        self._lost.discard(home)
 
     def _set(self, home: PeerGraph, kind: Kind, name: str, record: Any) -> None:
         if record is None:
@@ -132,7 +143,7 @@ class Announced:
 
     def _remove_record(self, home: PeerGraph, kind: Kind, name: str) -> bool:
         """Remove a record and its nodes' indexes; return whether there was one."""
-        record = self.of(kind, name).get(home)
+        record = self._records[kind].get(name, {}).get(home)
         if record is None:
             return False
         home.size -= _size(kind, record)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from itertools import repeat
 from time import perf_counter
 from typing import Any
 
@@ -102,16 +103,14 @@ class Offers:
     def offer_all(self) -> None:
         """Announce everything."""
         self._announced = {kind: {} for kind in KINDS}
-        for name in self.graph.nodes:
-            self.changed("nodes", name)
-        for name in self.graph.topics:
-            self.changed("topics", name)
-        for name in self.graph.services:
-            self.changed("services", name)
-        for name in self.graph.actions:
-            self.changed("actions", name)
-        for name in self._parameters.records:
-            self.changed("parameters", name)
+        graph = self.graph
+        names: dict[Kind, Iterable[str]] = {
+            **{"nodes": graph.nodes, "topics": graph.topics, "services": graph.services},
+            **{"actions": graph.actions, "parameters": self._parameters.records},
+        }
+        for kind, each in names.items():
+            self._changed.update(dict.fromkeys(zip(repeat(kind), each)))
+        self.resume()
 
     def changed(self, kind: Kind, name: str) -> None:
         """Announce the change of a node, topic, service or action of this graph soon."""

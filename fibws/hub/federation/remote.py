@@ -101,7 +101,7 @@ class RemoteGraph:
 
     def lost(self, peer: Peer) -> None:
         """Detach everything of a hub that is not reached any more, unless it comes another way."""
-        self._announced.forget(self._homes.pop(peer))
+        self._work.add_steps(self._announced.forget(self._homes.pop(peer)))
 
     def announced(self, peer: Peer, announcement: Announcement) -> None:
         """Take changes of what a hub has."""
@@ -144,11 +144,14 @@ class RemoteGraph:
             self._work.add(kind, served)
 
     def _leaving(self, node: RemoteNode) -> None:
-        """Detach what a node uses and serves that is about to leave."""
-        used = node.home.topics_of.get(node.name, set())
+        """Detach, name by name, what a node uses and serves that is about to leave."""
+        self._graph.abandon(self.topics.users_of(node))
+        self._graph.abandon(self.services.served_by(node))
+        used = node.home.topics_of.get(node.name, ())
         for topic in {*used, *node.published, *node.subscribed}:
-            self.topics.settle(topic, without=node)
-        self.services.detach_all(node)
+            self._work.add("topics", topic)
+        for kind, served in {*node.home.served_by.get(node.name, ()), *node.served}:
+            self._work.add(kind, served)
 
     def _definition_arrived(self, kind: Kind, name: str) -> None:
         if kind == "topics":

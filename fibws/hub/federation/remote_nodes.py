@@ -9,7 +9,7 @@ from fibws.errors import NotAllowed
 from fibws.hub.federation.announced import Announced, PeerGraph
 from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.precedence import Ages, NodeOffer, choose
-from fibws.hub.federation.records import HubInfo, NodeRecord, Request
+from fibws.hub.federation.records import HubInfo, Kind, NodeRecord, Request
 from fibws.hub.graph.graph import Graph, NodeOfHub
 from fibws.hub.log_text import printable
 
@@ -24,7 +24,7 @@ class RemoteNode(NodeOfHub):
         since: when it connected to its hub, by the clock of this hub.
         published: the topics that it publishes here.
         subscribed: the topics that it subscribes to here.
-        served: the services that it provides here.
+        served: the services and actions that it provides here.
     """
 
     __slots__ = (
@@ -52,7 +52,7 @@ class RemoteNode(NodeOfHub):
         self.since = since
         self.published: dict[str, None] = {}
         self.subscribed: dict[str, None] = {}
-        self.served: dict[str, None] = {}
+        self.served: dict[tuple[Kind, str], None] = {}
         self._on_replaced = on_replaced
 
     @property
@@ -75,7 +75,7 @@ class RemoteNode(NodeOfHub):
 
     def providing(self) -> Iterable[str]:
         """Return the services that it provides."""
-        return self.served
+        return [name for kind, name in self.served if kind == "services"]
 
     def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
         """Ask its hub to ping it; see `DistantNode`."""
@@ -99,12 +99,10 @@ class RemoteNode(NodeOfHub):
         self._on_replaced(self)
 
 
-def attached_node(
-    graph: Graph, name: str, home: PeerGraph, without: RemoteNode | None = None
-) -> RemoteNode | None:
-    """Return a remote node if it is attached by the way of a hub, and is not ``without``."""
+def attached_node(graph: Graph, name: str, home: PeerGraph) -> RemoteNode | None:
+    """Return a remote node if it is attached by the way of a hub."""
     found = graph.nodes.get(name)
-    if isinstance(found, RemoteNode) and found.home is home and found is not without:
+    if isinstance(found, RemoteNode) and found.home is home:
         return found
     return None
 

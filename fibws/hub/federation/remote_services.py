@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from fibws.errors import FibwsError
@@ -19,14 +19,14 @@ class Served(NamedTuple):
     """A service or an action of another hub that is attached.
 
     Attributes:
-        hub: the id of the hub that it is at.
+        node: the node that serves it.
         since: when it was advertised, by the clock of this hub.
         served: the `Service` or the `Action`; None if it could not be attached.
     """
 
     home: PeerGraph
     record: ServiceRecord | ActionRecord
-    hub: str
+    node: RemoteNode
     since: int
     served: Any
 
@@ -69,7 +69,7 @@ class RemoteServices:
         is_remote = attached is not None and attached.served is found
         self._ages.note(kind, name, None if is_remote else found, is_remote=is_remote)
         if attached is not None and attached.served is not None and found and not is_remote:
-            self._ages.replaced(kind, name, attached.hub, attached.record.since)
+            self._ages.replaced(kind, name, attached.node.hub.id, attached.record.since)
         return attached is not None or bool(self._announced.of(kind, name))
 
     def settle(self, kind: Kind, name: str) -> None:
@@ -77,26 +77,22 @@ class RemoteServices:
         best = self._newest(kind, name)
         attached = self._served.get((kind, name))
         if attached is not None:
+            present = self._present(kind, name)
             if best is not None and (attached.home, attached.record) == best[1:]:
-                if attached.served is None or self._present(kind, name) is attached.served:
+                if attached.served is not None and present not in (None, attached.served):
+                    best = None  # A newer server has taken it over.
+                elif self._graph.nodes.get(attached.record.node) is attached.node:
                     return
-                best = None  # A newer server has taken it over.
             self._detach(kind, name)
         if best is not None:
             self._attach(kind, name, *best)
 
-    def detach_all(self, node: RemoteNode) -> None:
-        """Detach what a node serves that is about to leave."""
-        for kind, name in list(node.home.served_by.get(node.name, ())):
-            self._detach_of(node, kind, name)
-        for name in list(node.served):
-            self._detach_of(node, "services", name)
-
-    def _detach_of(self, node: RemoteNode, kind: Kind, name: str) -> None:
-        attached = self._served.get((kind, name))
-        if attached is not None and attached.home is node.home:
-            if attached.record.node == node.name:
-                self._detach(kind, name)
+    def served_by(self, node: RemoteNode) -> Iterator[Any]:
+        """Yield the services and actions of a node that are attached."""
+        for key in node.served:
+            attached = self._served.get(key)
+            if attached is not None and attached.node is node:
+                yield attached.served
 
     def _newest(self, kind: Kind, name: str) -> tuple[int, PeerGraph, Any] | None:
         best: tuple[int, PeerGraph, Any] | None = None
@@ -120,9 +116,9 @@ class RemoteServices:
             return
         except FibwsError as error:
             self._warn(f"{record.node} cannot serve {name} here: {error}")
-        self._served[kind, name] = Served(home, record, node.hub.id, since, served)
-        if served is not None and kind == "services":
-            node.served[name] = None
+        self._served[kind, name] = Served(home, record, node, since, served)
+        if served is not None:
+            node.served[kind, name] = None
 
     def _takes_over(self, kind: Kind, name: str, since: int, record: Any, node: RemoteNode) -> bool:
         """Return whether this hub has no service or action of the name that is newer."""
@@ -134,9 +130,7 @@ class RemoteServices:
 
     def _detach(self, kind: Kind, name: str) -> None:
         attached = self._served.pop((kind, name))
-        node = attached_node(self._graph, attached.record.node, attached.home)
-        if node is not None:
-            node.served.pop(name, None)
+        attached.node.served.pop((kind, name), None)
         if attached.served is not None:
             self._calls.remove(kind, attached.served)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypeAlias
@@ -92,7 +92,7 @@ class RemotePublisher:
     def receive(self, message: Message) -> None:
         """Deliver a message, unless it has been delivered before."""
         source, last, is_first = self.source, self.sequence, self._is_first
-        if source is None or not self.is_wanted:
+        if source is None or not self.is_wanted or not source.is_attached:
             return
         self._is_first = False
         if last is not None:
@@ -125,11 +125,11 @@ class RemoteSubscriber:
             that failed.
     """
 
-    __slots__ = ("home", "is_stuck", "node", "outlet", "tried_with", "type")
+    __slots__ = ("is_stuck", "node", "outlet", "remote", "tried_with", "type")
 
-    def __init__(self, node: str, home: PeerGraph, type_: tuple[str, str], outlet: Outlet) -> None:
-        self.node = node
-        self.home = home
+    def __init__(self, remote: RemoteNode, type_: tuple[str, str], outlet: Outlet) -> None:
+        self.node = remote.name
+        self.remote = remote
         self.type = type_
         self.outlet = outlet
         self.is_stuck = False
@@ -155,8 +155,8 @@ class Attached:
     subscribers: dict[str, RemoteSubscriber] = field(default_factory=dict)
 
 
-WantedPublishers: TypeAlias = dict[str, tuple[PeerGraph, Publisher, RemoteTopic]]
-WantedSubscribers: TypeAlias = dict[str, tuple[PeerGraph, RemoteTopic]]
+WantedPublishers: TypeAlias = dict[str, tuple[RemoteNode, Publisher, RemoteTopic]]
+WantedSubscribers: TypeAlias = dict[str, tuple[RemoteNode, RemoteTopic]]
 
 
 class RemoteTopics:
@@ -217,22 +217,30 @@ class RemoteTopics:
         """Return whether other hubs use a topic."""
         return topic in self._attached or bool(self._announced.of("topics", topic))
 
-    def settle(self, name: str, without: RemoteNode | None = None) -> None:
-        """Attach what should be attached to a topic, and detach what should not.
+    def users_of(self, node: RemoteNode) -> Iterator[Source | RemoteSubscriber]:
+        """Yield the sources and the sinks of a node that are attached."""
+        for topic in node.published:
+            publisher = self._attached[topic].publishers.get(node.name)
+            if publisher is not None and publisher.node is node and publisher.source is not None:
+                yield publisher.source
+        for topic in node.subscribed:
+            sink = self._attached[topic].subscribers.get(node.name)
+            if sink is not None and sink.remote is node:
+                yield sink
 
-        Args:
-            without: a node that is about to leave.
-        """
+    def settle(self, name: str) -> None:
+        """Attach what should be attached to a topic, and detach what should not."""
         attached = self._attached.setdefault(name, Attached())
         publishers: WantedPublishers = {}
         subscribers: WantedSubscribers = {}
+        graph = self._graph
         for home, record in self._announced.of("topics", name).items():
             for node, publisher in record.publishers.items():
-                if attached_node(self._graph, node, home, without):
-                    publishers[node] = home, publisher, record
+                if remote := attached_node(graph, node, home):
+                    publishers[node] = remote, publisher, record
             for node in record.subscribers:
-                if attached_node(self._graph, node, home, without):
-                    subscribers[node] = home, record
+                if remote := attached_node(graph, node, home):
+                    subscribers[node] = remote, record
         self._settle_publishers(name, attached, publishers)
         self._settle_subscribers(name, attached, subscribers)
         if attached.publishers:
@@ -250,17 +258,16 @@ class RemoteTopics:
         for node, old in list(attached.publishers.items()):
             found = wanted.get(node)
             is_same = found is not None and (
-                (old.home, old.publisher, old.type)
+                (old.node, old.publisher, old.type)
                 == (found[0], found[1], (found[2].type, found[2].md5sum))
             )
             is_due = old.source is None and old.tried_with is not self._graph.topic(name).type
             if not is_same or is_due:
                 self._detach_publisher(name, attached, old)
-        for node, (home, publisher, record) in wanted.items():
-            remote = attached_node(self._graph, node, home)
-            if node not in attached.publishers and remote is not None:
+        for node, (remote, publisher, record) in wanted.items():
+            if node not in attached.publishers:
                 type_ = record.type, record.md5sum
-                new = RemotePublisher(home, remote, publisher, type_)
+                new = RemotePublisher(remote.home, remote, publisher, type_)
                 self._attach_publisher(name, attached, new)
 
     def _attach_publisher(self, name: str, attached: Attached, new: RemotePublisher) -> None:
@@ -336,21 +343,20 @@ class RemoteTopics:
             found = wanted.get(node)
             type_ = (found[1].type, found[1].md5sum) if found is not None else None
             is_due = sink.is_stuck and sink.tried_with is not self._graph.topic(name).type
-            if found is None or sink.home is not found[0] or sink.type != type_ or is_due:
+            if found is None or sink.remote is not found[0] or sink.type != type_ or is_due:
                 self._detach_subscriber(name, attached, sink)
-        for node, (home, record) in wanted.items():
+        for node, (remote, record) in wanted.items():
             if node not in attached.subscribers:
                 type_ = record.type, record.md5sum
-                sink = RemoteSubscriber(node, home, type_, self._outlets.outlet(name))
+                sink = RemoteSubscriber(remote, type_, self._outlets.outlet(name))
                 attached.subscribers[node] = sink
                 self._attach_subscriber(name, sink)
             elif self._has_interest(topic := self._graph.topic(name), node):
                 topic.watching_sinks.linked(node)  # Its hub may be reached by several ways.
 
     def _attach_subscriber(self, name: str, sink: RemoteSubscriber) -> None:
-        topic, remote = self._graph.topic(name), attached_node(self._graph, sink.node, sink.home)
-        if remote is not None:
-            remote.subscribed[name] = None
+        topic = self._graph.topic(name)
+        sink.remote.subscribed[name] = None
         if not self._has_interest(topic, sink.node):
             topic.watching_sinks.unlinked(sink.node)
         try:
@@ -365,9 +371,7 @@ class RemoteTopics:
         if topic := self._graph.topics.get(name):
             self._graph.unsubscribe(topic, sink)
         self._remove_conflict(name, sink.node, publishes=False)
-        node = self._graph.nodes.get(sink.node)
-        if isinstance(node, RemoteNode):
-            node.subscribed.pop(name, None)
+        sink.remote.subscribed.pop(name, None)
 
     def _conflict(
         self, topic: Topic, node: str, type_: str, error: Exception, *, publishes: bool

@@ -1,9 +1,10 @@
-"""Names to be brought up to date, a millisecond at a time."""
+"""Names to be brought up to date, and other steps, a millisecond at a time."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
 from time import perf_counter
 
 from fibws.hub.federation.records import Kind
@@ -30,11 +31,20 @@ class Worklist:
         self._call_soon = call_soon
         self._handle = handle
         self._waiting: dict[Kind, dict[str, None]] = {kind: {} for kind in handle}
+        self._steps: deque[Iterator[None]] = deque()
         self._is_due = False
 
     def add(self, kind: Kind, name: str) -> None:
         """Handle a name soon."""
         self._waiting[kind][name] = None
+        self._schedule()
+
+    def add_steps(self, steps: Iterator[None]) -> None:
+        """Take some steps soon, before names are handled."""
+        self._steps.append(steps)
+        self._schedule()
+
+    def _schedule(self) -> None:
         if not self._is_due:
             self._is_due = True
             self._call_soon(self._run)
@@ -53,7 +63,16 @@ class Worklist:
         self._is_due = False
 
     def _run_one(self) -> bool:
-        """Handle one name; return whether there was one."""
+        """Take one step or handle one name; return whether there was one."""
+        if self._steps:
+            try:
+                next(self._steps[0])
+            except StopIteration:
+                self._steps.popleft()
+            except Exception:
+                logger.exception("What another hub has left cannot be removed.")
+                self._steps.popleft()
+            return True
         for kind, names in self._waiting.items():
             if names:
                 name = next(iter(names))

@@ -332,6 +332,11 @@ class Source:
         """The topic's name."""
         return self.topic.name
 
+    @property
+    def is_attached(self) -> bool:
+        """Whether it is its node's source of the topic, and not removed."""
+        return self.topic.sources.get(self.node) is self
+
     def set_headers(self, headers: Mapping[str, str]) -> None:
         """Set the connection header of the messages from now on, beside callerid and latching."""
         latching = "1" if self.latch else "0"
