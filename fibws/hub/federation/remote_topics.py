@@ -92,7 +92,7 @@ class RemotePublisher:
     def receive(self, message: Message) -> None:
         """Deliver a message, unless it has been delivered before."""
         source, last, is_first = self.source, self.sequence, self._is_first
-        if source is None or not self.is_wanted or not source.is_attached:
+        if source is None or not self.is_wanted:
             return
         self._is_first = False
         if last is not None:

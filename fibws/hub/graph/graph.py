@@ -319,6 +319,10 @@ class Graph:
         """
         self._left.update(registrations)
 
+    def has_left(self, registration: object) -> bool:
+        """Return whether the node of a source, sink, service or action has left, as `abandon`."""
+        return registration in self._left
+
     def _remove_left(self, topic: Topic) -> None:
         """Remove the users of a topic whose nodes have left, before another one comes."""
         left = self._left

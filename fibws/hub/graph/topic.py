@@ -386,10 +386,12 @@ class Source:
     def relay(self, data: Buffer) -> None:
         """Check and deliver a serialized message whose publisher has set ``header.seq`` itself.
 
-        It raises as `publish` does.
+        It raises as `publish` does. Nothing happens once the source is removed: what relays may
+        learn that later.
         """
-        self.type.check(data)
-        self._deliver_serialized(data, None)
+        if self.is_attached:
+            self.type.check(data)
+            self._deliver_serialized(data, None)
 
     def _deliver_serialized(self, data: Buffer, to: str | None) -> None:
         publication = Publication(self.type, self.node, self.header, self._now(), None, data)

@@ -11,9 +11,13 @@ import errno
 import logging
 import os
 import sys
-from collections.abc import Callable, Coroutine, Iterable, Mapping
+from collections import deque
+from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from contextlib import suppress
+from functools import partial
+from itertools import chain
 from socket import gethostname
+from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
@@ -27,7 +31,7 @@ from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.ros1.http import NodeCalls
-from fibws.hub.ros1.topic_registrations import MASTER, Registrant, TopicRegistrations
+from fibws.hub.ros1.topic_registrations import MASTER, TURN, Registrant, TopicRegistrations
 
 logger = logging.getLogger("fibws.hub")
 
@@ -151,6 +155,8 @@ class Ros1Nodes:
         )
         """Their publishers and subscribers."""
         self._services: dict[str, Ros1Node] = {}
+        self._left: deque[Iterator[Callable[[], None]]] = deque()
+        """What is still to be removed of nodes that are gone."""
         self._tasks: set[asyncio.Task[None]] = set()
         self.gone: Callable[[str], object] = lambda api: None
         """Called with an address at which no node is registered any more."""
@@ -160,11 +166,15 @@ class Ros1Nodes:
     def service(self, name: str) -> tuple[Ros1Node, str] | None:
         """Return the node of a service, and the service's URI."""
         node = self._services.get(name)
-        return None if node is None else (node, node.services[name])
+        return None if node is None or not self._is_there(node) else (node, node.services[name])
 
     def services(self) -> Iterable[tuple[str, Ros1Node]]:
-        """Return all services with their nodes."""
-        return self._services.items()
+        """Yield all services with their nodes."""
+        return (each for each in self._services.items() if self._is_there(each[1]))
+
+    def _is_there(self, node: Ros1Node) -> bool:
+        """Return whether a node has not left, though not all of it is removed yet."""
+        return self.by_name.get(node.name) is node
 
     # Registering.
 
@@ -431,7 +441,8 @@ class Ros1Nodes:
     # Removing.
 
     def _remove_service(self, node: Ros1Node, service: str) -> None:
-        del node.services[service]
+        if node.services.pop(service, None) is None:
+            return  # Another node has taken it meanwhile.
         self._services.pop(service, None)
         self.service_links.unregister(node, service)
         self.changed()
@@ -442,19 +453,36 @@ class Ros1Nodes:
             self.remove(node)
 
     def _drop(self, node: Ros1Node) -> None:
-        """Remove all registrations of a node."""
-        for publisher in list(node.publishers.values()):
-            self.topics.remove_publisher(publisher)
-        for subscriber in list(node.subscribers.values()):
-            self.topics.remove_subscriber(subscriber)
-        for service in list(node.services):
-            self._remove_service(node, service)
-        if self.by_name.get(node.name) is node:
+        """Forget a node, and remove its registrations, in slices if they are many."""
+        removals: Iterator[Callable[[], None]] = chain(
+            self.topics.abandon(node),
+            (partial(self._remove_service, node, service) for service in list(node.services)),
+        )
+        services = [self._graph.services.get(service) for service in node.services]
+        self._graph.abandon(each for each in services if each and each.node == node.name)
+        if self._is_there(node):
             del self.by_name[node.name]
+        self._left.append(removals)
+        if len(self._left) == 1:
+            self._remove_left()
         if not self.at(node.api):
             self._calls.forget(node.api)
             self.gone(node.api)
         self.changed()
+
+    def _remove_left(self, *, to_the_end: bool = False) -> None:
+        """Remove what nodes have left for as long as a turn lasts."""
+        until = perf_counter() + TURN
+        while self._left:
+            for remove in self._left[0]:
+                try:
+                    remove()
+                except Exception:
+                    logger.exception("Something of a node that is gone could not be removed.")
+                if perf_counter() > until and not to_the_end:
+                    asyncio.get_running_loop().call_soon(self._remove_left)
+                    return
+            self._left.popleft()
 
     def run(
         self, coroutine: Coroutine[Any, Any, None], done: Callable[[str], object]
@@ -486,6 +514,7 @@ class Ros1Nodes:
         self.topics.close()
         for node in list(self.by_name.values()):
             self.remove(node)
+        self._remove_left(to_the_end=True)
         tasks = list(self._tasks)
         for task in tasks:
             task.cancel()

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Container, Iterable, Iterator
+from functools import partial
+from itertools import chain
 from time import perf_counter
 from typing import Any, Protocol
 
@@ -228,7 +230,10 @@ class TopicRegistrations:
         if not self._graph.is_allowed(CLIENT, "subscribe", topic):
             return False
         found = self._graph.topics.get(topic)
-        return found is not None and any(node not in self._names for node in found.sources)
+        return found is not None and any(
+            node not in self._names and not self._graph.has_left(source)
+            for node, source in found.sources.items()
+        )
 
     def subscriber_apis(self, topic: str, hub_host: str) -> list[str]:
         """Return the URIs of a topic's subscribers, the hub's once for all of its clients.
@@ -238,7 +243,10 @@ class TopicRegistrations:
         apis = dict.fromkeys(each.owner.api for each in self.subscribers(topic))
         may_publish = self._graph.is_allowed(CLIENT, "publish", topic)
         found = self._graph.topics.get(topic) if may_publish else None
-        if found is not None and any(node not in self._names for node in found.subscribers()):
+        if found is not None and any(
+            sink.node not in self._names and not self._graph.has_left(sink)
+            for sink in found.sinks()
+        ):
             apis[self.hub_api(hub_host)] = None
         return list(apis)
 
@@ -246,9 +254,9 @@ class TopicRegistrations:
 
     def add_publisher(self, node: Registrant, topic: str, type_: str) -> None:
         """Register a publisher."""
-        older = node.publishers.get(topic)
+        older = self._publishers.get(topic, {}).get(node.name)
         if older is not None:
-            if type_ in (older.type, ANY):
+            if older.node is node and type_ in (older.type, ANY):
                 return
             self.remove_publisher(older)
         publisher = Ros1Publisher(node, topic, type_)
@@ -259,9 +267,9 @@ class TopicRegistrations:
 
     def add_subscriber(self, node: Registrant, topic: str, type_: str) -> None:
         """Register a subscriber."""
-        older = node.subscribers.get(topic)
+        older = self._subscribers.get(topic, {}).get(node.name)
         if older is not None:
-            if type_ in (older.type, ANY):
+            if older.owner is node and type_ in (older.type, ANY):
                 return
             self.remove_subscriber(older)
         subscriber = Ros1Subscriber(node, topic, type_)
@@ -271,9 +279,10 @@ class TopicRegistrations:
         self._changed()
 
     def remove_publisher(self, publisher: Ros1Publisher) -> None:
-        """Remove a registration."""
+        """Remove a registration; the second time nothing happens."""
         node, topic = publisher.node, publisher.topic
-        del node.publishers[topic]
+        if node.publishers.pop(topic, None) is None:
+            return
         _remove(self._publishers, topic, node.name)
         self._detach_source(publisher)
         self._detach_conflict(topic, node.name, publishes=True)
@@ -281,9 +290,10 @@ class TopicRegistrations:
         self._changed()
 
     def remove_subscriber(self, subscriber: Ros1Subscriber) -> None:
-        """Remove a registration."""
+        """Remove a registration; the second time nothing happens."""
         node, topic = subscriber.owner, subscriber.topic
-        del node.subscribers[topic]
+        if node.subscribers.pop(topic, None) is None:
+            return
         _remove(self._subscribers, topic, node.name)
         found = self._graph.topics.get(topic)
         if found is not None:
@@ -404,6 +414,19 @@ class TopicRegistrations:
         source, publisher.source = publisher.source, None
         if source is not None:
             self._graph.remove_source(source)
+
+    # Removing.
+
+    def abandon(self, node: Registrant) -> Iterator[Callable[[], None]]:
+        """Take note that a node has left; return functions that remove its registrations."""
+        publishers, subscribers = list(node.publishers.values()), list(node.subscribers.values())
+        sources = (each.source for each in publishers)
+        self._graph.abandon(source for source in sources if source is not None)
+        self._graph.abandon(each for each in subscribers if not each.fault)
+        return chain(
+            (partial(self.remove_publisher, each) for each in publishers),
+            (partial(self.remove_subscriber, each) for each in subscribers),
+        )
 
     # Sending updates.
 

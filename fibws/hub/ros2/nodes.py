@@ -74,7 +74,7 @@ class Endpoints(Protocol):
         """Take note that the ROS 2 nodes that use a name have changed."""
 
     def detach(self, node: Ros2Node) -> None:
-        """Detach at once what a node uses, since it leaves."""
+        """Detach, name by name, what a node uses that has left."""
 
 
 class Ros2Nodes:

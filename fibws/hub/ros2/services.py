@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import time
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 
@@ -15,7 +16,7 @@ from fibws.errors import (
     InterfaceError,
     UnknownDefinition,
 )
-from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
 from fibws.hub.graph.types import read_values
@@ -35,6 +36,8 @@ MOST_REQUESTS = 1000
 MOST_CLIENTS = 100
 """Callers of a service that ROS 2 sees as its clients."""
 SERVICE_QOS = Qos(depth=10)
+TURN = 0.001
+"""Seconds for which services are ended before others have their turn."""
 
 
 class Ros2Server:
@@ -186,6 +189,9 @@ class Ros2Services:
         self._own_services: dict[str, OwnService] = {}
         self._requests = 0
         """Calls of ROS 2 clients that wait for a response."""
+        self._left: deque[Ros2Server] = deque()
+        """Those of nodes that have left, which are still to be ended."""
+        self._timer: Timer | None = None
         self._is_closed = False
         graph.watch("service", self.changed)
         graph.watch("node", self._node_changed)
@@ -196,8 +202,12 @@ class Ros2Services:
             self.changed(name)
 
     def close(self) -> None:
-        """Serve ROS 2 no more; the ROS 2 nodes have been detached."""
+        """Serve ROS 2 no more; the ROS 2 nodes have left."""
         self._is_closed = True
+        if self._timer is not None:
+            self._timer.cancel()
+        while self._left:
+            self._end(self._left.popleft())
         for service in self._own_services.values():
             service.close()
         self._own_services.clear()
@@ -223,11 +233,26 @@ class Ros2Services:
         self._settle_own(name)
 
     def detach(self, node: Ros2Node) -> None:
-        """Detach what a node serves, since it leaves."""
+        """Detach, one by one, what a node serves that has left."""
         for name in list(node.served):
             server = self._servers.get(name)
             if server is not None and server.owner is node:
-                self._detach(server)
+                self._forget(server)
+                if server.service is not None:
+                    self._graph.abandon([server.service])
+                self._left.append(server)
+        if self._left and self._timer is None:
+            self._timer = self._clock.call_later(0, self._end_left)
+
+    def _end_left(self) -> None:
+        until = self._clock.time() + TURN
+        self._timer = self._clock.call_later(0, self._end_left)  # Also if one fails.
+        while self._left:
+            self._end(self._left.popleft())
+            if self._clock.time() > until:
+                return
+        self._timer.cancel()
+        self._timer = None
 
     def _node_changed(self, name: str) -> None:
         if name not in self._graph.nodes:
@@ -279,8 +304,14 @@ class Ros2Services:
         check_hash(type_, found.type_hash, type_hash)
 
     def _detach(self, server: Ros2Server) -> None:
+        self._forget(server)
+        self._end(server)
+
+    def _forget(self, server: Ros2Server) -> None:
         del self._servers[server.name]
         server.owner.served.pop(server.name, None)
+
+    def _end(self, server: Ros2Server) -> None:
         service, server.service = server.service, None
         if service is not None:
             self._graph.remove_service(service)

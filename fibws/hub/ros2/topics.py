@@ -303,8 +303,13 @@ class Ros2Topics:
             self.changed(name)
 
     def close(self) -> None:
-        """End all connections; the ROS 2 nodes have been detached."""
+        """End all connections; the ROS 2 nodes have left."""
         self._is_closed = True
+        for links in self._links.values():
+            for source in list(links.publishers.values()):
+                self._detach_publisher(links, source)
+            for sink in list(links.subscribers.values()):
+                self._detach_subscriber(links, sink)
         for links in self._links.values():
             self._stop_lingering(links)
             for publisher in links.own_publishers.values():
@@ -326,16 +331,18 @@ class Ros2Topics:
             self._loop.call_soon(self._update)
 
     def detach(self, node: Ros2Node) -> None:
-        """Detach what a node publishes and subscribes to, since it leaves."""
+        """Detach, topic by topic, what a node that has left publishes and subscribes to."""
+        left: list[Source | Ros2Subscriber] = []
         for name in {**node.published, **node.subscribed}:
             links = self._links[name]
             publisher = links.publishers.get(node.name)
-            if publisher is not None and publisher.node is node:
-                self._detach_publisher(links, publisher)
+            if publisher is not None and publisher.node is node and publisher.source is not None:
+                left.append(publisher.source)
             subscriber = links.subscribers.get(node.name)
-            if subscriber is not None and subscriber.owner is node:
-                self._detach_subscriber(links, subscriber)
+            if subscriber is not None and subscriber.owner is node and subscriber.is_attached:
+                left.append(subscriber)
             self.changed(name)
+        self._graph.abandon(left)
 
     def _update(self) -> None:
         until = time.perf_counter() + TURN

@@ -16,6 +16,7 @@ from fibws.hub import Hub
 from fibws.hub.federation import precedence
 from fibws.hub.federation.connections import Join as Joining
 from fibws.hub.federation.remote_nodes import RemoteNode
+from fibws.hub.federation.worklist import Worklist
 from fibws.hub.graph.publication import Publication
 from fibws.hub.websocket.turns import Turns
 from fibws.msg.rosgraph_msgs import Log
@@ -459,8 +460,37 @@ async def test_nodes_of_a_lost_hub_leave(join: Join, start_node: StartNode) -> N
     await until(lambda: "/add" in cloud.graph.services, cloud)
     await robot.close()
     await until(lambda: not remote_nodes(cloud), cloud)
-    assert "/chatter" not in cloud.graph.topics
-    assert "/add" not in cloud.graph.services
+    await until(lambda: "/chatter" not in cloud.graph.topics, cloud)
+    await until(lambda: "/add" not in cloud.graph.services, cloud)
+
+
+async def test_what_a_lost_hub_has_left_is_removed_one_by_one(
+    join: Join, start_node: StartNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cloud = await join("cloud")
+    robot = await join("robot", cloud)
+    node = await start_node("node", robot)
+    topics = {f"/topic_{each}" for each in range(30)}
+    for topic in topics:
+        await node.advertise(topic, String)
+        node.subscribe(topic, String)
+        await node.service(f"{topic}/add", AddTwoInts, lambda request: {"sum": 0})
+    await until(lambda: f"{max(topics)}/add" in cloud.graph.services, cloud)
+    await until(lambda: topics <= cloud.graph.topics.keys(), cloud)
+    changes, step = [0], Worklist._run_one
+
+    def count(work: Worklist) -> bool:
+        before = cloud.graph.revision
+        found = step(work)
+        changes.append(cloud.graph.revision - before)
+        return found
+
+    monkeypatch.setattr(Worklist, "_run_one", count)
+    await robot.close()
+    await until(lambda: not topics & cloud.graph.topics.keys(), cloud)
+    await until(lambda: not any(name.endswith("/add") for name in cloud.graph.services), cloud)
+    assert max(changes) < 10
+    assert not cloud.graph._left
 
 
 async def test_hub_cannot_join_itself(join: Join) -> None:

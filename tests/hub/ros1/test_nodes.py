@@ -97,6 +97,34 @@ async def test_names_of_the_hub_are_not_taken(hub: Hub, start_peer: StartPeer) -
 # Registrations.
 
 
+async def test_what_a_node_has_left_is_removed_in_slices(
+    hub: Hub, start_peer: StartPeer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    peer, reader = await start_peer("/peer"), await start_peer("/reader")
+    topics = [f"/topic_{each}" for each in range(5)]
+    for topic in topics:
+        await peer.advertise(topic)
+        await peer.subscribe(topic)
+        await reader.subscribe(topic)
+    assert hub.ros1 is not None
+    nodes = hub.ros1.nodes
+    monkeypatch.setattr(module, "TURN", -1.0)  # Each slice is over after one step.
+    nodes.remove(known(hub)["/peer"])
+    assert "/peer" not in hub.graph.nodes
+    assert [topic for topic in topics if hub.graph.topics[topic].sources] == topics[1:]
+    # They are no others' sources meanwhile, and a node of the same name may use another type.
+    assert not any(nodes.topics.has_own_sources(topic) for topic in topics)
+    nodes.topics.remove_subscriber(nodes.topics.subscribers(topics[-1])[-1])
+    nodes.add_publisher("/peer", topics[-1], "std_msgs/String", peer.api, "localhost")
+    await until(lambda: not nodes._left)
+    assert [topic for topic in topics if hub.graph.topics[topic].sources] == topics[-1:]
+    assert [*hub.graph.topics[topics[-1]].subscribers()] == []
+    type_ = hub.graph.topics[topics[-1]].type
+    assert type_ is not None
+    assert type_.name == "std_msgs/String"
+    assert [each.node.name for each in nodes.topics.publishers(topics[-1])] == ["/peer"]
+
+
 async def test_node_leaves_with_its_last_registration(hub: Hub, start_peer: StartPeer) -> None:
     peer = await start_peer("/peer")
     await peer.advertise("/a")
