@@ -1,18 +1,25 @@
-"""What a client leaves behind is removed in turns, as if it were gone at once."""
+"""What a client leaves behind, or may not do any more, is removed in turns.
+
+To others it is as if it were gone at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
-from fibws.hub.websocket.endpoint import Endpoint
+from fibws.access.rights import Principal, Rights
+from fibws.hub.access.policy import AccessPolicy
+from fibws.hub.websocket.endpoint import Endpoint, Work
 from fibws.hub.websocket.turns import Turns
-from fibws.protocol.websocket import REPLACED
+from fibws.protocol.websocket import REPLACED, RESTART
 
 from .fakes import ADD, FIBONACCI, INT32, STRING, Client, finish, number
-from .foxglove.foxglove_client import FoxgloveHub
+from .foxglove.foxglove_client import FoxgloveClient, FoxgloveHub
 from .work_clock import WorkClock
 
 FEW, MANY = 50, 1000
@@ -108,6 +115,22 @@ LEAVING: dict[str, Callable[[FoxgloveHub, int], Endpoint]] = {
 }
 
 
+ANYTHING = Rights({right: ["/**"] for right in ("publish", "subscribe", "call", "provide")})
+
+
+class HubWithTokens(FoxgloveHub):
+    """A hub whose clients have tokens, with all rights."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(policy=AccessPolicy(), **settings)
+
+    def client(self, node: str | None = None, **arguments: Any) -> Client:
+        return super().client(node, principal=Principal("ann", ANYTHING), **arguments)
+
+    def foxglove_client(self, node: str | None = None, **arguments: Any) -> FoxgloveClient:
+        return super().foxglove_client(node, principal=Principal("ann", ANYTHING), **arguments)
+
+
 class Iterations:
     """An event loop's iterations, by a clock that only work advances."""
 
@@ -117,8 +140,8 @@ class Iterations:
         self._due: list[Callable[[], object]] = []
         self.turns = Turns(lambda delay, call: self._due.append(call), lambda: None, self.clock)
 
-    def leave(self, endpoint: Endpoint) -> None:
-        self.clock.measure(lambda: self.turns.finish(endpoint.leave()))
+    def finish(self, begin: Callable[[], Work]) -> None:
+        self.clock.measure(lambda: self.turns.finish(begin()))
         while self._due:
             self.count += 1
             due, self._due = self._due, []
@@ -135,20 +158,50 @@ def watch(hub: FoxgloveHub, count: int) -> None:
             peer.send("subscribe", f"/name_{topic}", peers=True)
 
 
-@pytest.mark.parametrize("watchers", [0, WATCHERS])
-@pytest.mark.parametrize("kind", LEAVING)
-def test_registrations_are_removed_one_by_one(kind: str, watchers: int) -> None:
+def assert_one_by_one(
+    kind: str, hub_class: type[FoxgloveHub], watchers: int, begin: Callable[[Endpoint], Work]
+) -> None:
     longest = {}
     for count in (FEW, MANY):
-        hub = FoxgloveHub(max_calls=10**6, max_goals=10**6)
+        hub = hub_class(max_calls=10**6, max_goals=10**6)
         endpoint = LEAVING[kind](hub, count)
         watch(hub, watchers)
         hub.clock.turn()
         iterations = Iterations()
-        iterations.leave(endpoint)
+        iterations.finish(partial(begin, endpoint))
         assert iterations.count >= count
         longest[count] = iterations.clock.longest
     assert longest[MANY] <= LIMIT * longest[FEW], longest
+
+
+@pytest.mark.parametrize("watchers", [0, WATCHERS])
+@pytest.mark.parametrize("hub_class", [FoxgloveHub, HubWithTokens])
+@pytest.mark.parametrize("kind", LEAVING)
+def test_registrations_are_removed_one_by_one(
+    kind: str, hub_class: type[FoxgloveHub], watchers: int
+) -> None:
+    assert_one_by_one(kind, hub_class, watchers, lambda endpoint: endpoint.leave())
+
+
+@pytest.mark.parametrize("kind", LEAVING)
+def test_registrations_are_withdrawn_one_by_one(kind: str) -> None:
+    nobody = Principal("ann", Rights())
+    assert_one_by_one(kind, HubWithTokens, 0, lambda endpoint: endpoint.authorize(nobody))
+
+
+def test_connection_is_closed_if_a_right_cannot_be_withdrawn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hub = HubWithTokens()
+    client, viewer = hub.client("/robot"), hub.foxglove_client("/viewer")
+    client.send("advertise", "/topic", type=INT32)
+    viewer.advertise("/topic", INT32)
+    monkeypatch.setattr(hub.graph, "is_source_allowed", Mock(side_effect=ValueError))
+    for each in (client, viewer):
+        with pytest.raises(ValueError):
+            finish(each.session.authorize(Principal("ann", Rights())))
+        assert each.closings == [RESTART]
+    assert not hub.graph.topics
 
 
 def test_one_that_fails_keeps_no_other_from_being_removed(

@@ -56,6 +56,10 @@ class Reading:
     def receive(self, data: bytes, first: int = TEXT) -> None:
         """Handle a message, and one behind it, in as many turns as it takes."""
         self.clock.measure(lambda: self.reader.receive(frame(first, data) + frame(TEXT, b"{}")))
+        self.finish()
+
+    def finish(self) -> None:
+        """Handle what has come, in as many turns as it takes."""
         while self.reader.is_paused:
             self.turns += 1
             self._turns.began = self.clock()
@@ -77,6 +81,30 @@ def assert_short_stretches(prepare: Callable[[int], Iterator[tuple[Reading, byte
             assert reading.turns >= count
         longest[count] = reading.clock.longest
     assert longest[MANY] <= LIMIT * longest[FEW] + LOG_LINE, longest
+
+
+def test_what_is_done_first_precedes_the_rest_of_a_message() -> None:
+    done: list[str] = []
+
+    def steps(name: str) -> Iterator[None]:
+        for each in range(3):
+            done.append(f"{name} {each}")
+            yield
+
+    class Recorder:
+        """Notes the steps of each message."""
+
+        def receive_text(self, data: bytes) -> Iterator[None]:
+            return steps(data.decode())
+
+    endpoint: Any = Recorder()
+    reading = Reading(endpoint)
+    reader = reading.reader
+    reading.clock.measure(lambda: reader.receive(frame(TEXT, b"one") + frame(TEXT, b"two")))
+    reading.clock.measure(lambda: reader.do_first(steps("rights")))
+    reading.finish()
+    names = ["one", *["rights"] * 3, *["one"] * 2, *["two"] * 3]
+    assert [each.split()[0] for each in done] == names
 
 
 # rosbridge

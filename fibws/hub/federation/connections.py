@@ -115,9 +115,10 @@ class LinkEndpoint:
         """Return 0: limits of a client's registrations are not for hubs."""
         return 0
 
-    def authorize(self, principal: Principal) -> None:
+    def authorize(self, principal: Principal) -> Work:
         """Close the connection: the hub joins again, with its new rights."""
         self.close(RESTART)
+        return iter(())
 
     def revoke(self) -> None:
         """Do nothing: what the other hub's nodes have here ends with the link."""

@@ -20,6 +20,7 @@ from fibws.hub.foxglove.messages import PlaybackRequest, playback_frame
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Call
 from fibws.hub.graph.topic import SinkReport, Topic
+from fibws.hub.websocket.endpoint import Work
 
 CONTROL, STATE = "fibws_msgs/ControlPlayback", "fibws_msgs/PlaybackState"
 """The types of the service and the topic of a player."""
@@ -148,11 +149,12 @@ class Playback:
         self._calls.clear()
         self._unsubscribe()
 
-    def withdraw_forbidden(self) -> None:
-        """End the calls that the client's rights do not allow any more."""
+    def withdraw_forbidden(self) -> Work:
+        """End, one by one, the calls that the client's rights do not allow any more."""
         for call in list(self._calls):
-            if not self._client.is_allowed("call", call.service.name):
+            if call in self._calls and not self._client.is_allowed("call", call.service.name):
                 call.withdraw()
+            yield
 
     # As a sink.
 

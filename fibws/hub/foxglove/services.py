@@ -20,7 +20,7 @@ from fibws.hub.foxglove.messages import (
 from fibws.hub.graph.service import Call
 from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import INTERNAL_ERROR, shortened
-from fibws.hub.websocket.endpoint import Removals
+from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.interfaces.serialization import Serializer
 from fibws.protocol.value_limits import check_json
 
@@ -63,11 +63,12 @@ class Calls:
         self._fail(request.service, request.call, text)
         self._client.statuses.log(f"service {request.service}: {text}", fault=fault)
 
-    def withdraw_forbidden(self) -> None:
-        """End the calls that the client's rights do not allow any more."""
+    def withdraw_forbidden(self) -> Work:
+        """End, one by one, the calls that the client's rights do not allow any more."""
         for call in list(self._waiting):
-            if not self._client.is_allowed("call", call.service.name):
+            if call in self._waiting and not self._client.is_allowed("call", call.service.name):
                 call.withdraw()
+            yield
 
     def leave(self) -> Removals:
         """Return the calls that are to be abandoned."""

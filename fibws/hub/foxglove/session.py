@@ -61,8 +61,16 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening, Part, Registration, Removals, Work, remove_all
-from fibws.protocol.websocket import REPLACED, Payload
+from fibws.hub.websocket.endpoint import (
+    Opening,
+    Part,
+    Registration,
+    Removals,
+    Work,
+    remove_all,
+    withdraw_all,
+)
+from fibws.protocol.websocket import REPLACED, RESTART, Payload
 
 CAPABILITIES = (
     *("clientPublish", "parameters", "parametersSubscribe"),
@@ -304,18 +312,23 @@ class Session:
             return len(self._subscriptions.by_id)
         return len(self._publications)
 
-    def authorize(self, principal: Principal) -> None:
+    def authorize(self, principal: Principal) -> Work:
         """Use the rights of a principal from now on; see `Endpoint.authorize`."""
         graph = self._client.graph
         graph.authorize(self.node, principal)
-        for part in (self.calls, self._playback, self._publications, self._subscriptions):
-            part.withdraw_forbidden()
         self._channels.changed(*graph.topics, *self._channels.known)
         self._undefined.changed(*graph.topics, *self._undefined.known)
         self._services.changed(*graph.services, *self._services.known)
         self._playback.changed(*graph.services)
         if self._graph_feed is not None:
             self._graph_feed.changed(*_graph_keys(graph), *self._graph_feed.known)
+        parts = (self.calls, self._playback, self._publications, self._subscriptions)
+        return withdraw_all((part.withdraw_forbidden() for part in parts), self._fail)
+
+    def _fail(self) -> None:
+        """Close the connection, which may be opened again: some rights could not be withdrawn."""
+        self.revoke()
+        self._close(RESTART)
 
     def revoke(self) -> None:
         """Take all rights from the client, which is about to leave."""

@@ -25,7 +25,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import is_power_of_ten
-from fibws.hub.websocket.endpoint import Removals
+from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.value_limits import check_json
 from fibws.protocol.websocket import BINARY, server_header
@@ -245,13 +245,14 @@ class Subscriptions:
         """Return the topics' global names."""
         return {each.topic.name for each in self.by_id.values()}
 
-    def withdraw_forbidden(self) -> None:
-        """End the subscriptions that the client's rights do not allow any more."""
+    def withdraw_forbidden(self) -> Work:
+        """End, one by one, the subscriptions that the client's rights do not allow any more."""
         for id_, subscription in list(self.by_id.items()):
             name = subscription.topic.name
-            if not self.client.is_allowed("subscribe", name):
+            if id_ in self.by_id and not self.client.is_allowed("subscribe", name):
                 self.remove(id_)
                 self.client.report_withdrawn("subscribe", name)
+            yield
 
     def leave(self) -> Removals:
         """Return the subscriptions that are to be ended."""
@@ -361,14 +362,14 @@ class Publications:
         except FibwsError as error:
             raise OperationError(f"{source.topic.name}: {error}") from None
 
-    def withdraw_forbidden(self) -> None:
-        """Take back what the client's rights do not allow any more."""
-        lost = {each for each in self._uses if not self._client.graph.is_source_allowed(each)}
+    def withdraw_forbidden(self) -> Work:
+        """Take back, one by one, what the client's rights do not allow any more."""
         for id_, (source, _) in list(self._channels.items()):
-            if source in lost:
+            if id_ in self._channels and not self._client.graph.is_source_allowed(source):
                 self.remove(id_)
-        for source in lost:
-            self._client.report_withdrawn("publish", source.topic.name)
+                if source not in self._uses:
+                    self._client.report_withdrawn("publish", source.topic.name)
+            yield
 
     def leave(self) -> Removals:
         """Publish nothing any more, and return the sources that are to be removed."""

@@ -717,7 +717,7 @@ class Graph:
         self._serve(Service(name, self._types.service(type_), InternalServer(node, function)))
 
     def _serve(self, service: Service) -> Service:
-        older = self.services.get(service.name)
+        older = self._service(service.name)
         self.services[service.name] = service
         self._types.hold(service.type, service, partial(self._described_service, service))
         if older is not None:

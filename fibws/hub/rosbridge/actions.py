@@ -7,7 +7,7 @@ from typing import Any
 from fibws.errors import FibwsError, InvalidMessage, OperationError
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_service
 from fibws.hub.rosbridge.client import Client, check_room
-from fibws.hub.websocket.endpoint import Removals
+from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.operations import (
     ActionFeedback,
@@ -101,11 +101,14 @@ class Goals:
         """Send the client a goal's end."""
         self._respond(self._pop(goal), status, values, code)
 
-    def withdraw_forbidden(self) -> None:
-        """Cancel the goals that the client's rights do not allow any more."""
+    def withdraw_forbidden(self) -> Work:
+        """Cancel, one by one, the goals that the client's rights do not allow any more."""
+        client = self._client
         for goal in list(self._sent):
-            if not self._client.graph.is_allowed(self._client.node, "call", goal.action.name):
+            is_allowed = client.graph.is_allowed(client.node, "call", goal.action.name)
+            if goal in self._sent and not is_allowed:
                 goal.withdraw()
+            yield
 
     def leave(self) -> Removals:
         """Wait for no result any more, and return the goals that are to be cancelled."""
@@ -171,28 +174,37 @@ class Actions:
         self._client.check_legal(request.id, request.action, name)
         statuses.info(request.id, f"{self.node} serves {name} ({type_.name})")
 
-    def unadvertise(self, request: UnadvertiseAction) -> None:
-        """Serve an action no more; goals that have not ended are aborted."""
+    def unadvertise(self, request: UnadvertiseAction) -> Work | None:
+        """Serve an action no more; return the steps that abort goals that have not ended."""
         name = self._client.resolve(request.action)
-        if name in self._served:
-            self._remove(name)
+        return self._remove(name) if name in self._served else None
 
-    def _remove(self, name: str) -> None:
+    def _remove(self, name: str) -> Work:
         action, _ = self._served.pop(name, (None, ""))
         if action is not None:
             self._client.graph.remove_action(action)
+        return self._abort(name)
+
+    def _abort(self, name: str) -> Work:
         for goal in list(self._goals_of.get(name, {}).values()):
             goal.fail(f"Action {name} was unadvertised", "server_lost")
+            yield
 
-    def withdraw_forbidden(self) -> None:
-        """Take back the actions that the client's rights do not allow any more.
+    def withdraw_forbidden(self) -> Work:
+        """Take back, one by one, the actions that the client's rights do not allow any more.
 
-        Another server may have displaced the client; the goals that it still has are aborted, too.
+        Another server may have displaced the client; the goals that it still has are aborted, too,
+        and the client is asked to stop executing them.
         """
-        for name in {**self._served, **self._goals_of}:
+        for name in dict.fromkeys((*self._served, *self._goals_of)):
             if not self._client.graph.is_allowed(self.node, "provide", name):
-                self._remove(name)
+                for goal in list(self._goals_of.get(name, {}).values()):
+                    if goal.id in self._goals:
+                        goal.cancel()
+                    yield
+                yield from self._remove(name)
                 self._client.report_withdrawn("provide", name)
+            yield
 
     def execute(self, goal: Goal) -> None:
         """Pass a goal to the client."""

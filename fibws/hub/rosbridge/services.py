@@ -13,7 +13,7 @@ from fibws.errors import FibwsError, InvalidMessage, InvalidName, NotAllowed
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import Client, check_room
-from fibws.hub.websocket.endpoint import Removals
+from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.protocol.operations import (
     AdvertiseService,
     CallService,
@@ -84,11 +84,14 @@ class Calls:
         if isinstance(service, str) and id_ is not None:
             self._fail(WaitingCall(id_, service, None, inf, headers=False), text, code)
 
-    def withdraw_forbidden(self) -> None:
-        """End the calls that the client's rights do not allow any more."""
+    def withdraw_forbidden(self) -> Work:
+        """End, one by one, the calls that the client's rights do not allow any more."""
+        client = self._client
         for call in list(self._waiting):
-            if not self._client.graph.is_allowed(self._client.node, "call", call.service.name):
+            is_allowed = client.graph.is_allowed(client.node, "call", call.service.name)
+            if call in self._waiting and not is_allowed:
                 call.withdraw()
+            yield
 
     def leave(self) -> Removals:
         """Wait for no response any more, and return the calls that are to be abandoned."""
@@ -246,31 +249,35 @@ class Services:
         self._client.check_legal(request.id, request.service, name)
         statuses.info(request.id, f"{self.node} provides {name} ({type_.name})")
 
-    def unadvertise(self, request: UnadvertiseService) -> None:
-        """Serve a service no more; calls that wait for a response fail at once."""
+    def unadvertise(self, request: UnadvertiseService) -> Work | None:
+        """Serve a service no more; return the steps that fail the calls that wait."""
         if request.service is None:
             # ros-sharp sends no name, by mistake: that takes none back.
-            return
+            return None
         name = self._client.resolve(request.service)
-        if name in self._served:
-            self._remove(name)
+        return self._remove(name) if name in self._served else None
 
-    def _remove(self, name: str) -> None:
+    def _remove(self, name: str) -> Work:
         served = self._served.pop(name, None)
         if served is not None:
             self._client.graph.remove_service(served.service)
+        return self._fail_all(name)
+
+    def _fail_all(self, name: str) -> Work:
         for id_ in list(self._calls_of.get(name, ())):
             self._fail(id_, f"Service {name} was unadvertised", "server_lost")
+            yield
 
-    def withdraw_forbidden(self) -> None:
-        """Take back the services that the client's rights do not allow any more.
+    def withdraw_forbidden(self) -> Work:
+        """Take back, one by one, the services that the client's rights do not allow any more.
 
         Another server may have displaced the client; the calls that it still has fail, too.
         """
-        for name in {**self._served, **self._calls_of}:
+        for name in dict.fromkeys((*self._served, *self._calls_of)):
             if not self._client.graph.is_allowed(self.node, "provide", name):
-                self._remove(name)
+                yield from self._remove(name)
                 self._client.report_withdrawn("provide", name)
+            yield
 
     def handle(self, call: Call) -> None:
         """Pass a call to the client."""

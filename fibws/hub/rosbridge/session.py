@@ -40,7 +40,15 @@ from fibws.hub.rosbridge.statuses import Report, Statuses, ignore
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening, Part, Registration, Removals, Work, remove_all
+from fibws.hub.websocket.endpoint import (
+    Opening,
+    Part,
+    Registration,
+    Removals,
+    Work,
+    remove_all,
+    withdraw_all,
+)
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
@@ -74,6 +82,7 @@ from fibws.protocol.websocket import (
     LIMITED,
     MISSING_TOKEN,
     REPLACED,
+    RESTART,
     UNAUTHENTICATED,
     Payload,
     close_reason,
@@ -172,8 +181,9 @@ class TokenWait:
         """Return 0: the client can register nothing."""
         return 0
 
-    def authorize(self, principal: Principal) -> None:
+    def authorize(self, principal: Principal) -> Work:
         """Do nothing: the client has no rights yet."""
+        return iter(())
 
     def revoke(self) -> None:
         """Do nothing: the client has no rights yet."""
@@ -412,12 +422,17 @@ class Session:
         actions = self._actions.services() if self._actions is not None else ()
         return len(self.topics.sources) + len(services) + len(actions)
 
-    def authorize(self, principal: Principal) -> None:
+    def authorize(self, principal: Principal) -> Work:
         """Use the rights of a principal from now on; see `Endpoint.authorize`."""
         self._client.graph.authorize(self.node, principal)
-        for part in (self._actions, self._goals, self._services, self._calls, self.topics):
-            if part is not None:
-                part.withdraw_forbidden()
+        parts = (self._actions, self._goals, self._services, self._calls, self.topics)
+        withdrawing = (part.withdraw_forbidden() for part in parts if part is not None)
+        return withdraw_all(withdrawing, self._fail)
+
+    def _fail(self) -> None:
+        """Close the connection, which may be opened again: some rights could not be withdrawn."""
+        self.revoke()
+        self._close(RESTART)
 
     def revoke(self) -> None:
         """Take all rights from the client, which is about to leave."""
@@ -577,7 +592,7 @@ class Session:
             case AdvertiseService():
                 self.services.advertise(request)
             case UnadvertiseService():
-                self.services.unadvertise(request)
+                return self.services.unadvertise(request)
             case SendActionGoal():
                 self.goals.send(request)
             case CancelActionGoal():
@@ -589,11 +604,11 @@ class Session:
             case AdvertiseAction():
                 self.actions.advertise(request)
             case UnadvertiseAction():
-                self.actions.unadvertise(request)
+                return self.actions.unadvertise(request)
             case Fragment():
                 return self._reassemble(request)
             case Auth():
-                self._authenticate(request)
+                return self._authenticate(request)
             case SetWill():
                 self.topics.set_will(request)
             case ClearWill():
@@ -604,16 +619,16 @@ class Session:
                 assert_never(request)
         return None
 
-    def _authenticate(self, request: Auth) -> None:
+    def _authenticate(self, request: Auth) -> Work | None:
         """Change to the principal of a token; a wrong token changes nothing."""
         if self._log_in is None:
             # A hub without authentication accepts all credentials.
             text = "auth: ignored, no authentication is enabled"
             self._statuses.warning(request.id, text)
-            return
+            return None
         principal = self._log_in(token_of(request))
         try:
-            self.authorize(principal)
+            withdrawing = self.authorize(principal)
         except NotAllowed as error:
             # The client is whom it has proved to be, and that one may not be this node. Operations
             # in the same text must not outlive it.
@@ -621,7 +636,12 @@ class Session:
             close = partial(self._close, close_reason(FORBIDDEN, str(error)))
             self._client.clock.call_later(0, close)
             raise
-        self._statuses.info(request.id, f"auth: this client is {principal.name}")
+        text = f"auth: this client is {principal.name}"
+        return chain(withdrawing, self._inform(request.id, text))
+
+    def _inform(self, id_: Any, text: str) -> Work:
+        self._statuses.info(id_, text)
+        yield
 
     def _reassemble(self, fragment: Fragment) -> Work | None:
         """Add a fragment; return what is left to do if its text is complete."""

@@ -26,7 +26,7 @@ from fibws.hub.rosbridge.encodings import COMPRESSIONS
 from fibws.hub.rosbridge.peers import PeerReports
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.hub.rosbridge.wills import Wills
-from fibws.hub.websocket.endpoint import Removals
+from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.protocol.operations import (
     Acknowledge,
     Advertise,
@@ -399,18 +399,20 @@ class Topics:
 
     # Both.
 
-    def withdraw_forbidden(self) -> None:
-        """Take back what the client's rights do not allow any more."""
+    def withdraw_forbidden(self) -> Work:
+        """Take back, one by one, what the client's rights do not allow any more."""
         graph, node = self._client.graph, self._client.node
         for spelling, source in list(self.sources.items()):
-            if not graph.is_source_allowed(source):
+            if spelling in self.sources and not graph.is_source_allowed(source):
                 self.unadvertise(Unadvertise(topic=spelling))
                 self._client.report_withdrawn("publish", source.topic.name)
+            yield
         for spelling, subscription in list(self.subscriptions.items()):
             name = subscription.topic.name
-            if not graph.is_allowed(node, "subscribe", name):
+            if spelling in self.subscriptions and not graph.is_allowed(node, "subscribe", name):
                 self.unsubscribe(Unsubscribe(topic=spelling))
                 self._client.report_withdrawn("subscribe", name)
+            yield
 
     def leave(self) -> Removals:
         """Publish the wills, accept nothing more, and return what is to be removed."""

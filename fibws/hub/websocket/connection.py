@@ -525,9 +525,14 @@ class Connection(asyncio.BufferedProtocol):
         try:
             principal = self._again()
             if principal != self.principal:
-                self.endpoint.authorize(principal)
+                withdrawing = self.endpoint.authorize(principal)
                 self.principal = principal
                 self._join(principal)
+                self._shared.turns.began = self._shared.turns.clock()
+                self._reader.do_first(withdrawing)
+                if self._is_held() and not self._waiting:
+                    self._busy = True
+                    self._wait()
         except LimitReached as error:
             self.fail(_refusal(error, f"{when}: "))
             return False

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import socket
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import Any, Literal, Protocol, TypeAlias
@@ -64,6 +64,16 @@ def remove_all(removals: Removals) -> Work:
             yield
 
 
+def withdraw_all(parts: Iterable[Work], fail: Callable[[], object]) -> Work:
+    """Take the steps of all parts; call a function if one fails: no right may outlive that."""
+    try:
+        for steps in parts:
+            yield from steps
+    except Exception:
+        fail()
+        raise
+
+
 class Endpoint(Protocol):
     """One client's protocol on one connection."""
 
@@ -99,8 +109,12 @@ class Endpoint(Protocol):
     def registrations(self, what: Registration) -> int:
         """Return how many of something the client has registered."""
 
-    def authorize(self, principal: Principal) -> None:
-        """Use these rights from now on, and remove registrations that they do not allow.
+    def authorize(self, principal: Principal) -> Work:
+        """Use these rights from now on.
+
+        Returns:
+            Steps that remove registrations that they do not allow. They come before whatever else
+            the client sends, or has sent.
 
         Raises:
             NotAllowed: the client may not be its node any more.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 import math
+from itertools import chain
 from typing import Protocol
 
 from websockets.frames import Frame, Opcode
@@ -216,6 +217,14 @@ class MessageReader:
         meter = self._quotas.meter  # A login in these bytes may have changed it.
         if meter is not None:
             self._measure(meter, now)
+
+    def do_first(self, work: Work) -> None:
+        """Do something before all that the client has sent, for one turn at first."""
+        if self._stopped:
+            return
+        self._work = work if self._work is None else chain(work, self._work)
+        if not self._take_steps():
+            self._parser.pause()
 
     def end(self) -> None:
         """Pass the rest of a frame to the library: the client sends no more."""

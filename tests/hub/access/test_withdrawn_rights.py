@@ -217,6 +217,15 @@ async def test_action_and_its_goals_end_with_the_right_to_it(scene: Scene, lose:
     assert "/done" not in scene.hub.graph.actions
 
 
+async def test_server_that_loses_its_right_is_told_to_cancel(scene: Scene) -> None:
+    await scene.user.does("advertise_action", action="/done", type=FIBONACCI)
+    goal = {"action": "/done", "action_type": FIBONACCI}
+    await scene.watcher.send("send_action_goal", id="1", args={"order": 1}, **goal)
+    id_ = (await scene.user.receive("send_action_goal"))["id"]
+    await withdraw(scene)
+    assert (await scene.user.receive("cancel_action_goal"))["id"] == id_
+
+
 async def test_displaced_server_loses_the_calls_that_it_still_has(scene: Scene) -> None:
     await scene.user.does("advertise_service", service="/served", type=TRIGGER)
     await scene.boss.send("call_service", service="/served", id="1")

@@ -11,7 +11,7 @@ from fibws.access.rights import Principal, Rights
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.foxglove.messages import PlaybackRequest, parse_binary
 
-from ..fakes import Client
+from ..fakes import Client, finish
 from .foxglove_client import FoxgloveClient, FoxgloveHub
 
 STATE = """\
@@ -233,9 +233,9 @@ def test_player_needs_the_rights_to_call_and_subscribe() -> None:
     more = Rights({"subscribe": ["/play/playback"], "call": ["/play/*"]})
     client = hub.foxglove_client(None, principal=Principal("guest", fewer))
     assert client.receive() == []
-    client.session.authorize(Principal("guest", more))
+    finish(client.session.authorize(Principal("guest", more)))
     assert len(states(client)) == 1
-    client.session.authorize(Principal("guest", fewer))
+    finish(client.session.authorize(Principal("guest", fewer)))
     client.receive()
     assert "playbackControl" not in client.info["capabilities"]
     player.publish()

@@ -13,7 +13,7 @@ from fibws.access.rights import RIGHTS, Principal, Right, Rights
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.graph.policy import RIGHTS_OF, Kind
 
-from ..fakes import ADD, INT32, number
+from ..fakes import ADD, INT32, finish, number
 from .foxglove_client import FoxgloveClient, FoxgloveHub
 
 ADMIN = Principal("admin", Rights(admin=True))
@@ -95,7 +95,7 @@ def test_rights_that_are_lost_take_everything_with_them() -> None:
     client.send("subscribeConnectionGraph")
     client.receive()
     fewer = Rights({"subscribe": ["/open"], "call": ["/open_service"]})
-    client.session.authorize(Principal("guest", fewer))
+    finish(client.session.authorize(Principal("guest", fewer)))
     received = client.receive()
     statuses = [each for each in received if isinstance(each, dict) and each["op"] == "status"]
     assert len(statuses) == 2
@@ -109,7 +109,7 @@ def test_rights_that_are_lost_take_everything_with_them() -> None:
     admin.send("publish", "/secret", msg=number(1))
     admin.send("publish", "/open", msg=number(2))
     assert [data for *_, data in client.receive_messages()] == [struct.pack("<i", 2)]
-    client.session.authorize(Principal("guest", Rights({"subscribe": ["/**"]})))
+    finish(client.session.authorize(Principal("guest", Rights({"subscribe": ["/**"]}))))
     client.receive()
     assert set(client.channels) == {"/open", "/secret"}
 
@@ -169,7 +169,7 @@ def test_call_ends_with_the_right_to_it() -> None:
     _, admin, client = hub_with(call=["/open_service"])
     client.call(client.services["/open_service"]["id"], bytes(16))
     call = admin.receive_one("call_service")
-    client.session.authorize(Principal("guest", Rights()))
+    finish(client.session.authorize(Principal("guest", Rights())))
     failure, *_ = client.receive()
     assert isinstance(failure, dict)
     assert failure["op"] == "serviceCallFailure"

@@ -48,7 +48,7 @@ class Echo:
     def registrations(self, what: Registration) -> int:
         return 0
 
-    def authorize(self, principal: Principal) -> None:
+    def authorize(self, principal: Principal) -> Work:
         raise AssertionError("the hub has no authentication")
 
     def revoke(self) -> None:

@@ -209,7 +209,7 @@ class Slow:
     def registrations(self, what: Registration) -> int:
         return 0
 
-    def authorize(self, principal: Principal) -> None:
+    def authorize(self, principal: Principal) -> Work:
         raise AssertionError("the hub has no authentication")
 
     def revoke(self) -> None:
