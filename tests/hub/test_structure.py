@@ -1,0 +1,121 @@
+"""What goes through many things of a client is a generator, whose steps share the time of all.
+
+Nothing here is run: the code's structure is looked at, since the next operation with a list is
+written by somebody who does not know that one client's list must not make others wait.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+
+import fibws.hub
+from fibws.hub.federation.records import Announcement
+from fibws.hub.foxglove.messages import Operation
+from fibws.protocol.operations import Request
+
+HUB = Path(fibws.hub.__file__).parent
+MODULES = sorted(
+    path.relative_to(HUB).as_posix()
+    for folder in ("rosbridge", "foxglove", "federation")
+    for path in HUB.glob(f"{folder}/*.py")
+)
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+Loop = ast.For | ast.AsyncFor | ast.comprehension
+
+AT_ONCE = {
+    ("federation/federation.py", "announced"): "a record has 1 MiB at most, and few of a kind",
+    ("federation/announced.py", "take"): "a record has 1 MiB at most: 50 ms",
+    ("federation/link.py", "_halves"): "an announcement of this hub, made within a turn",
+    ("rosbridge/session.py", "leave"): "the parts of a session",
+    ("rosbridge/services.py", "leave"): "lists what is removed later",
+    ("rosbridge/actions.py", "leave"): "lists what is removed later",
+    ("foxglove/session.py", "leave"): "the parts of a session",
+    ("foxglove/playback.py", "leave"): "requests of one player, of which --max-calls may wait",
+}
+"""The functions that may go through something at once, and why."""
+
+
+def list_fields(*models: Any) -> set[str]:
+    """Return the names of the fields that hold several things."""
+    return {
+        name
+        for model in models
+        for name, field in model.model_fields.items()
+        if any(kind in str(field.annotation) for kind in ("list[", "tuple[", "dict["))
+    }
+
+
+SENT = list_fields(*get_args(Operation), *get_args(Request), Announcement) - {"headers"}
+"""The lists that clients and hubs send; headers are for those who are called."""
+
+
+def functions(module: str) -> Iterator[Function]:
+    tree = ast.parse((HUB / module).read_text("utf-8"))
+    return (each for each in ast.walk(tree) if isinstance(each, Function))
+
+
+def own_nodes(function: Function) -> Iterator[ast.AST]:
+    """Yield what is in a function, but not in functions inside it."""
+    waiting: list[ast.AST] = [*function.body]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        if not isinstance(node, Function | ast.Lambda):
+            waiting += ast.iter_child_nodes(node)
+
+
+def is_generator(function: Function) -> bool:
+    return any(isinstance(each, ast.Yield | ast.YieldFrom) for each in own_nodes(function))
+
+
+def sent_list(expression: ast.expr) -> str | None:
+    """Return the name of the list of a message that an expression is, or is made of."""
+    for node in ast.walk(expression):
+        if isinstance(node, ast.Attribute) and node.attr in SENT:
+            if isinstance(node.value, ast.Name) and node.value.id != "self":
+                return node.attr
+    return None
+
+
+def loops_at_once(module: str) -> Iterator[tuple[str, Loop]]:
+    """Yield the loops of functions that are no generators, with the functions' names."""
+    for function in functions(module):
+        if not is_generator(function):
+            for node in own_nodes(function):
+                if isinstance(node, Loop):
+                    yield function.name, node
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_lists_of_messages_are_gone_through_by_generators(module: str) -> None:
+    found = {
+        (module, name): ast.unparse(loop.iter)
+        for name, loop in loops_at_once(module)
+        if sent_list(loop.iter)
+    }
+    assert found.keys() <= AT_ONCE.keys(), found
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_what_is_left_or_withdrawn_is_gone_through_by_generators(module: str) -> None:
+    names = ("leave", "forget", "withdraw_forbidden", "_remove_all")
+    found = {
+        (module, name): ast.unparse(loop.iter)
+        for name, loop in loops_at_once(module)
+        if name in names
+    }
+    assert found.keys() <= AT_ONCE.keys(), found
+
+
+def test_table_has_no_function_that_is_gone() -> None:
+    found = {(module, name) for module in MODULES for name, _ in loops_at_once(module)}
+    assert AT_ONCE.keys() <= found
+
+
+def test_lists_are_known() -> None:
+    assert {"subscriptions", "channels", "parameters", "topics", "nodes"} <= SENT
