@@ -514,6 +514,7 @@ class Hub:
             for connection in list(self._connections):
                 connection.abort()
         await self._empty.wait()
+        self._shared.turns.close()
 
     async def _wait_until_closed(self, server: asyncio.Server) -> None:
         with suppress(TimeoutError):  # Clients may be in the middle of their TLS handshake.

@@ -50,6 +50,9 @@ class ServiceLinks(Protocol):
     def unregister(self, node: Ros1Node, service: str) -> None:
         """Remove it."""
 
+    def withdraw_forbidden(self) -> Iterator[None]:
+        """End, one by one, the calls of ROS 1 clients that their rights do not allow any more."""
+
 
 class SavedNode(NamedTuple):
     """A node and its registrations, for a hub that starts later."""
@@ -273,6 +276,8 @@ class Ros1Nodes:
     async def _apply_rights(self) -> None:
         """Attach what the nodes may use now, and detach what they may not, in slices."""
         graph = self._graph
+        for _ in self.service_links.withdraw_forbidden():
+            await asyncio.sleep(0)
         for node in list(self.by_name.values()):
             await asyncio.sleep(0)
             if self.by_name.get(node.name) is not node:

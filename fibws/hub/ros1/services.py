@@ -31,6 +31,7 @@ from fibws.hub.ros1.rosrpc import INSTANT, Address, ServiceConnection, ServiceCo
 from fibws.hub.ros1.tcpros import ANY, LENGTH, require
 from fibws.hub.ros1.topic_registrations import CLIENT
 from fibws.hub.settings import Settings
+from fibws.hub.websocket.endpoint import Work
 from fibws.interfaces.json_text import json_of
 from fibws.interfaces.serialization import Serializer
 
@@ -362,6 +363,7 @@ class ServedClient:
         call.start()
         timeout = self._links.settings.service_timeout
         timer = loop.call_later(timeout, call.time_out, timeout) if timeout else None
+        self._links.calls[call] = None
         try:
             result = await done
             if isinstance(result, CallFailed):
@@ -371,6 +373,7 @@ class ServedClient:
             call.abandon()
             raise
         finally:
+            del self._links.calls[call]
             if timer is not None:
                 timer.cancel()
 
@@ -392,6 +395,8 @@ class ServiceLinks:
         self.probes = asyncio.Semaphore(MOST_PROBES)
         self._remote: dict[str, RemoteService] = {}
         """The services of ROS 1 nodes by their names."""
+        self.calls: dict[Call, None] = {}
+        """Calls of ROS 1 clients that wait for a response."""
         self._tasks: set[asyncio.Task[Any]] = set()
 
     def register(self, node: Ros1Node, service: str, uri: str) -> None:
@@ -442,6 +447,14 @@ class ServiceLinks:
         except FibwsError as error:
             raise TcprosError(str(error)) from None
         return client
+
+    def withdraw_forbidden(self) -> Work:
+        """End, one by one, the calls of ROS 1 clients that their rights do not allow any more."""
+        for call in list(self.calls):
+            if call in self.calls:
+                if not self.graph.is_allowed(call.caller, "call", call.service.name):
+                    call.withdraw()
+            yield
 
     def displaced(self, remote: RemoteService) -> None:
         """Take note that another server has taken over a service."""

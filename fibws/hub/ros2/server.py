@@ -53,6 +53,7 @@ class Ros2:
     def set_principal(self, principal: Principal) -> None:
         """Give ROS 2 nodes the rights of a principal."""
         self.nodes.set_principal(principal)
+        self._services.withdraw_forbidden()
         self._topics.start()
         self._services.start()
 

@@ -187,7 +187,7 @@ class Ros2Services:
         self._timeout = timeout
         self._servers: dict[str, Ros2Server] = {}
         self._own_services: dict[str, OwnService] = {}
-        self._requests = 0
+        self._requests: set[Call] = set()
         """Calls of ROS 2 clients that wait for a response."""
         self._left: deque[Ros2Server] = deque()
         """Those of nodes that have left, which are still to be ended."""
@@ -253,6 +253,15 @@ class Ros2Services:
                 return
         self._timer.cancel()
         self._timer = None
+
+    def withdraw_forbidden(self) -> None:
+        """End the calls of ROS 2 clients that their rights do not allow any more.
+
+        They are at most `MOST_REQUESTS`.
+        """
+        for call in list(self._requests):
+            if not self._graph.is_allowed(call.caller, "call", call.service.name):
+                call.withdraw()
 
     def _node_changed(self, name: str) -> None:
         if name not in self._graph.nodes:
@@ -366,7 +375,7 @@ class Ros2Services:
     ) -> None:
         """Call a service for a ROS 2 client."""
         name = own.service.name
-        if self._requests >= MOST_REQUESTS:
+        if len(self._requests) >= MOST_REQUESTS:
             respond(None, f"too many requests wait for this hub (limit {MOST_REQUESTS})")
             return
         entity = self._nodes.of_gid(attachment.gid)
@@ -393,13 +402,13 @@ class Ros2Services:
         convert = own.type.response.to_cdr
         ended: list[Callable[[], object]] = []
 
-        def end() -> None:
-            self._requests -= 1
+        def end(call: Call) -> None:
+            self._requests.discard(call)
             for each in ended:
                 each()
 
         def succeeded(call: Call, text: bytes) -> None:
-            end()
+            end(call)
             try:
                 values = call.response if call.response is not None else from_json(text)
                 response = out.serialize(values)
@@ -410,12 +419,12 @@ class Ros2Services:
             respond(lambda: (convert(response), echo))
 
         def failed(call: Call, text: str, code: str) -> None:
-            end()
+            end(call)
             respond(None, text)
 
         values = read_values(into, data, "strict")
         call = self._graph.call(name, values, caller, succeeded, failed)
-        self._requests += 1
+        self._requests.add(call)
         if self._timeout:
             timer = self._clock.call_later(self._timeout, lambda: call.time_out(self._timeout))
             ended.append(timer.cancel)

@@ -53,6 +53,11 @@ class _Rest:
                 self._turns.wait(self)
                 return
 
+    def finish(self) -> None:
+        """Take all steps."""
+        for _ in self._work:
+            pass
+
     def abort(self) -> None:
         """Drop what is left: a step has failed."""
 
@@ -134,6 +139,12 @@ class Turns:
         self.began, self._length = now, TURN
         rest.take_turn()
         self.began, self._length = present
+
+    def close(self) -> None:
+        """Do what clients have left behind, at once: the hub ends."""
+        for each in list(self._waiting):
+            if isinstance(each, _Rest):
+                each.finish()
 
     def _run(self) -> None:
         # What the others have just published must not wait for this.

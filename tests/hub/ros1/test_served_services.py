@@ -5,10 +5,15 @@ from __future__ import annotations
 import asyncio
 import struct
 from collections.abc import AsyncIterator, Callable
+from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
+from conftest import StartHub
 
+from fibws.access.rights import Rights
+from fibws.access.token_file import TokenFile
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import AllowAll
 from fibws.hub.graph.service import Call, Service
@@ -251,6 +256,36 @@ async def test_call_without_a_response_in_time_fails() -> None:
     assert not is_ok
     assert b"/add" in text
     await hub.close()
+
+
+async def test_calls_end_with_the_right_to_them(start_hub: StartHub, tmp_path: Path) -> None:
+    path = tmp_path / "tokens.toml"
+    path.write_text('[ros1]\nallow.call = ["/add", "/other"]\n', "utf-8")
+    TokenFile(path).add("admin", Rights({}))
+    hub = await start_hub(ros1=0, tokens=path)
+    assert hub.ros1 is not None
+    server = Server()
+    hub.graph.internal.add(server.node)
+    clients, services = [], []
+    for name in ("/add", "/other"):
+        services.append(hub.graph.serve(name, ADD, None, server))
+        port = urlsplit(hub.ros1.uri).port
+        assert port is not None
+        client, _ = await FakeClient.connect(port, service=name)
+        client.send(REQUEST)
+        clients.append((client, await server.calls.get()))
+    path.write_text(path.read_text("utf-8").replace('"/add", ', ""), "utf-8")
+    hub.reload()
+    (add_client, call), (other_client, other_call) = clients
+    is_ok, text = await add_client.answer()
+    assert (is_ok, b"the call was ended" in text) == (False, True)
+    assert await server.cancelled.get() is call
+    other_call.respond({"sum": 2**62 - 1})
+    assert await other_client.answer() == (True, SUM)
+    for client, _ in clients:
+        await client.leave()
+    for service in services:
+        hub.graph.remove_service(service)
 
 
 async def test_connection_ends_when_the_service_has_left(hub: ServingHub) -> None:

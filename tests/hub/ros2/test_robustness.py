@@ -246,6 +246,38 @@ async def test_rights_can_change_while_nodes_are_there(
         assert ros2_nodes(hub) == {"/talker"}
 
 
+async def test_calls_end_with_the_right_to_them(
+    start_ros2_hub: StartRos2Hub, tmp_path: Path
+) -> None:
+    path = tmp_path / "tokens.toml"
+    hub, endpoint, admin = await start_with_rights(start_ros2_hub, path, 'call = ["/slow"]')
+    called, ended = asyncio.Event(), asyncio.Event()
+
+    async def wait(request: AddTwoInts.Request) -> AddTwoInts.Response:
+        called.set()
+        await ended.wait()
+        return AddTwoInts.Response()
+
+    async with (
+        Peer(endpoint) as peer,
+        fibws.Node("ours", hub=hub.url, token=admin) as node,
+    ):
+        tokens, changed = await tokens_of(peer, hub)
+        await node.service("/slow", AddTwoInts, wait)
+        await until_tokens(changed, lambda: any("%slow/" in token for token in tokens))
+        attachment = bytes(16) + b"\x10" + bytes(16)
+        call = asyncio.create_task(peer.call("/slow", request(1, 1), attachment))
+        async with asyncio.timeout(PATIENCE):
+            await called.wait()
+        path.write_text(path.read_text().replace('call = ["/slow"]', 'call = ["/none"]'))
+        hub.reload()
+        reply = await call
+        assert reply is not None
+        assert reply.err is not None
+        assert "the call was ended" in reply.err.payload.to_string()
+        ended.set()
+
+
 async def test_ros_2_nodes_cannot_be_ended_from_here(
     hub: Hub, peer: Peer, node: fibws.Node
 ) -> None:

@@ -176,6 +176,41 @@ def test_fault_at_one_connection_cuts_off_only_that_one(faults: Faults) -> None:
     faults.expect("injected")
 
 
+def removing(loop: Loop, count: int, seconds: float, removed: list[int]) -> Work:
+    for each in range(count):
+        loop.now += seconds
+        removed.append(each)
+        yield
+
+
+def test_little_that_a_client_has_left_is_removed_at_once() -> None:
+    loop, removed = Loop(), list[int]()
+    loop.turns.finish(removing(loop, 3, TURN / 10, removed))
+    assert removed == [0, 1, 2]
+    loop.iterate()
+    assert loop.idle
+
+
+def test_clients_that_leave_at_once_share_the_time_of_an_iteration() -> None:
+    loop, removed = Loop(), list[int]()
+    began = loop.now
+    for _ in range(100):
+        loop.turns.finish(removing(loop, 9, TURN / 3, removed))
+    assert loop.now - began < 2 * ITERATION
+    longest = 0.0
+    while not loop.idle:
+        longest = max(longest, loop.iterate())
+    assert len(removed) == 900
+    assert longest < 2 * ITERATION
+
+
+def test_all_is_removed_when_the_hub_ends() -> None:
+    loop, removed = Loop(), list[int]()
+    loop.turns.finish(removing(loop, 100, TURN, removed))
+    loop.turns.close()
+    assert len(removed) == 100
+
+
 # With real connections.
 
 
