@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import shutil
+import sys
 import threading
 import time
 from collections import deque
@@ -196,7 +197,7 @@ class Recorder:
         self._on_end = on_end
         self._open = open_
         self._queue: deque[tuple[Stream, int, Buffer]] = deque()
-        self._room = options.buffer_size or float("inf")
+        self._room = options.buffer_size or sys.maxsize
         self._put = 0
         """Bytes that were put into the buffer, and with `_taken` those that were taken out: each
         is counted by one thread, so that neither waits for the other."""
@@ -265,7 +266,7 @@ class Recorder:
         self._queue.append((stream, received, data))
         self._put += len(data) + MESSAGE_COST
         if self._put - self._taken - self._dropped_bytes > self._room:
-            self._drop_oldest()
+            self.shorten(self._room)
 
     def forget(self, stream: Stream) -> None:
         """Keep nothing of a publisher that has left; its messages so far are still written."""
@@ -280,8 +281,14 @@ class Recorder:
         left = self._left.get(topic)
         return left is not None and not left[0]
 
-    def _drop_oldest(self) -> None:
-        while self._put - self._taken - self._dropped_bytes > self._room:
+    @property
+    def held_bytes(self) -> int:
+        """Bytes of messages that wait, and of latched ones that the next files begin with."""
+        return max(0, self._put - self._taken - self._dropped_bytes) + self._latched_bytes
+
+    def shorten(self, size: int) -> None:
+        """Drop the oldest messages that wait, until ``size`` bytes of them are left."""
+        while self._put - self._taken - self._dropped_bytes > size:
             try:
                 _, _, data = self._queue.popleft()
             except IndexError:  # The writing thread has taken them all meanwhile.

@@ -86,9 +86,9 @@ BELOW_IN_HUB = {
         "hub.delivery",
         "hub.websocket",
     }
-    | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication"},
+    | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication", "hub.memory"},
     "monitoring": {"errors", "access", "hub.access", "hub.audit", "hub.graph", "hub.settings"}
-    | {"hub.byte_room"}
+    | {"hub.memory"}
     | {"hub.delivery", "hub.monitoring", "hub.websocket", "__version__"},
     "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
     | {"protocol.websocket", "origins"},
@@ -106,12 +106,12 @@ BELOW_IN_HUB = {
     | {"hub.audit", "hub.byte_room", "hub.delivery", "hub.log_text", "hub.settings"}
     | {"hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
-    | {"origins"}
+    | {"origins", "hub.memory"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces", "protocol.websocket"}
     | {"credentials", "hub_address", "tls", "hub.federation", "hub.graph", "hub.audit"}
     | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}
-    | {"hub.zenoh_session"},
+    | {"hub.memory", "hub.zenoh_session"},
     "ros2": {"errors", "access.rights", "interfaces", "hub.graph", "hub.ros2", "hub.settings"}
     | {"hub.delivery.clock", "hub.log_text", "hub.zenoh_session"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "access.rights", "hub.graph"}

@@ -266,6 +266,16 @@ class Recording:
         return state.buffered if state is not None else 0
 
     @property
+    def held_bytes(self) -> int:
+        """Bytes that the recorder holds."""
+        return self._recorder.held_bytes if self._recorder is not None else 0
+
+    def shorten(self, size: int) -> None:
+        """Drop the oldest messages that wait for the disk until ``size`` bytes are left."""
+        if self._recorder is not None:
+            self._recorder.shorten(size)
+
+    @property
     def is_recording(self) -> bool:
         """Whether something is recorded now."""
         return self._is_recording

@@ -232,6 +232,7 @@ class AssetRoute:
         requests: what the resources are added to.
         authentication: None on a hub without authentication.
         threads: read and compress the files.
+        room: for files on their way to clients, by any protocol.
     """
 
     PATH = "/assets/package/"
@@ -242,13 +243,13 @@ class AssetRoute:
         assets: RobotAssets,
         authentication: Authentication | None,
         threads: WorkerThreads,
+        room: ByteRoom,
     ) -> None:
         self._requests = requests
         self._assets = assets
         self._authentication = authentication
         self._threads = threads
-        self.room = ByteRoom(MOST_UNSENT)
-        """For files on their way to clients, by any protocol."""
+        self._room = room
         requests.add_folder(self.PATH, self._respond)
 
     def _respond(self, get: Get) -> Response:
@@ -263,7 +264,7 @@ class AssetRoute:
             found.headers["WWW-Authenticate"] = "Bearer"
             return _shared(found, origin)
         path = get.path.partition("?")[0].removeprefix(self.PATH)
-        download = _Download(self.room)
+        download = _Download(self._room)
         make = partial(self._make, f"{SCHEME}{path}", named, get.headers, download)
         return DeferredResponse(make, self._threads.run, download.end)
 

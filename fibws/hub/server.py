@@ -12,7 +12,7 @@ import socket
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import AsyncExitStack, ExitStack, suppress
 from functools import cache, partial
 from pathlib import Path
@@ -35,12 +35,15 @@ from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.records import HubInfo
 from fibws.hub.foxglove import SUBPROTOCOLS as FOXGLOVE_SUBPROTOCOLS
 from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
+from fibws.hub.machine_memory import available_memory
+from fibws.hub.memory import Account, Bound, Holding, Part
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
-from fibws.hub.robot_assets import AssetRoute, RobotAssets
+from fibws.hub.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
 from fibws.hub.rosapi.clients import Client
 from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
@@ -110,6 +113,8 @@ class Hub:
     """
 
     _asset_room: ByteRoom
+    _account: Account
+    """Counts what is held for clients."""
 
     def __init__(self, settings: Settings | None = None, policy: Policy | None = None) -> None:
         self.settings = settings or Settings()
@@ -124,7 +129,6 @@ class Hub:
             time.time_ns,
             strict_types=self.settings.strict_types,
             max_parameter_bytes=self.settings.max_parameter_bytes,
-            max_latched_bytes=self.settings.max_total_latched_bytes,
             policy=policy,
             ticks=time.perf_counter_ns,
         )
@@ -223,7 +227,8 @@ class Hub:
         self.audit = Audit(loop.time, self._identify)
         if self._tls is not None:
             self._tls.on_refused = partial(self.audit.refused, "authentication")
-        self._limits = SharedLimits(self.settings, self._connections, loop.call_soon, self.audit)
+        self._account = account = Account(memory_limit(self.settings), loop.call_soon)
+        self._limits = SharedLimits(self.settings, self._connections, account, self.audit)
         self._end.callback(self._limits.report_refusals)
         self.graph.on_refused = self._refused
         self._own = OwnNodes(
@@ -261,9 +266,9 @@ class Hub:
         self._probes.add_to(requests)
         refuse = partial(_refuse_login, self.audit)
         LoginRoutes(requests, self._authentication, refuse, self._logged_out)
-        self._asset_room = AssetRoute(
-            requests, self.assets, self._authentication, self._readers
-        ).room
+        self._asset_room = room = ByteRoom(min(MOST_UNSENT, self._account.reserved))
+        AssetRoute(requests, self.assets, self._authentication, self._readers, room)
+        self._count_held()
         metrics = Metrics(
             self.graph,
             self._connections,
@@ -276,14 +281,14 @@ class Hub:
             watchers=watchers,
             links=lambda: [*self.federation.links(), *self._broken_links()],
             recording=self.recording,
-            assets=self._asset_room,
+            account=self._account,
             loop=type(loop).__module__.partition(".")[0],
         )
         requests.add_route("/metrics", metrics.respond)
         flusher = Flusher(
             loop.call_soon,
             self._threads,
-            allowance=self._limits.queued,
+            allowance=self._account.allowance,
             max_unwritten=_max_unwritten(self.settings),
         )
         self._shared = Shared(
@@ -300,6 +305,43 @@ class Hub:
             audit=self.audit,
             is_simulated=lambda: self.graph.clock.simulated is not None,
         )
+
+    def _count_held(self) -> None:
+        """Add all that is held for clients to the account, beside what connections hold."""
+        account, graph, room = self._account, self.graph, self._asset_room
+        graph.latched.on_grow = account.grow
+        account.add("latched", Part(self._latched, is_metered=True))
+        account.add("queues", Part(self.federation.queued))
+        account.add("incoming", Part(self.federation.incoming))
+        if self.ros1 is not None:
+            account.add("queues", Part(self.ros1.queued))
+            account.add("incoming", Part(self.ros1.incoming))
+        if (recording := self.recording) is not None:
+            account.add("recording", Part(lambda: [_recorded(recording)]))
+        for name, measure in (
+            ("files", lambda: room.held),
+            ("parameters", lambda: graph.parameters.bytes),
+            ("queues", lambda: self.ros2.network.waiting_bytes if self.ros2 is not None else 0),
+        ):
+            holding = Holding("", measure)
+            account.add(name, Part(partial(list, [holding]), is_fixed=True))
+
+    def _latched(self) -> Iterator[Holding]:
+        """Yield the latched messages and wills of each node."""
+        owner = self.graph.policy.owner
+        for quota in self.graph.latched.quotas:
+            yield Holding(
+                owner(quota.node) if quota.node else f"node {id(quota)}",
+                partial(_latched_bytes, quota),
+                shorten=partial(_shorten_latched, quota),
+                end=partial(self._end_client, quota.node),
+            )
+
+    def _end_client(self, node: str, bound: Bound) -> None:
+        """Close the connection of a node for which too much is held, if it is a client."""
+        client = self._own.clients.find(node)
+        if isinstance(client, Connection):
+            client.fail(bound.reason)
 
     async def __aexit__(
         self,
@@ -594,6 +636,8 @@ class Hub:
             "refused": self._limits.refused,
             "queued_bytes": self._limits.queued_bytes(),
             "max_queued_bytes": self.settings.max_total_queued_bytes,
+            "held_bytes": self._account.total(),
+            "max_held_bytes": self._account.bound.limit,
             "incoming_bytes": self._limits.incoming_bytes(),
             "max_incoming_bytes": self.settings.max_total_incoming_bytes,
             "topics": len(self.graph.topics),
@@ -747,6 +791,28 @@ def local_url(settings: Settings, port: int, tls: ServerTls | None = None) -> st
     if tls is not None:
         host = tls.name_for(host)
     return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}{settings.base_path}"
+
+
+def memory_limit(settings: Settings) -> int:
+    """Return the bytes that a hub may hold for all clients together."""
+    return settings.max_memory or available_memory() // 2
+
+
+def _latched_bytes(quota: LatchQuota) -> int:
+    return quota.used
+
+
+def _shorten_latched(quota: LatchQuota, size: int, least: int, bound: Bound) -> None:
+    limit = f"the hub may hold {bound.limit} bytes for all clients ({bound.setting})"
+    quota.shorten(size, limit)
+
+
+def _recorded(recording: Recording) -> Holding:
+    return Holding(
+        "recording",
+        lambda: recording.held_bytes,
+        shorten=lambda size, least, bound: recording.shorten(size),
+    )
 
 
 def _tls(settings: Settings) -> ServerTls | None:

@@ -261,15 +261,17 @@ class Settings:
         1000, "Service calls of one client that may wait for a response at once."
     )
     max_goals: int = _setting(1000, "Goals of one client that may wait for a result at once.")
+    max_memory: int = _setting(
+        0,
+        "Bytes that the hub may hold for all clients together: queues, incomplete and latched "
+        "messages, files, recording; 0 for half of the memory of the machine or its container.",
+    )
     max_queued_bytes: int = _setting(16 * MIB, "Bytes kept for one client that reads too slowly.")
     max_total_queued_bytes: int = _setting(
         512 * MIB, "Bytes kept for all clients that read too slowly together."
     )
     max_latched_bytes: int = _setting(
         64 * MIB, "Bytes that the latched messages of one client may take together."
-    )
-    max_total_latched_bytes: int = _setting(
-        512 * MIB, "Bytes that the latched messages and wills of all clients may take together."
     )
     max_fragment_bytes: int = _setting(
         64 * MIB, "Bytes kept of incomplete fragmented messages of one client."

@@ -314,6 +314,11 @@ class Lanes:
             lane.is_open = True
             self._schedule(lane)
 
+    @property
+    def bytes(self) -> int:
+        """Bytes of the messages that wait."""
+        return self._bytes
+
     def send(self, lane: Lane, job: Callable[[], object], size: int, limit: int) -> None:
         """Send a message; the oldest ones of its publisher are dropped if too many wait.
 
@@ -427,6 +432,11 @@ class Inbox:
         self._is_due = False
         self._is_closed = False
         self.dropped = 0
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the messages that wait."""
+        return self._bytes
 
     def put(self, function: Callable[..., object], *arguments: Any, size: int = 0) -> None:
         """Call a function in the event loop soon.

@@ -109,7 +109,7 @@ class AccessPolicy:
     def owner(self, node: str) -> str:
         """Return the name of a node's principal; the node itself if it has none."""
         principal = self._principals.get(node)
-        return principal.name if principal is not None else node
+        return principal.title if principal is not None else node
 
     def is_same_owner(self, node: str, other: str) -> bool:
         """Return whether two nodes belong to one principal."""

@@ -110,6 +110,24 @@ class Backplane(ABC):
     def is_busy(self) -> bool:
         """Whether announcements would wait; `Network.idle` is called once they do not."""
 
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes that wait for the network, and from it."""
+        return 0
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes that are kept of records that came in part."""
+        return 0
+
+    def shorten(self, size: int) -> None:
+        """Drop the oldest messages that wait until ``size`` bytes are left, as far as possible."""
+        return
+
+    def give_up(self) -> None:
+        """Close the connection, if it has one: too much is held for it."""
+        return
+
     @abstractmethod
     def announce(self, announcement: Announcement) -> None:
         """Send changes of what this hub has to all hubs."""

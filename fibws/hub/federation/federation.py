@@ -12,7 +12,7 @@ no loops, and no message arrives twice.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from functools import partial
 from typing import Any, Protocol
@@ -32,6 +32,7 @@ from fibws.hub.federation.remote_topics import RemotePublisher
 from fibws.hub.federation.shared_parameters import SharedParameters
 from fibws.hub.graph.graph import Graph, Watched
 from fibws.hub.graph.topic import Source
+from fibws.hub.memory import Bound, Holding
 from fibws.hub.settings import Settings
 from fibws.names import MAX_LENGTH
 
@@ -99,6 +100,27 @@ class Federation:
     def backplanes(self) -> list[Backplane]:
         """The backplanes that are attached."""
         return list(self._offers)
+
+    def queued(self) -> Iterator[Holding]:
+        """Yield what waits for other hubs."""
+        for each in self._offers:
+            if each.waiting_bytes:
+                yield Holding(
+                    self.graph.policy.owner(each.node),
+                    partial(_waiting_bytes, each),
+                    shorten=partial(_shorten, each),
+                    end=partial(_give_up, each),
+                )
+
+    def incoming(self) -> Iterator[Holding]:
+        """Yield what has come in part by the links that this hub has opened."""
+        for each in self._offers:
+            if each.kind != "accept" and each.incomplete_bytes:
+                yield Holding(
+                    self.graph.policy.owner(each.node),
+                    partial(_incomplete_bytes, each),
+                    end=partial(_give_up, each),
+                )
 
     def watch(self, changed: Callable[[], object]) -> None:
         """Call a function whenever a hub is reached or lost."""
@@ -318,3 +340,19 @@ def _link(peer: Peer) -> dict[str, Any]:
 def _time(stamp: int) -> dict[str, int]:
     secs, nsecs = divmod(stamp, 1_000_000_000)
     return {"secs": secs, "nsecs": nsecs}
+
+
+def _waiting_bytes(backplane: Backplane) -> int:
+    return backplane.waiting_bytes
+
+
+def _incomplete_bytes(backplane: Backplane) -> int:
+    return backplane.incomplete_bytes
+
+
+def _shorten(backplane: Backplane, size: int, least: int, bound: Bound) -> None:
+    backplane.shorten(size)
+
+
+def _give_up(backplane: Backplane, bound: Bound) -> None:
+    backplane.give_up()

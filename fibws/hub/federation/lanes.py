@@ -156,7 +156,7 @@ class Lanes:
         ):
             self._drop(number, lane)
         if self._messages_weight > self._most_bytes:
-            self._make_room()
+            self.shorten(int(self._most_bytes * ROOM))
         self._put(number, head, body)
 
     def take_all(self) -> list[Record]:
@@ -236,11 +236,14 @@ class Lanes:
         if not lane.records and lane.begun is None:
             del self._lanes[number]
 
-    def _make_room(self) -> None:
-        """Drop the oldest messages of the fullest lanes, and those of one message last."""
+    def shorten(self, size: int) -> None:
+        """Drop the oldest messages of the fullest lanes until so many bytes of messages wait.
+
+        Lanes of one message lose theirs last.
+        """
         heap = [_fullness(*each) for each in self._lanes.items() if each[0] != CALLS]
         heapq.heapify(heap)
-        while self._messages_weight > self._most_bytes * ROOM:
+        while heap and self._messages_weight > size:
             *_, number = heapq.heappop(heap)
             lane = self._lanes[number]
             if lane.records:

@@ -157,8 +157,6 @@ class Link(Backplane):
         self.node = node
         self.principal = principal
         self.peer: Peer | None = None
-        self.incomplete_bytes = 0
-        """Bytes that are kept of records that came in part."""
         self._wire = wire
         self._network = network
         self._hub = hub
@@ -169,6 +167,7 @@ class Link(Backplane):
         self._max_queued = max_queued
         self._max_incoming = max_incoming
         self._on_joined = on_joined
+        self._incomplete_bytes = 0
         self._control: deque[bytes] = deque()
         self._control_bytes = 0
         self._pong = b""
@@ -207,6 +206,24 @@ class Link(Backplane):
     def is_busy(self) -> bool:
         """Whether announcements would wait."""
         return self._control_bytes > BUSY
+
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes of all records that wait for the network."""
+        return self._lanes.memory + self._control_bytes
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes that are kept of records that came in part."""
+        return self._incomplete_bytes
+
+    def shorten(self, size: int) -> None:
+        """Drop the oldest messages of the fullest lanes until ``size`` bytes are left."""
+        self._lanes.shorten(size)
+
+    def give_up(self) -> None:
+        """Close the link; the other hub joins again later."""
+        self._wire.close(OVERFULL)
 
     def announce(self, announcement: Announcement) -> None:
         """Send changes; large ones in several records."""
@@ -385,7 +402,7 @@ class Link(Backplane):
             yield
             while self._has_early():
                 early, record = self._early.popleft()
-                self.incomplete_bytes -= len(record) + OVERHEAD
+                self._incomplete_bytes -= len(record) + OVERHEAD
                 self._receive_record(early, memoryview(record))
                 yield
 
@@ -403,8 +420,8 @@ class Link(Backplane):
             return
         if self.peer.clock_offset is None and kind not in (PING, PONG):
             self._early.append((kind, bytes(body)))
-            self.incomplete_bytes += len(body) + OVERHEAD
-            if self.incomplete_bytes > self._max_incoming:
+            self._incomplete_bytes += len(body) + OVERHEAD
+            if self._incomplete_bytes > self._max_incoming:
                 raise FederationError("too much has come before the answer to a ping")
             return
         if kind == PART:
@@ -492,20 +509,20 @@ class Link(Backplane):
         parts = self._parts.get(key)
         if parts is None:
             parts = self._parts[key] = bytearray()
-            self.incomplete_bytes += OVERHEAD
+            self._incomplete_bytes += OVERHEAD
         if key not in self._too_large:
             parts += piece
-            self.incomplete_bytes += len(piece)
+            self._incomplete_bytes += len(piece)
             if len(parts) > self._max_size:
                 self._refuse_parts(key, parts)
-        if self.incomplete_bytes > self._max_incoming:
+        if self._incomplete_bytes > self._max_incoming:
             raise FederationError(
                 f"too much has come in part: limit is {self._max_incoming} bytes "
                 "(--max-total-incoming-bytes)"
             )
         if is_last:
             del self._parts[key]
-            self.incomplete_bytes -= len(parts) + OVERHEAD
+            self._incomplete_bytes -= len(parts) + OVERHEAD
             if key in self._too_large:
                 self._too_large.discard(key)
                 return
@@ -530,7 +547,7 @@ class Link(Backplane):
             (id_,) = _NUMBER.unpack_from(parts, _SIZE.size)
             self._fail_request(id_, failure(text, "limit"))
         self._too_large.add(key)
-        self.incomplete_bytes -= len(parts)
+        self._incomplete_bytes -= len(parts)
         parts.clear()
 
     def _receive_request(self, peer: Peer, body: memoryview) -> None:
@@ -611,7 +628,7 @@ class Link(Backplane):
         self._control.clear()
         self._lanes.clear()
         self._parts.clear()
-        self.incomplete_bytes = 0
+        self._incomplete_bytes = 0
         if self.peer is None:
             return
         if self.peer.clock_offset is None:

@@ -276,6 +276,11 @@ class ZenohBackplane(Backplane):
         return list(self._peers.values())
 
     @property
+    def waiting_bytes(self) -> int:
+        """Bytes of messages that wait for the network, and from it; both are bounded."""
+        return self._lanes.bytes + self._inbox.bytes
+
+    @property
     def is_busy(self) -> bool:
         """Whether announcements would wait."""
         return self._control.bytes > BUSY

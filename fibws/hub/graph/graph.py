@@ -165,7 +165,6 @@ class Graph:
         *,
         strict_types: bool = False,
         max_parameter_bytes: int = 2**22,
-        max_latched_bytes: int | None = None,
         policy: Policy | None = None,
         ticks: Callable[[], int] | None = None,
     ) -> None:
@@ -175,7 +174,7 @@ class Graph:
         self.actions: dict[str, Action] = {}
         self.parameters = Parameters(max_parameter_bytes)
         self.policy: Policy = policy or AllowAll()
-        self.latched = LatchTotal(max_latched_bytes, self._owner_of)
+        self.latched = LatchTotal()
         """The bytes of all latched messages and wills."""
         self.internal: set[str] = set()
         """The hub's own nodes, for which the policy is not asked."""
@@ -210,9 +209,6 @@ class Graph:
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
         self._topic_numbers = Numbers()
-
-    def _owner_of(self, node: str) -> str:
-        return self.policy.owner(node)
 
     def latch_quota(
         self, limit: int, node: str = "", report: Callable[[str], object] = lambda text: None

@@ -448,7 +448,6 @@ class Source:
                 f"a message of {self.topic.name} was delivered but not latched: the latched "
                 f"messages of one client may take {quota.limit} bytes (--max-latched-bytes)"
             )
-        quota.total.make_room()
 
 
 class GuardedSource(Source):

@@ -21,8 +21,8 @@ from websockets.http11 import Response
 
 from fibws import __version__
 from fibws.hub.audit import Audit
-from fibws.hub.byte_room import ByteRoom
 from fibws.hub.graph.graph import Graph
+from fibws.hub.memory import Account
 from fibws.hub.monitoring.exposition import Column, Exposition
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.probes import Probes, Watchers
@@ -129,7 +129,7 @@ class Metrics:
     Args:
         links: returns the links to other hubs, as fibws_msgs/HubLink.
         recording: what records all topics, if anything does.
-        assets: holds files on their way to clients.
+        account: counts what is held for clients.
         loop: the name of the event loop's library.
     """
 
@@ -147,7 +147,7 @@ class Metrics:
         watchers: Watchers,
         links: Callable[[], Iterable[Mapping[str, Any]]],
         recording: Recording | None,
-        assets: ByteRoom,
+        account: Account,
         loop: str,
     ) -> None:
         self._graph = graph
@@ -161,7 +161,7 @@ class Metrics:
         self._watchers = watchers
         self._links = links
         self._recording = recording
-        self._assets = assets
+        self._account = account
         self._build = {
             "version": __version__,
             "python": platform.python_version(),
@@ -240,8 +240,6 @@ class Metrics:
         latched = self._graph.latched
         help_ = "Bytes of latched messages and wills."
         metrics.gauge("fibws_latched_bytes", help_, latched.used)
-        help_ = "Limit of the bytes of latched messages and wills."
-        metrics.gauge("fibws_latched_bytes_limit", help_, settings.max_total_latched_bytes)
         help_ = "Latched messages that were dropped because there were too many bytes of them."
         metrics.counter("fibws_latched_dropped", help_, latched.dropped)
         if tcp_counters.are_available:
@@ -301,16 +299,12 @@ class Metrics:
         metrics.counter_table(BY_HUB, "hub", rows)
 
     def _add_held(self, metrics: Exposition) -> None:
-        held: dict[str, float] = {
-            "queues": self._limits.queued_bytes(),
-            "incoming": self._limits.incoming_bytes(),
-            "latched": self._graph.latched.used,
-            "files": self._assets.held,
-            "parameters": self._graph.parameters.bytes,
-            "recording": self._recording.buffered if self._recording is not None else 0,
-        }
+        account = self._account
         help_ = "Bytes that the hub holds, by what for."
+        held: dict[str, float] = dict(account.held())
         metrics.gauges("fibws_held_bytes", help_, "part", held)
+        help_ = "Limit of the bytes that the hub may hold."
+        metrics.gauge("fibws_held_bytes_limit", help_, account.bound.limit)
 
     def _add_recording(self, metrics: Exposition, recording: Recording) -> None:
         metrics.gauge("fibws_recording", "1 while topics are recorded.", +recording.is_recording)

@@ -43,6 +43,17 @@ def describe(transport: asyncio.Transport) -> str:
 class Handler(Protocol):
     """Uses a connection whose header has arrived."""
 
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes that wait for the peer."""
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes of what came in part, or waits to be handled."""
+
+    def shorten(self, size: int, least: int) -> None:
+        """Drop the oldest messages until ``size`` bytes wait, or ``least`` messages."""
+
     def data_received(self, data: bytes) -> None:
         """Take bytes behind the header."""
 
@@ -137,6 +148,23 @@ class TcprosConnection(asyncio.Protocol):
         if handler is not None:
             handler.connection_lost()
         self._closed(self)
+
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes that wait for the peer, those that were written included."""
+        waiting = self._handler.waiting_bytes if self._handler is not None else 0
+        return waiting + self.transport.get_write_buffer_size()
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes of what came in part, or waits to be handled."""
+        handled = self._handler.incomplete_bytes if self._handler is not None else 0
+        return len(self._received) + handled
+
+    def shorten(self, size: int, least: int) -> None:
+        """Drop the oldest messages until ``size`` bytes wait, or ``least`` messages."""
+        if self._handler is not None:
+            self._handler.shorten(size, least)
 
     def answer(self, fields: Mapping[str, str]) -> None:
         """Send the header of the hub's side."""

@@ -142,6 +142,24 @@ class XmlRpcConnection(asyncio.Protocol):
         self._loop = asyncio.get_running_loop()
         self._timer = self._loop.call_later(IDLE_TIMEOUT, transport.close)
 
+    @property
+    def peer(self) -> str:
+        """The address of the other side."""
+        return self._caller.host
+
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes that wait for the other side."""
+        return self._transport.get_write_buffer_size()
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes of calls that came in part, or wait."""
+        return len(self._received)
+
+    def shorten(self, size: int, least: int) -> None:
+        """Do nothing: each call has a response."""
+
     def data_received(self, data: bytes) -> None:
         """Take bytes of a call."""
         self._received += data

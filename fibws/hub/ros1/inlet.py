@@ -92,6 +92,16 @@ class Inlet:
         self._task = asyncio.get_running_loop().create_task(self._run())
 
     @property
+    def incomplete_bytes(self) -> int:
+        """Bytes that are kept of a large message that came in part."""
+        return self._newest.incomplete_bytes if self._newest is not None else 0
+
+    def interrupt(self) -> None:
+        """Close the connection; it is opened again, later after each failure."""
+        if self._newest is not None:
+            self._newest.close()
+
+    @property
     def has_ended(self) -> bool:
         """Whether it is not opened again, since the publisher's type conflicts with the topic's."""
         return self._task.done()
@@ -253,6 +263,11 @@ class InletConnection(asyncio.BufferedProtocol):
         detect_dead_peer(self._transport)
         if self._is_closed:
             self._transport.abort()
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes that are kept of a large message that came in part."""
+        return len(self._large) if self._large is not None else 0
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Return where the next bytes are to be put."""

@@ -188,6 +188,22 @@ class OutletLink:
         for part in message.parts:
             self._write(part)
 
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes of the messages that wait."""
+        return self._queued
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Return 0: subscribers send nothing."""
+        return 0
+
+    def shorten(self, size: int, least: int) -> None:
+        """Drop the oldest messages until ``size`` bytes wait, or ``least`` messages."""
+        while len(self._queue) > least and self._queued > size:
+            self._queued -= self._queue.popleft().size
+            self.dropped += 1
+
     def report(self) -> SinkReport:
         """Return the totals."""
         return SinkReport(self._outlet.queue_length, messages=self.messages, dropped=self.dropped)

@@ -9,8 +9,9 @@ import asyncio
 import logging
 import os
 import socket
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import AsyncExitStack, suppress
+from functools import partial
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias, cast
@@ -20,11 +21,13 @@ from fibws.errors import HubError, NodeUnreachable, XmlRpcError
 from fibws.files import state_folder
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
+from fibws.hub.memory import Bound, Holding
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.connection import Acceptor, TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
 from fibws.hub.ros1.http import Caller, NodeCalls, XmlRpcConnection
+from fibws.hub.ros1.inlet import Inlet
 from fibws.hub.ros1.master import Master, is_loopback
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.services import ServiceLinks
@@ -88,6 +91,7 @@ class Ros1Server:
         self._networks = settings.ros1_networks
         self._hosts = OwnHosts([])
         self._connections: set[Connection | _Sniffer] = set()
+        self._owner = principal.title if principal is not None else ""
         self._calls = NodeCalls(self._failed)
         self.nodes = Ros1Nodes(
             graph,
@@ -183,6 +187,39 @@ class Ros1Server:
     def uri(self) -> str:
         """The master's URI for programs on this machine: their ROS_MASTER_URI."""
         return f"http://{self._settings.ros1_host or 'localhost'}:{self.port}/"
+
+    # What is held for ROS 1 nodes.
+
+    def queued(self) -> Iterator[Holding]:
+        """Yield what waits for each connection."""
+        for each in self._open():
+            if each.waiting_bytes:
+                yield Holding(
+                    self._owner or each.peer,
+                    partial(_waiting_bytes, each),
+                    shorten=partial(_shorten, each),
+                    end=partial(_abort, each),
+                )
+
+    def incoming(self) -> Iterator[Holding]:
+        """Yield what has come in part."""
+        for each in self._open():
+            if each.incomplete_bytes:
+                yield Holding(
+                    self._owner or each.peer,
+                    partial(_incomplete_bytes, each),
+                    end=partial(_abort, each),
+                )
+        for inlet in self._topics.inlets():
+            if inlet.incomplete_bytes:
+                yield Holding(
+                    self._owner or inlet.publisher.node.name,
+                    partial(_incomplete_bytes, inlet),
+                    end=partial(_interrupt, inlet),
+                )
+
+    def _open(self) -> Iterator[TcprosConnection | XmlRpcConnection]:
+        return (each for each in self._connections if not isinstance(each, _Sniffer))
 
     # Connections.
 
@@ -338,3 +375,23 @@ async def own_names() -> set[str]:
 def default_state_file(port: int) -> Path:
     """Return the state file of a port."""
     return state_folder() / f"ros1-{port}.json"
+
+
+def _waiting_bytes(connection: Connection) -> int:
+    return connection.waiting_bytes
+
+
+def _incomplete_bytes(holder: Connection | Inlet) -> int:
+    return holder.incomplete_bytes
+
+
+def _shorten(connection: Connection, size: int, least: int, bound: Bound) -> None:
+    connection.shorten(size, least)
+
+
+def _abort(connection: Connection, bound: Bound) -> None:
+    connection.abort()
+
+
+def _interrupt(inlet: Inlet, bound: Bound) -> None:
+    inlet.interrupt()

@@ -264,6 +264,19 @@ class ServedClient:
         else:
             self._task = self._links.start(self._serve())
 
+    @property
+    def waiting_bytes(self) -> int:
+        """Return 0: what is written is the connection's."""
+        return 0
+
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes of requests that wait, or came in part."""
+        return len(self._received) + sum(map(len, self._requests))
+
+    def shorten(self, size: int, least: int) -> None:
+        """Do nothing: each request has a response."""
+
     def data_received(self, data: bytes) -> None:
         """Take bytes of requests, each of which waits for those before it."""
         received = self._received

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator, Mapping
-from itertools import count
+from itertools import chain, count
 from typing import Any
 
 from fibws.errors import TcprosError
@@ -55,6 +55,10 @@ class TopicLinks:
             found = Outlet(topic, self._graph, self._nodes, most, self._numbers)
             self._outlets[topic] = found
         return found
+
+    def inlets(self) -> Iterator[Inlet]:
+        """Return the links from publishers."""
+        return chain.from_iterable(each.values() for each in self._inlets.values())
 
     def changed(self, topic: Topic) -> None:
         """Open and close the links of a topic whose publishers or subscribers have changed."""

@@ -203,6 +203,11 @@ class Network:
         self._tokens: Declared
         self._is_open = False
 
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes of messages that wait for the network, and from it; both are bounded."""
+        return self._lanes.bytes + self.inbox.bytes
+
     async def open(self) -> None:
         """Connect; raises `HubError` if that is impossible, or a package is missing."""
         if find_spec("xxhash") is None:

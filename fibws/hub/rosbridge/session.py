@@ -350,8 +350,9 @@ class Session:
 
     @property
     def incomplete_bytes(self) -> int:
-        """Bytes that are kept of fragments."""
-        return self._reassembly.size if self._reassembly is not None else 0
+        """Bytes that are kept of fragments, and of messages that wait for their topic's type."""
+        fragments = self._reassembly.size if self._reassembly is not None else 0
+        return fragments + self.topics.pending_bytes
 
     def receive_text(self, data: Payload) -> Work | None:
         """Perform the operations in a text, the only one at once; reply to errors with a status.

@@ -95,6 +95,11 @@ class Topics:
         self.subscriptions: dict[str, Subscription] = {}
         """By the spelling of the topic's name that the client used."""
 
+    @property
+    def pending_bytes(self) -> int:
+        """Bytes of messages that wait for their topic's type."""
+        return self._pending.size if self._pending is not None else 0
+
     # Publishing.
 
     def publish_serialized(self, data: Payload) -> None:
@@ -463,17 +468,18 @@ class PendingPublishes:
         self._waiting: dict[str, list[tuple[int, Publish]]] = {}
         """By topic; all are numbered in the order in which they came."""
         self._numbers = count()
-        self._size = 0
+        self.size = 0
+        """Bytes of all of them."""
         self._timer: Timer | None = None
 
     def put(self, topic: str, message: Publish) -> bool:
         """Keep a message until its topic has a type; return whether there is room for it."""
         now = self._clock.time()
         size = _size(message)
-        if now >= self._end or self._size + size > MOST_PENDING_BYTES:
+        if now >= self._end or self.size + size > MOST_PENDING_BYTES:
             return False
         self._waiting.setdefault(topic, []).append((next(self._numbers), message))
-        self._size += size
+        self.size += size
         if self._timer is None:
             self._timer = self._clock.call_later(self._end - now, self._give_up)
         return True
@@ -481,17 +487,19 @@ class PendingPublishes:
     def take(self, topic: str) -> list[Publish]:
         """Remove and return the messages of a topic."""
         taken = [message for _, message in self._waiting.pop(topic, ())]
-        self._size -= sum(map(_size, taken))
+        self.size -= sum(map(_size, taken))
         return taken
 
     def close(self) -> None:
         """Drop all messages."""
         self._waiting.clear()
+        self.size = 0
         if self._timer is not None:
             self._timer.cancel()
 
     def _give_up(self) -> None:
         late, self._waiting = self._waiting, {}
+        self.size = 0
         for _, message in sorted(chain(*late.values()), key=itemgetter(0)):
             self._topics._publish_late(message)
 

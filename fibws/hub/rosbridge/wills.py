@@ -112,11 +112,6 @@ class Wills:
                 )
         if older is None and len(self._wills) >= MOST_WILLS:
             raise LimitReached(f"too many wills of one client (limit {MOST_WILLS})")
-        if not self._quota.total.has_room(size - (older.size if older is not None else 0)):
-            raise LimitReached(
-                "no room for a will: the wills and latched messages of all clients may take "
-                f"{self._quota.total.limit} bytes (--max-total-latched-bytes)"
-            )
         self.clear(source)
         will = self._wills[source] = Will(source, msg, size, timeout)
         self._quota.add(size)

@@ -250,6 +250,16 @@ class Connection(asyncio.BufferedProtocol):
         return self.endpoint is None or self._login_due < math.inf
 
     @property
+    def owner(self) -> str:
+        """Who holds what is kept for it: its principal, or the client itself."""
+        return self.principal.title if self.principal is not None else self.name
+
+    @property
+    def unsent_bytes(self) -> int:
+        """Bytes that the socket has still to take of what was written, once it is being closed."""
+        return self._transport.get_write_buffer_size() if self._left else 0
+
+    @property
     def incoming_bytes(self) -> int:
         """Bytes that are kept of messages that came in part."""
         size = len(self._protocol.reader.buffer) + len(self._request)
@@ -277,10 +287,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         shared = self._shared
-        turns, incoming = shared.turns, shared.limits.incoming
-        incoming.left -= nbytes
-        if incoming.left < 0:
-            incoming.check()
+        turns = shared.turns
+        shared.limits.account.grow(nbytes)
         turns.began = began = perf_counter()
         self.bytes_received += nbytes
         if self._deferred is not None:

@@ -1,36 +1,32 @@
 """Limits for all connections together: how many there may be, and the bytes kept for them.
 
-Limits of one client do not bound a thousand clients. If there are too many bytes, clients that
-have not logged in are closed first; then the principal that holds most pays, by its connection that
-holds most. On an open hub all clients are of one principal.
-Bytes are counted only after enough new ones that the limit may be reached.
+Limits of one client do not bound a thousand clients. What happens when there are too many bytes is
+up to the hub's account.
 """
 
 from __future__ import annotations
 
 import errno
-import logging
 import sys
-from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator
-from heapq import heapify, heappop, heappush
+from collections import Counter
+from collections.abc import Collection, Iterator
+from functools import partial
 from typing import Protocol
 
-from fibws.access.rights import Principal
 from fibws.hub.audit import Audit
-from fibws.hub.delivery.byte_allowance import ByteAllowance
 from fibws.hub.delivery.send_queue import SendQueue
-from fibws.hub.settings import Settings
+from fibws.hub.memory import Account, Bound, Holding, Part
+from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.quotas import Quotas
 from fibws.protocol.websocket import CloseReason
-
-logger = logging.getLogger("fibws.hub")
 
 SPARE_FILES = 32
 """File descriptors that clients may not take: they are for plain HTTP requests, and for refusing
 clients with a text."""
 LAST_FILES = 8
 """File descriptors that no connection may take."""
+MOST_UNSENT = 64 * KIB
+"""Bytes that a connection may still send that is closed for lack of memory."""
 TOO_MUCH_QUEUED = CloseReason(1013, "too many bytes wait for all clients; this one had the most")
 TOO_MUCH_INCOMING = CloseReason(
     1013, "too many bytes of incomplete messages of all clients; this one had the most"
@@ -43,8 +39,8 @@ class Limited(Protocol):
     queue: SendQueue
 
     @property
-    def principal(self) -> Principal | None:
-        """The client's principal; None on an open hub, and before its login."""
+    def owner(self) -> str:
+        """Who holds what is kept for it: its principal, or itself."""
 
     @property
     def is_stranger(self) -> bool:
@@ -58,8 +54,15 @@ class Limited(Protocol):
     def incoming_bytes(self) -> int:
         """Bytes that are kept of messages that came in part."""
 
+    @property
+    def unsent_bytes(self) -> int:
+        """Bytes that the socket has still to take once the connection is being closed."""
+
     def fail(self, reason: CloseReason) -> None:
         """Close because of the client."""
+
+    def abort(self) -> None:
+        """Cut the connection off."""
 
 
 class SharedLimits:
@@ -67,8 +70,7 @@ class SharedLimits:
 
     Args:
         connections: all connections, now and later.
-        call_soon: calls a function in the next iteration of the event loop: a client must not be
-            closed while a message is on its way to it.
+        account: counts the bytes.
         audit: counts refused connections, and gets one event a second for each reason.
     """
 
@@ -76,7 +78,7 @@ class SharedLimits:
         self,
         settings: Settings,
         connections: Collection[Limited],
-        call_soon: Callable[[Callable[[], None]], object],
+        account: Account,
         audit: Audit,
     ) -> None:
         self.clients = 0
@@ -85,20 +87,27 @@ class SharedLimits:
         """Connections refused so far."""
         self.quotas = Quotas(settings)
         """Limits that clients of one principal or one address share."""
-        self.queued = ByteAllowance(lambda: call_soon(self.check_queued))
-        """Counts down the bytes that may still wait for clients."""
-        self.incoming = ByteAllowance(lambda: call_soon(self.check_incoming))
-        """Counts down the bytes that clients may still send."""
+        self.account = account
         self._settings = settings
         self._connections = connections
         self._audit = audit
         self._throttled = 0
         self._refusals: Counter[str] = Counter()
         """Connections refused since the last log line, by the reason."""
-        self._shortened = False
-        """Whether queues have been shortened since the last log line."""
-        self.queued.allow(settings.max_total_queued_bytes)
-        self.incoming.allow(settings.max_total_incoming_bytes)
+        queued = Bound(
+            settings.max_total_queued_bytes,
+            "--max-total-queued-bytes",
+            "bytes wait for all clients",
+            TOO_MUCH_QUEUED,
+        )
+        incoming = Bound(
+            settings.max_total_incoming_bytes,
+            "--max-total-incoming-bytes",
+            "bytes are kept of incomplete messages of all clients",
+            TOO_MUCH_INCOMING,
+        )
+        account.add("queues", Part(self._queued, queued, is_metered=True))
+        account.add("incoming", Part(self._incoming, incoming, is_metered=True))
 
     # Connections.
 
@@ -164,157 +173,65 @@ class SharedLimits:
 
     def queued_bytes(self) -> int:
         """Return the bytes that wait for all clients, also those that several clients share."""
-        return sum(each.queue.kept_bytes for each in self._clients())
+        return sum(_queued_bytes(each) for each in self._connections if each.is_open)
 
     def incoming_bytes(self) -> int:
         """Return the bytes that are kept of messages that came in part."""
         return sum(each.incoming_bytes for each in self._connections)
 
-    def check_queued(self) -> None:
-        """Shorten the longest queues if all together are too long.
+    def _queued(self) -> Iterator[Holding]:
+        """Yield what waits for each client."""
+        for each in self._connections:
+            if each.is_open and (each.queue.kept_bytes or each.unsent_bytes):
+                yield Holding(
+                    each.owner,
+                    partial(_queued_bytes, each),
+                    shorten=partial(_shorten, each),
+                    end=partial(_end, each),
+                    shared=each.queue if each.queue.kept_bytes else None,
+                    is_stranger=each.is_stranger,
+                )
 
-        Their oldest messages are dropped, so that the principals with the most all have equally
-        many bytes left, and of each of them its clients with the most, but at least their newest
-        message. If even that is too much, clients lose their newest, too, and those with too many
-        replies are closed.
-        """
-        limit = self._settings.max_total_queued_bytes
-        holding = [(size, each) for each in self._clients() if (size := each.queue.kept_bytes)]
-        if (total := sum(size for size, _ in holding)) > limit:
-            self._shortened = True
-            total -= _close_strangers(holding, total - limit, TOO_MUCH_QUEUED)
-        if total > limit:
-            shares = _fair_shares(holding, limit - limit // 16)
-            for each, share in shares.items():
-                each.queue.shorten(share)
-            if (total := _kept(shares)) > limit:
-                self._clear(shares, limit)
-                total = _kept(shares)
-        self.queued.allow(max(limit - total, limit // 16))
-
-    def _clear(self, shares: dict[Limited, int], limit: int) -> None:
-        """Drop all messages of those that hold most, and close them if that is not enough."""
-        shared = Counter(id(buffer) for each in shares for buffer in each.queue.buffers())
-        sizes = {id(buffer): len(buffer) for each in shares for buffer in each.queue.buffers()}
-        total = sum(sizes.values()) + sum(each.queue.own_bytes for each in shares)
-        for _, each in _most_first([(each.queue.kept_bytes, each) for each in shares]):
-            if total <= limit:
-                break
-            total -= each.queue.own_bytes
-            for buffer in each.queue.buffers():
-                shared[id(buffer)] -= 1
-                if not shared[id(buffer)]:
-                    total -= sizes[id(buffer)]
-            each.queue.shorten(shares[each], least=0)
-            if each.queue.kept_bytes > shares[each]:
-                each.fail(TOO_MUCH_QUEUED)
-            else:
-                total += each.queue.kept_bytes
-
-    def check_incoming(self) -> None:
-        """Close the clients that have sent most in part if that is too much of all."""
-        limit = self._settings.max_total_incoming_bytes
-        holding = [(size, each) for each in self._connections if (size := each.incoming_bytes)]
-        total = sum(size for size, _ in holding)
-        if total > limit:
-            total -= _close_strangers(holding, total - limit, TOO_MUCH_INCOMING)
-            for size, each in _most_first(holding):
-                if total <= limit:
-                    break
-                each.fail(TOO_MUCH_INCOMING)
-                total -= size
-        self.incoming.allow(max(limit - total, limit // 16))
-
-    def _clients(self) -> Iterable[Limited]:
-        return (each for each in self._connections if each.is_open)
+    def _incoming(self) -> Iterator[Holding]:
+        """Yield what each connection has sent in part."""
+        for each in self._connections:
+            if each.incoming_bytes:
+                yield Holding(
+                    each.owner,
+                    partial(_incoming_bytes, each),
+                    end=partial(_end, each),
+                    is_stranger=each.is_stranger,
+                )
 
     # Once a second.
 
     def sweep(self, now: float) -> None:
         """Log refused connections and drops, and count the messages that throttles hold back."""
         self.quotas.sweep(now)
-        throttled = sum(each.queue.throttled_bytes for each in self._clients())
-        self.queued.left -= max(0, throttled - self._throttled)
+        throttled = sum(each.queue.throttled_bytes for each in self._connections if each.is_open)
+        self.account.grow(max(0, throttled - self._throttled))
         self._throttled = throttled
-        if self.queued.left < 0:
-            self.queued.check()
         self.report_refusals()
-        if self._shortened:
-            self._shortened = False
-            logger.warning(
-                "More than %d bytes wait for all clients (--max-total-queued-bytes): "
-                "messages of those with the most are dropped.",
-                self._settings.max_total_queued_bytes,
-            )
+        self.account.sweep()
 
 
-def _kept(connections: Iterable[Limited]) -> int:
-    return sum(each.queue.kept_bytes for each in connections)
+def _queued_bytes(connection: Limited) -> int:
+    return connection.queue.kept_bytes + connection.unsent_bytes
 
 
-def _close_strangers(holding: list[tuple[int, Limited]], surplus: int, reason: CloseReason) -> int:
-    """Close clients that have not logged in, those with most first, until the surplus is gone.
-
-    All of them leave ``holding``.
-
-    Returns:
-        The bytes that were kept for those closed.
-    """
-    closed = 0
-    for size, each in sorted(holding, key=lambda pair: pair[0], reverse=True):
-        if each.is_stranger and closed < surplus:
-            each.fail(reason)
-            closed += size
-    holding[:] = [pair for pair in holding if not pair[1].is_stranger]
-    return closed
+def _incoming_bytes(connection: Limited) -> int:
+    return connection.incoming_bytes
 
 
-def _by_principal(holding: Iterable[tuple[int, Limited]]) -> list[list[tuple[int, Limited]]]:
-    """Return the clients of each principal; the sizes of each list rise."""
-    found: defaultdict[str, list[tuple[int, Limited]]] = defaultdict(list)
-    for size, each in sorted(holding, key=lambda pair: pair[0]):
-        found[each.principal.name if each.principal is not None else ""].append((size, each))
-    return list(found.values())
+def _shorten(connection: Limited, size: int, least: int, bound: Bound) -> None:
+    connection.queue.shorten(size, least)
 
 
-def _most_first(holding: Iterable[tuple[int, Limited]]) -> Iterator[tuple[int, Limited]]:
-    """Yield, each time, the largest client of the principal whose remaining clients hold most."""
-    groups = _by_principal(holding)
-    totals = [(-sum(size for size, _ in group), index) for index, group in enumerate(groups)]
-    heapify(totals)
-    while totals:
-        total, index = heappop(totals)
-        size, each = groups[index].pop()
-        if groups[index]:
-            heappush(totals, (total + size, index))
-        yield size, each
-
-
-def _fair_shares(holding: list[tuple[int, Limited]], limit: int) -> dict[Limited, int]:
-    """Return the bytes that each client may keep so that all fit the limit.
-
-    Principals have equal shares, and so have the clients of each of them.
-    """
-    groups = _by_principal(holding)
-    totals = [sum(size for size, _ in group) for group in groups]
-    most = _fair_share(sorted(totals, reverse=True), limit)
-    shares: dict[Limited, int] = {}
-    for group, total in zip(groups, totals, strict=True):
-        share = group[-1][0]
-        if total > most:
-            share = _fair_share([size for size, _ in reversed(group)], most)
-        shares.update((each, share) for _, each in group)
-    return shares
-
-
-def _fair_share(sizes: list[int], limit: int) -> int:
-    """Return the largest size so that all, cut to it, fit the limit; ``sizes`` fall."""
-    for count in range(len(sizes), 0, -1):
-        share = limit // count
-        if sizes[count - 1] >= share:
-            return share
-        limit -= sizes[count - 1]
-    return limit
+def _end(connection: Limited, bound: Bound) -> None:
+    """Close a connection, and cut it off if it still takes memory."""
+    connection.fail(bound.reason)
+    if connection.unsent_bytes > MOST_UNSENT:
+        connection.abort()
 
 
 def _files_reason(files: int) -> str:

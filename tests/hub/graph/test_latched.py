@@ -8,13 +8,12 @@ from fibws.hub.graph.latched import LatchQuota, LatchTotal
 class Latching:
     """A source with a latched message of so many bytes."""
 
-    def __init__(self, node: Node, size: int, name: str = "/a") -> None:
+    def __init__(self, quota: LatchQuota, size: int, name: str = "/a") -> None:
         self.name = name
-        self.quota = node.quota
+        self.quota = quota
         self.size = size
         self.quota.latched[self] = None
         self.quota.add(size)
-        self.quota.total.make_room()
 
     @property
     def is_kept(self) -> bool:
@@ -26,84 +25,56 @@ class Latching:
 
 
 class Node:
-    """A node, whose owner is the first part of its name."""
+    """A node with a quota in a total."""
 
-    def __init__(self, total: LatchTotal, name: str) -> None:
+    def __init__(self) -> None:
         self.reports: list[str] = []
-        self.quota = LatchQuota(None, total, name, self.reports.append)
+        self.grown: list[int] = []
+        self.total = LatchTotal()
+        self.total.on_grow = self.grown.append
+        self.quota = LatchQuota(None, self.total, "/a", self.reports.append)
 
     def latch(self, *sizes: int) -> list[Latching]:
-        return [Latching(self, size, f"/t{number}") for number, size in enumerate(sizes)]
+        return [Latching(self.quota, size, f"/t{number}") for number, size in enumerate(sizes)]
 
 
-def total_of(limit: int) -> LatchTotal:
-    return LatchTotal(limit, lambda node: node.split("/")[1])
+def test_oldest_messages_are_dropped_until_the_rest_fits() -> None:
+    node = Node()
+    messages = node.latch(250, 250, 250)
+    node.quota.shorten(500, "it is too much")
+    assert [each.is_kept for each in messages] == [False, True, True]
+    assert (node.total.used, node.total.dropped) == (500, 1)
+    assert node.reports == ["the message of /t0 is not latched any more: it is too much"]
 
 
-def test_oldest_message_of_the_node_with_most_is_dropped() -> None:
-    total = total_of(1000)
-    small, large = Node(total, "/a"), Node(total, "/b")
-    [first] = small.latch(300)
-    kept = large.latch(250, 250, 250)
-    assert [each.is_kept for each in (first, *kept)] == [True, False, True, True]
-    assert (total.used, total.dropped) == (800, 1)
-    [report] = large.reports
-    assert "/t0" in report and "--max-total-latched-bytes" in report and "1000" in report
-    assert small.reports == []
-
-
-def test_owner_with_most_pays_by_its_largest_node() -> None:
-    total = total_of(1600)
-    robot = Node(total, "/robot")
-    [map_] = robot.latch(600)
-    pages = [Node(total, f"/pages/{number}") for number in range(4)]
-    for number, page in enumerate(pages):
-        page.latch(200 + 40 * number)
-    assert map_.is_kept
-    assert [len(page.reports) for page in pages] == [0, 0, 0, 1]
-
-
-def test_much_is_dropped_in_one_go_with_one_report() -> None:
-    total = total_of(10_000)
-    node = Node(total, "/a")
-    node.latch(*[1] * 5000, 5001)
-    assert total.used <= 10_000 - 10_000 // 16
-    assert total.dropped == 10_001 - total.used
+def test_much_is_dropped_with_one_report() -> None:
+    node = Node()
+    node.latch(*[1] * 5000)
+    node.quota.shorten(100, "it is too much")
+    assert (node.total.used, node.total.dropped) == (100, 4900)
     [report] = node.reports
-    assert f"{total.dropped - 1} more topics" in report
+    assert "/t0 and of 4899 more topics" in report
 
 
-def test_wills_stay_and_latched_messages_make_room_for_them() -> None:
-    total = total_of(1000)
-    willing, latching = Node(total, "/a"), Node(total, "/b")
-    willing.quota.add(700)
-    [first] = latching.latch(200)
-    assert total.has_room(250)
-    assert not first.is_kept
-    willing.quota.add(250)
-    [second] = latching.latch(100)
-    assert not second.is_kept
-    assert not total.has_room(100)
+def test_wills_stay() -> None:
+    node = Node()
+    node.quota.add(700)
+    node.latch(200)
+    node.quota.shorten(0, "it is too much")
+    assert (node.total.used, list(node.total.quotas)) == (700, [node.quota])
 
 
-def test_will_that_never_fits_drops_nothing() -> None:
-    total = total_of(1000)
-    [latched] = Node(total, "/a").latch(500)
-    assert not total.has_room(2000)
-    assert latched.is_kept
+def test_nothing_is_reported_if_nothing_is_dropped() -> None:
+    node = Node()
+    node.latch(200)
+    node.quota.shorten(200, "it is too much")
+    assert (node.reports, node.total.dropped) == ([], 0)
 
 
 def test_bytes_that_are_gone_do_not_count() -> None:
-    total = total_of(1000)
-    node = Node(total, "/a")
+    node = Node()
     for _ in range(5):
         [each] = node.latch(900)
         each.forget_latched()
-    assert (total.used, total.dropped, total._quotas) == (0, 0, {})
-
-
-def test_nodes_outside_of_the_hub_count_for_themselves() -> None:
-    total = total_of(1000)
-    robots = [Node(total, "") for _ in range(3)]
-    messages = [Latching(each, size) for each, size in zip(robots, (300, 400, 310), strict=True)]
-    assert [each.is_kept for each in messages] == [True, False, True]
+    assert (node.total.used, node.total.quotas) == (0, {})
+    assert node.grown == [900] * 5

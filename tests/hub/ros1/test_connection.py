@@ -23,6 +23,9 @@ HEADER = {"topic": "/t", "md5sum": "*", "callerid": "/listener"}
 class Acceptor:
     """Accepts every connection; it is its own handler."""
 
+    waiting_bytes = 3
+    incomplete_bytes = 5
+
     def __init__(self, answer: bytes = b"", error: Exception | None = None) -> None:
         self.headers: list[Mapping[str, str]] = []
         self.received = b""
@@ -36,6 +39,9 @@ class Acceptor:
         self.headers.append(header)
         connection.transport.write(self._answer)
         return self
+
+    def shorten(self, size: int, least: int) -> None:
+        self.events.append(f"shorten {size} {least}")
 
     def data_received(self, data: bytes) -> None:
         self.received += data

@@ -155,25 +155,22 @@ def test_latched_messages_of_one_client_count_together() -> None:
     assert talker.forgotten
 
 
-def test_latched_messages_of_all_clients_are_bounded_together() -> None:
-    """The client that holds most loses its oldest, and is told."""
+def test_client_is_told_that_its_oldest_messages_are_latched_no_more() -> None:
     hub = FakeHub()
-    hub.graph.latched.limit = 40
-    talker, other, late = hub.client(), hub.client(), hub.client()
-    for client, topics in ((other, ("/d",)), (talker, ("/a", "/b", "/c"))):
-        for topic in topics:
-            client.send("advertise", topic, type=STRING, latch=True)
-            client.send("publish", topic, msg=EIGHT)
+    talker, late = hub.client(), hub.client()
+    for topic in ("/a", "/b", "/c"):
+        talker.send("advertise", topic, type=STRING, latch=True)
+        talker.send("publish", topic, msg=EIGHT)
+    [quota] = hub.graph.latched.quotas
+    quota.shorten(30, "too many bytes (--max-memory)")
     [text] = talker.receive_statuses()
-    assert all(each in text for each in ("/a", "40 bytes", "--max-total-latched-bytes"))
-    assert other.receive() == []
-    for topic, kept in (("/a", []), ("/b", [EIGHT]), ("/c", [EIGHT]), ("/d", [EIGHT])):
+    assert "/a" in text and "(--max-memory)" in text
+    for topic, kept in (("/a", []), ("/b", [EIGHT]), ("/c", [EIGHT])):
         late.send("subscribe", topic)
         assert late.receive_messages(topic) == kept
-    assert (hub.graph.latched.used, hub.graph.latched.dropped) == (36, 1)
+    assert (hub.graph.latched.used, hub.graph.latched.dropped) == (24, 1)
     talker.disconnect()
-    other.disconnect()
-    assert hub.graph.latched.used == 0
+    assert (hub.graph.latched.used, hub.graph.latched.quotas) == (0, {})
 
 
 def test_unlatched_messages_do_not_count() -> None:

@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from conftest import StartHub
 
-from fibws.access.rights import Principal, Rights
 from fibws.access.token_file import digest_of
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, LargeFrame, MadeFrame, SendQueue
+from fibws.hub.memory import Account
 from fibws.hub.settings import KIB, MIB, Settings
 from fibws.hub.websocket import shared_limits as module
 from fibws.hub.websocket.endpoint import STRANGER_BYTES
@@ -47,9 +47,11 @@ class Connection:
 
     is_open = True
     is_stranger = False
-    principal: Principal | None = None
 
-    def __init__(self, hub: Crowd) -> None:
+    def __init__(self, hub: Crowd, owner: str) -> None:
+        self.owner = owner
+        self.unsent_bytes = 0
+        self.is_cut_off = False
         self.incoming_bytes = 0
         self.reasons: list[CloseReason] = []
         self.lane = Lane(1000)
@@ -60,6 +62,10 @@ class Connection:
         self.reasons.append(reason)
         self.queue.close()
         self.incoming_bytes = 0
+
+    def abort(self) -> None:
+        self.is_cut_off = True
+        self.unsent_bytes = 0
 
     @property
     def kept(self) -> int:
@@ -72,6 +78,8 @@ class Crowd:
     def __init__(self, count: int, **settings: Any) -> None:
         self.checks: list[Callable[[], None]] = []
         self.connections: list[Connection] = []
+        limit = settings.pop("max_memory", 2**40)
+        self.account = Account(limit, self.checks.append)
         self.limits = SharedLimits(
             Settings(
                 **{
@@ -81,11 +89,11 @@ class Crowd:
                 }
             ),
             self.connections,
-            self.checks.append,
+            self.account,
             Audit(lambda: 0.0),
         )
-        self.flusher = Flusher(lambda _: None, allowance=self.limits.queued)
-        self.connections += [Connection(self) for _ in range(count)]
+        self.flusher = Flusher(lambda _: None, allowance=self.account.allowance)
+        self.connections += [Connection(self, f"/{number}") for number in range(count)]
 
     def keep(self, number: int, *frames: MadeFrame) -> None:
         """Keep frames for one of the connections."""
@@ -192,6 +200,16 @@ def test_client_with_a_large_frame_half_written_is_closed() -> None:
     assert [each.reasons for each in crowd.connections] == [[TOO_MUCH_QUEUED], []]
 
 
+def test_bytes_that_a_closed_connection_has_still_to_send_count() -> None:
+    crowd = Crowd(2)
+    leaving, other = crowd.connections
+    leaving.unsent_bytes = 100 * LIMIT
+    crowd.keep(1, *frames(20))
+    assert crowd.limits.queued_bytes() == 100 * LIMIT + 2000
+    crowd.account.check()
+    assert (leaving.is_cut_off, other.is_cut_off, other.kept) == (True, False, 2000)
+
+
 def test_bytes_that_throttles_hold_back_count() -> None:
     crowd = Crowd(2)
     first, second = crowd.connections
@@ -206,42 +224,36 @@ def test_clients_with_most_unfinished_bytes_are_closed() -> None:
     crowd = Crowd(4)
     for each, size in zip(crowd.connections, (LIMIT, 100, 5000, 9000), strict=True):
         each.incoming_bytes = size
-    crowd.limits.check_incoming()
+    crowd.account.check()
     assert [each.reasons for each in crowd.connections] == [[TOO_MUCH_INCOMING], [], [], []]
     assert crowd.limits.incoming_bytes() == 14_100
-    assert crowd.limits.incoming.left == LIMIT - 14_100
-
-
-def named(name: str) -> Principal:
-    return Principal(name, Rights())
+    assert crowd.account.allowance.left == LIMIT - 14_100
 
 
 def test_clients_that_have_not_logged_in_are_closed_first() -> None:
     crowd = Crowd(4)
     robot, *strangers = crowd.connections
-    robot.principal, robot.incoming_bytes = named("robot"), LIMIT - 1000
+    robot.incoming_bytes = LIMIT - 1000
     for each, size in zip(strangers, (300, 800, 700), strict=True):
         each.is_stranger, each.incoming_bytes = True, size
-    crowd.limits.check_incoming()
+    crowd.account.check()
     assert [each.reasons for each in crowd.connections] == [[], [], [TOO_MUCH_INCOMING], []]
 
 
 def test_largest_connection_of_the_principal_with_most_bytes_is_closed() -> None:
     crowd = Crowd(5)
-    crowd.connections[0].principal = named("robot")
     crowd.connections[0].incoming_bytes = 6000
     for each, size in zip(crowd.connections[1:], (2000, 4000, 3000, 3000), strict=True):
-        each.principal, each.incoming_bytes = named("pages"), size
-    crowd.limits.check_incoming()
+        each.owner, each.incoming_bytes = "pages", size
+    crowd.account.check()
     assert [len(each.reasons) for each in crowd.connections] == [0, 0, 1, 0, 0]
 
 
 def test_principals_share_the_bytes_that_wait() -> None:
     crowd = Crowd(9)
-    crowd.connections[0].principal = named("robot")
     crowd.keep(0, *frames(70))
     for number in range(1, 9):
-        crowd.connections[number].principal = named("pages")
+        crowd.connections[number].owner = "pages"
         crowd.keep(number, *frames(10 * number))
     assert crowd.check()
     assert sum(crowd.kept) <= LIMIT
