@@ -266,7 +266,7 @@ class Recorder:
         self._queue.append((stream, received, data))
         self._put += len(data) + MESSAGE_COST
         if self._put - self._taken - self._dropped_bytes > self._room:
-            self.shorten(self._room)
+            self._drop_oldest()
 
     def forget(self, stream: Stream) -> None:
         """Keep nothing of a publisher that has left; its messages so far are still written."""
@@ -286,9 +286,8 @@ class Recorder:
         """Bytes of messages that wait, and of latched ones that the next files begin with."""
         return max(0, self._put - self._taken - self._dropped_bytes) + self._latched_bytes
 
-    def shorten(self, size: int) -> None:
-        """Drop the oldest messages that wait, until ``size`` bytes of them are left."""
-        while self._put - self._taken - self._dropped_bytes > size:
+    def _drop_oldest(self) -> None:
+        while self._put - self._taken - self._dropped_bytes > self._room:
             try:
                 _, _, data = self._queue.popleft()
             except IndexError:  # The writing thread has taken them all meanwhile.
@@ -424,7 +423,7 @@ class Recorder:
         stream.last = data
         self._latched[stream] = None
         self._latched_bytes += len(data)
-        while self._latched_bytes > self._room and len(self._latched) > 1:
+        while self._latched_bytes > self._room:
             self._drop_latched(next(iter(self._latched)))
 
     def _drop_latched(self, stream: Stream) -> None:

@@ -17,6 +17,7 @@ from __future__ import annotations
 import logging
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from heapq import heapify, heappop, heappush
 from typing import Any, NamedTuple, Protocol
 
@@ -28,8 +29,8 @@ logger = logging.getLogger("fibws.hub")
 SPARE = 16
 """Shares of a bound: one of them stays free when bytes had to go, and so many bytes come before the
 next count at least."""
-RESERVED = 4
-"""What may not go may take one of so many shares of the account."""
+RESERVED = 8
+"""What bounds itself may have one of so many shares of the account."""
 
 
 class Bound(NamedTuple):
@@ -113,13 +114,14 @@ class Part(NamedTuple):
     Attributes:
         holdings: returns those that are not empty.
         bound: for this part alone.
-        is_fixed: whether it bounds itself and loses nothing here.
+        reserve: bytes that it may take without being asked; None unless it bounds itself. Others
+            never get these.
         is_metered: whether `Account.grow` is called when it grows; else it is counted each second.
     """
 
     holdings: Callable[[], Iterable[Holding]]
     bound: Bound | None = None
-    is_fixed: bool = False
+    reserve: int | None = None
     is_metered: bool = False
 
 
@@ -147,7 +149,7 @@ class Account:
 
     @property
     def reserved(self) -> int:
-        """The bytes that a part may take that loses nothing."""
+        """The bytes that a part may take that bounds itself and loses nothing here."""
         return self.bound.limit // RESERVED
 
     def add(self, name: str, part: Part) -> None:
@@ -155,6 +157,10 @@ class Account:
         self._parts[f"{name} {len(self._parts)}"] = part
         if part.bound is not None:
             self.allowance.left = min(self.allowance.left, part.bound.limit)
+
+    def add_fixed(self, name: str, measure: Callable[[], int], reserve: int) -> None:
+        """Add a part that bounds itself; arguments as of `Holding` and `Part`."""
+        self.add(name, Part(partial(list, [Holding("", measure)]), reserve=reserve))
 
     def grow(self, size: int) -> None:
         """Count bytes that are held from now on."""
@@ -181,8 +187,8 @@ class Account:
         fixed = 0
         for part in self._parts.values():
             found = list(part.holdings())
-            if part.is_fixed:
-                fixed += _measure(found)
+            if part.reserve is not None:
+                fixed += max(part.reserve, _measure(found))
                 continue
             holdings += found
             if part.bound is not None:

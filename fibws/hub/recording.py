@@ -159,9 +159,16 @@ class Recording:
     """
 
     def __init__(
-        self, graph: Graph, settings: Settings, audit: Audit, loop: AbstractEventLoop
+        self,
+        graph: Graph,
+        settings: Settings,
+        audit: Audit,
+        loop: AbstractEventLoop,
+        most_bytes: int,
     ) -> None:
         self.graph = graph
+        self.buffer_size = min(settings.record_buffer * MIB or most_bytes, most_bytes)
+        """Bytes of messages that may wait for the disk; latched ones may take as many."""
         self._settings = settings
         self._audit = audit
         self._loop = loop
@@ -216,7 +223,7 @@ class Recording:
             RecordingOptions(
                 path=f"{settings.record}/{'.mcap' if settings.record_mcap else ''}",
                 compression=settings.record_compression,
-                buffer_size=settings.record_buffer * MIB,
+                buffer_size=self.buffer_size,
                 split=bool(settings.record_size or settings.record_duration),
                 max_size=settings.record_size * MIB,
                 max_duration=round(settings.record_duration * 1e9),
@@ -269,11 +276,6 @@ class Recording:
     def held_bytes(self) -> int:
         """Bytes that the recorder holds."""
         return self._recorder.held_bytes if self._recorder is not None else 0
-
-    def shorten(self, size: int) -> None:
-        """Drop the oldest messages that wait for the disk until ``size`` bytes are left."""
-        if self._recorder is not None:
-            self._recorder.shorten(size)
 
     @property
     def is_recording(self) -> bool:

@@ -296,6 +296,11 @@ class AssetRoute:
             info = path.stat()
             if not stat.S_ISREG(info.st_mode):
                 raise AssetRefused(f"{path.name} is not a file")
+            if info.st_size > self._room.size:
+                raise AssetRefused(
+                    f"{path.name} is too large: {info.st_size} bytes (limit {self._room.size}, "
+                    "an eighth of --max-memory)"
+                )
             etag = f'W/"{info.st_mtime_ns:x}-{info.st_size:x}"'
             known = ",".join(headers.get_all("If-None-Match"))
             if any(tag.strip() in (etag, "*") for tag in known.split(",")):

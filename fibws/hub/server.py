@@ -316,15 +316,12 @@ class Hub:
         if self.ros1 is not None:
             account.add("queues", Part(self.ros1.queued))
             account.add("incoming", Part(self.ros1.incoming))
+        account.add_fixed("files", lambda: room.held, room.size)
+        account.add_fixed("parameters", lambda: graph.parameters.bytes, 0)
+        account.add_fixed("queues", self._ros2_bytes, 0)
         if (recording := self.recording) is not None:
-            account.add("recording", Part(lambda: [_recorded(recording)]))
-        for name, measure in (
-            ("files", lambda: room.held),
-            ("parameters", lambda: graph.parameters.bytes),
-            ("queues", lambda: self.ros2.network.waiting_bytes if self.ros2 is not None else 0),
-        ):
-            holding = Holding("", measure)
-            account.add(name, Part(partial(list, [holding]), is_fixed=True))
+            size = 2 * recording.buffer_size
+            account.add_fixed("recording", lambda: recording.held_bytes, size)
 
     def _latched(self) -> Iterator[Holding]:
         """Yield the latched messages and wills of each node."""
@@ -336,6 +333,9 @@ class Hub:
                 shorten=partial(_shorten_latched, quota),
                 end=partial(self._end_client, quota.node),
             )
+
+    def _ros2_bytes(self) -> int:
+        return self.ros2.network.waiting_bytes if self.ros2 is not None else 0
 
     def _end_client(self, node: str, bound: Bound) -> None:
         """Close the connection of a node for which too much is held, if it is a client."""
@@ -382,7 +382,9 @@ class Hub:
             fault = error.strerror or str(error)
             raise HubError(f"--record: cannot write to {folder}: {fault}") from None
         loop = asyncio.get_running_loop()
-        self.recording = Recording(self.graph, self.settings, self.audit, loop)
+        self.recording = Recording(
+            self.graph, self.settings, self.audit, loop, self._account.reserved
+        )
         self._end.push_async_callback(self._end_recording, self.recording)
         if self.settings.record_at_start:
             self.recording.start()
@@ -805,14 +807,6 @@ def _latched_bytes(quota: LatchQuota) -> int:
 def _shorten_latched(quota: LatchQuota, size: int, least: int, bound: Bound) -> None:
     limit = f"the hub may hold {bound.limit} bytes for all clients ({bound.setting})"
     quota.shorten(size, limit)
-
-
-def _recorded(recording: Recording) -> Holding:
-    return Holding(
-        "recording",
-        lambda: recording.held_bytes,
-        shorten=lambda size, least, bound: recording.shorten(size),
-    )
 
 
 def _tls(settings: Settings) -> ServerTls | None:

@@ -105,14 +105,15 @@ def test_strangers_go_first() -> None:
     assert robot.bounds == []
 
 
-def test_part_that_bounds_itself_loses_nothing_and_leaves_less_for_others() -> None:
-    files, robot = Held("", kept=4000), Held("robot", *[100] * 150)
+def test_part_that_bounds_itself_loses_nothing_and_has_its_bytes_reserved() -> None:
+    robot = Held("robot", *[100] * 150)
     hub = Hub(queues=[robot])
-    hub.account.add("files", Part(lambda: [files.holding], is_fixed=True))
+    hub.account.add_fixed("files", lambda: 3000, 4000)
     hub.account.check()
-    assert (files.bounds, robot.size <= FITS - 4000, robot.has_ended) == ([], True, False)
-    assert hub.account.held() == {"queues": robot.size, "files": 4000}
-    assert hub.account.reserved == LIMIT // RESERVED == 4000
+    assert robot.size <= FITS - 4000
+    assert not robot.has_ended
+    assert hub.account.held() == {"queues": robot.size, "files": 3000}
+    assert hub.account.reserved == LIMIT // RESERVED
 
 
 def test_bound_of_a_part_counts_for_that_part_alone() -> None:

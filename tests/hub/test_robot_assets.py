@@ -150,12 +150,9 @@ async def test_bytes_behind_a_request_are_ignored(robot: Hub) -> None:
         assert (answer[0], answer[2]) == (200, MESH)
 
 
-async def test_files_on_their_way_are_bounded(
-    start_hub: StartHub, workspace: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_files_on_their_way_are_bounded(start_hub: StartHub, workspace: Path) -> None:
     size = 24 * 2**20
-    monkeypatch.setattr(robot_assets, "MOST_UNSENT", size)
-    hub = await start_hub()
+    hub = await start_hub(max_memory=8 * size)
     hub.graph.parameters.set("/robot_description", URDF)
     write(workspace, "arm", "big.stl", os.urandom(size))
     path = "/assets/package/arm/big.stl"
@@ -168,6 +165,9 @@ async def test_files_on_their_way_are_bounded(
         while refused[0] == 503:
             refused = await get(hub, path)
     assert refused[0] == 200 and len(refused[2]) == size
+    write(workspace, "arm", "larger.stl", bytes(size + 1))
+    refused = await get(hub, "/assets/package/arm/larger.stl")
+    assert refused[0] == 404 and "--max-memory" in reason(refused)
 
 
 @pytest.mark.parametrize(

@@ -142,6 +142,12 @@ class SendQueue:
         return messages + self._reply_bytes + started + self.throttled_bytes
 
     @property
+    def begun_bytes(self) -> int:
+        """Bytes of the frame that is half written that are sent, but held as long as the rest."""
+        first = self._rest[0] if self._rest else None
+        return memoryview(first.obj).nbytes - len(first) if isinstance(first, memoryview) else 0
+
+    @property
     def kept_messages(self) -> int:
         """Messages and replies that are kept until the client reads, and are ready to be sent."""
         return len(self._kept or ()) + len(self._replies)

@@ -79,6 +79,8 @@ TLS_RECORD = b"\x16\x03"
 """The first bytes from a client that speaks TLS; no HTTP request holds them."""
 LONGEST_HEAD = 64 * KIB
 """Bytes after which a request's head is not read on."""
+LONG_HEAD = 4 * KIB
+"""Bytes of a request's head that is longer than those of most clients."""
 DROPPING_PAUSE = 0.01
 """Seconds between two reads of a client whose messages are dropped: to drop them costs, too."""
 
@@ -246,8 +248,13 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def is_stranger(self) -> bool:
-        """Whether the handshake is not done, or the client has still to send its token."""
-        return self.endpoint is None or self._login_due < math.inf
+        """Whether the client has still to send its token, or sends a long request without end.
+
+        A short one may have a token: clients must be able to connect while memory is full.
+        """
+        if self.endpoint is None:
+            return self.incoming_bytes > LONG_HEAD
+        return self._login_due < math.inf
 
     @property
     def owner(self) -> str:

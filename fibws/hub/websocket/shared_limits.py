@@ -216,7 +216,8 @@ class SharedLimits:
 
 
 def _queued_bytes(connection: Limited) -> int:
-    return connection.queue.kept_bytes + connection.unsent_bytes
+    queue = connection.queue
+    return queue.kept_bytes + queue.begun_bytes + connection.unsent_bytes
 
 
 def _incoming_bytes(connection: Limited) -> int:

@@ -200,6 +200,16 @@ def test_client_with_a_large_frame_half_written_is_closed() -> None:
     assert [each.reasons for each in crowd.connections] == [[TOO_MUCH_QUEUED], []]
 
 
+def test_frame_that_is_half_written_counts_as_a_whole() -> None:
+    crowd = Crowd(1)
+    first = crowd.connections[0]
+    first.queue = SendQueue(lambda _: first.queue.pause(), print, crowd.flusher, max_bytes=LIMIT)
+    first.queue.write_all([LargeFrame(b"head", bytes(MIB))])
+    first.queue.resume()
+    assert first.kept < MIB
+    assert crowd.limits.queued_bytes() == crowd.account.total() == MIB
+
+
 def test_bytes_that_a_closed_connection_has_still_to_send_count() -> None:
     crowd = Crowd(2)
     leaving, other = crowd.connections
