@@ -233,10 +233,9 @@ class Account:
         remaining, closed = _close_strangers(holdings, total - limit, bound)
         if total - closed <= limit:
             return total - closed
-        shares = _fair_shares(remaining, limit - limit // SPARE)
-        for each, share in shares.items():
-            if each.size > share:
-                each.shorten(share, 1, bound)
+        target = limit - limit // SPARE
+        shares = _fair_shares(remaining, target)
+        _shorten(shares, total - closed - target, bound)
         if count(remaining) > limit:
             _clear(shares, limit, bound)
         return count(holdings)
@@ -261,6 +260,20 @@ def _weigh(holdings: Iterable[Holding]) -> int:
         each.size = each.own_bytes() + round(parts)
         total += each.size
     return total
+
+
+def _shorten(shares: dict[Holding, int], surplus: float, bound: Bound) -> None:
+    """Drop the oldest messages of those that hold most until the surplus is gone.
+
+    Some drop more than they must, since a message is large: then others keep theirs.
+    """
+    for each in _most_first(shares):
+        if surplus <= 0:
+            break
+        before = each.measure()
+        if each.size > shares[each]:
+            each.shorten(shares[each], 1, bound)
+            surplus -= each.size * (1 - each.measure() / before)
 
 
 def _clear(shares: dict[Holding, int], limit: int, bound: Bound) -> None:

@@ -17,8 +17,15 @@ class Held:
     """Bytes of one kind: messages that may be dropped, and others that may not."""
 
     def __init__(
-        self, owner: str, *messages: int, kept: int = 0, is_stranger: bool = False
+        self,
+        owner: str,
+        *messages: int,
+        kept: int = 0,
+        least: int = 1,
+        is_stranger: bool = False,
     ) -> None:
+        self.least = least
+        """Messages that may not be dropped before others have lost some."""
         self.owner = owner
         self.messages = list(messages)
         self.kept = kept
@@ -35,7 +42,7 @@ class Held:
 
     def _shorten(self, size: int, least: int, bound: Bound) -> None:
         self.bounds.append(bound)
-        while len(self.messages) > least and sum(self.messages) + self.kept > size:
+        while len(self.messages) > min(least, self.least) and sum(self.messages) + self.kept > size:
             self.messages.pop(0)
 
     def _end(self, bound: Bound) -> None:
@@ -85,6 +92,13 @@ def test_largest_owner_loses_its_oldest_messages_in_all_parts() -> None:
     assert (latched.size, queue.size) == (5000, 5000)
     assert [bound.setting for bound in (*latched.bounds, *queue.bounds)] == ["--max-memory"] * 2
     assert not latched.has_ended
+
+
+def test_no_more_goes_than_must_if_messages_are_large() -> None:
+    held = [Held(f"/{number}", 2000 + number, least=0) for number in range(8)]
+    hub = Hub(latched=held)
+    hub.account.check()
+    assert [each.size > 0 for each in held] == [True] * 7 + [False]
 
 
 def test_what_cannot_be_dropped_ends_with_the_largest_of_the_largest_owner() -> None:
