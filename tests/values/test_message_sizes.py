@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.values.message_sizes import check_cloud, check_grid, check_image
+from fibws.values.message_sizes import (
+    check_cloud,
+    check_grid,
+    check_image,
+    check_picture,
+    picture_size,
+)
 
 MOST = 2**32 - 1
 
@@ -71,3 +77,64 @@ def expect(check: object, fault: str) -> None:
             check()
     else:
         check()
+
+
+def png(width: int, height: int, rest: int = 10**6) -> bytes:
+    head = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"
+    return head + width.to_bytes(4, "big") + height.to_bytes(4, "big") + bytes(rest)
+
+
+def jpeg(width: int, height: int, before: bytes = b"") -> bytes:
+    size = height.to_bytes(2, "big") + width.to_bytes(2, "big")
+    return b"\xff\xd8" + before + b"\xff\xc0\0\x11\x08" + size + bytes(20)
+
+
+def webp(kind: bytes, rest: bytes) -> bytes:
+    return b"RIFF\0\0\0\0WEBP" + kind + bytes(4) + rest
+
+
+PICTURES = [
+    (png(640, 480), (640, 480)),
+    (jpeg(640, 480), (640, 480)),
+    (jpeg(640, 480, b"\xff\xe0\0\x10JFIF" + bytes(10)), (640, 480)),
+    (jpeg(640, 480, b"\xff\xff\xc4\0\x04\1\2\xff\xd0"), (640, 480)),
+    (webp(b"VP8X", bytes(4) + b"\x7f\2\0\xdf\1\0"), (640, 480)),
+    (webp(b"VP8 ", bytes(6) + b"\x80\2\xe0\1"), (640, 480)),
+    (webp(b"VP8L", b"\x2f" + (639 | 479 << 14).to_bytes(4, "little")), (640, 480)),
+    (webp(b"ALPH", bytes(20)), None),
+    (b"BM" + bytes(50), None),
+    (b"", None),
+    (b"\xff\xd8", None),
+    (b"\xff\xd8" + b"\xff\xe0\0\0" * 20, None),
+    (b"\xff\xd8abcdef", None),
+]
+
+
+@pytest.mark.parametrize(("data", "size"), PICTURES)
+def test_size_of_a_picture_is_in_its_head(data: bytes, size: tuple[int, int] | None) -> None:
+    assert picture_size(data) == size
+    check_picture(data)
+
+
+@pytest.mark.parametrize(
+    ("data", "fault"),
+    [
+        (png(2**31, 2**31), "too many"),
+        (png(8192, 8192, rest=100), "too few"),
+        (jpeg(65535, 65535), "too many"),
+        (webp(b"VP8X", bytes(4) + b"\xff" * 6), "too many"),
+        (webp(b"VP8L", b"\x2f\xff\xff\xff\xff"), "too many"),
+    ],
+)
+def test_picture_that_claims_too_much_is_refused(data: bytes, fault: str) -> None:
+    with pytest.raises(ValueError, match=fault):
+        check_picture(data)
+
+
+def test_damaged_heads_of_pictures_are_read_without_an_error() -> None:
+    for whole, _ in PICTURES:
+        head = whole[:60]
+        for at in range(len(head)):
+            for byte in (0, 1, 0x7F, 0xC0, 0xFF):
+                picture_size(head[:at] + bytes((byte,)) + head[at + 1 :])
+                picture_size(head[:at] + bytes((byte,)))

@@ -92,6 +92,12 @@ def test_gray_of_raw_pixels_is_not_rounded_twice() -> None:
     assert (found == cv2.cvtColor(pixels, cv2.COLOR_BayerBG2GRAY)).all()
 
 
+def test_picture_that_claims_too_many_pixels_is_not_decoded() -> None:
+    data = b"\xff\xd8\xff\xc0\0\x11\x08\xff\xff\xff\xff" + bytes(50)
+    with pytest.raises(CvBridgeError, match="65535 x 65535 pixels are too many"):
+        bridge.compressed_imgmsg_to_cv2(CompressedImage(data=data))
+
+
 def test_without_libraries_the_error_names_both(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
     monkeypatch.setitem(sys.modules, "PIL", None)

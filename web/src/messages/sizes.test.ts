@@ -1,5 +1,12 @@
 import { expect, it } from "vitest";
-import { checkDeflated, checkGrid, checkImage, sizeOfCloud } from "./sizes";
+import {
+  checkDeflated,
+  checkGrid,
+  checkImage,
+  checkPicture,
+  pictureSize,
+  sizeOfCloud,
+} from "./sizes";
 
 const MOST = 2 ** 32 - 1;
 
@@ -69,4 +76,46 @@ it.each([
 
 it("refuses points without bytes", () => {
   expect(faultOf(() => sizeOfCloud(MOST, MOST, 0, 0, 64))).toContain("point_step");
+});
+
+const ascii = (text: string) => [...text].map((each) => each.charCodeAt(0));
+const png = (...size: number[]) => [0x89, 0x50, 0x4e, 0x47, ...new Array(12).fill(0), ...size];
+const jpeg = (...size: number[]) => [
+  0xff,
+  0xd8,
+  0xff,
+  0xe0,
+  0,
+  4,
+  1,
+  2,
+  0xff,
+  0xc0,
+  0,
+  17,
+  8,
+  ...size,
+];
+const webp = (kind: string, ...rest: number[]) => [...ascii(`RIFF____WEBP${kind}____`), ...rest];
+
+it.each([
+  ["PNG", png(0, 0, 2, 128, 0, 0, 1, 224), [640, 480]],
+  ["JPEG", jpeg(1, 224, 2, 128), [640, 480]],
+  ["WebP with a head", webp("VP8X", 0, 0, 0, 0, 0x7f, 2, 0, 0xdf, 1, 0), [640, 480]],
+  ["WebP", webp("VP8 ", 0, 0, 0, 0, 0, 0, 0x80, 2, 0xe0, 1), [640, 480]],
+  ["lossless WebP", webp("VP8L", 0x2f, 0x7f, 0xc2, 0x77, 0), [640, 480]],
+  ["WebP of another kind", webp("ALPH", 0, 0, 0), undefined],
+  ["nothing", [], undefined],
+  ["JPEG that is cut off", [0xff, 0xd8, 0xff, 0xe0, 0, 0], undefined],
+  ["GIF", ascii("GIF89a"), undefined],
+])("the size of %s is in its head", (_, data, size) => {
+  expect(pictureSize(Uint8Array.from(data))).toEqual(size);
+  expect(() => checkPicture(Uint8Array.from(data))).not.toThrow();
+});
+
+it("a picture that claims too many pixels is refused before it is decoded", () => {
+  const most = [255, 255, 255, 255];
+  for (const data of [png(...most, ...most), jpeg(...most), webp("VP8L", 0x2f, ...most)]) {
+    expect(faultOf(() => checkPicture(Uint8Array.from(data)))).toContain("too many");
+  }
 });

@@ -62,6 +62,51 @@ export function checkDeflated(
   }
 }
 
+/** Check a compressed picture by its head, before the browser decodes it: PNG, JPEG or WebP. */
+export function checkPicture(data: Uint8Array): void {
+  const [width, height] = pictureSize(data) ?? [1, 1];
+  checkCount("picture", "pixels", width, height);
+}
+
+/** The width and the height in the head of a picture, if they can be found. */
+export function pictureSize(data: Uint8Array): [width: number, height: number] | undefined {
+  const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
+  const starts = (...start: number[]) => start.every((byte, at) => data[at] === byte);
+  try {
+    if (starts(0x89, 0x50)) return [view.getUint32(16), view.getUint32(20)];
+    if (starts(0xff, 0xd8)) return jpegSize(view);
+    if (starts(0x52, 0x49)) return webpSize(view);
+  } catch (error) {
+    if (!(error instanceof RangeError)) throw error; // The head is cut off.
+  }
+  return undefined;
+}
+
+function jpegSize(view: DataView): [number, number] | undefined {
+  for (let at = 2; view.getUint8(at) === 0xff; ) {
+    const kind = view.getUint8(at + 1);
+    if (kind >= 0xc0 && kind <= 0xcf && ![0xc4, 0xc8, 0xcc].includes(kind)) {
+      return [view.getUint16(at + 7), view.getUint16(at + 5)];
+    }
+    // Bytes of 0xff may come before a marker, and some markers have no length.
+    const isAlone = kind === 0x01 || (kind >= 0xd0 && kind <= 0xd8);
+    if (kind === 0xff) at += 1;
+    else at += isAlone ? 2 : 2 + Math.max(2, view.getUint16(at + 2));
+  }
+  return undefined;
+}
+
+function webpSize(view: DataView): [number, number] | undefined {
+  const three = (at: number) => view.getUint16(at, true) + 65536 * view.getUint8(at + 2);
+  const kind = String.fromCharCode(...[12, 13, 14, 15].map((at) => view.getUint8(at)));
+  if (kind === "VP8X") return [three(24) + 1, three(27) + 1];
+  if (kind === "VP8 ")
+    return [view.getUint16(26, true) & 0x3fff, view.getUint16(28, true) & 0x3fff];
+  if (kind !== "VP8L") return undefined;
+  const bits = view.getUint32(21, true);
+  return [(bits & 0x3fff) + 1, ((bits >>> 14) & 0x3fff) + 1];
+}
+
 export interface CloudSize {
   /** Bytes from one row to the next. */
   readonly rowSize: number;

@@ -10,6 +10,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
 from cv_bridge.encodings import DEPTH_OF_DTYPE, EncodingError, convert, encoding_of
+from fibws.values.message_sizes import check_picture
 
 _FIRST_DEPTHS = ("8U", "8S", "16U", "16S", "32S", "32F", "64F")
 _PILLOW_MODES = {1: "L", 3: "RGB", 4: "RGBA"}
@@ -195,6 +196,10 @@ class CvBridge:
 
 
 def _decoded(data: bytes) -> Any:
+    try:
+        check_picture(data)
+    except ValueError as error:
+        raise CvBridgeError(f"the data is not an image that can be read: {error}") from None
     try:
         import cv2
     except ModuleNotFoundError:

@@ -1,5 +1,6 @@
 /** Draws the newest image of a topic on a canvas; it runs in the worker. */
 import type { Fields } from "../../messages/reader";
+import { checkPicture } from "../../messages/sizes";
 import { bytesOf } from "../../types";
 import { isDeepPng, readDeepPng } from "./deep_png";
 import { cellText, type Grid, gridPixels, isGrid, readGrid } from "./grid";
@@ -206,6 +207,7 @@ async function decompress(format: string, data: Uint8Array): Promise<RawImage | 
     const kinds = KINDS.map(([name]) => name.replace("image/", "").toUpperCase()).join(", ");
     throw new Error(`the data of the format “${format}” is none of ${kinds}`);
   }
+  checkPicture(data);
   try {
     return await createImageBitmap(new Blob([data as Uint8Array<ArrayBuffer>], { type }));
   } catch {
