@@ -11,6 +11,7 @@ import pytest
 from conftest import StartHub
 
 from fibws.hub import Hub
+from fibws.hub.federation.records import Message
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.endpoint import STRANGER_BYTES
 from fibws.protocol.websocket import BINARY, client_header
@@ -241,3 +242,34 @@ async def test_client_is_told_what_is_latched_no_more(start_hub: StartHub) -> No
         opcode, status = await client.frame()
         assert opcode == TEXT
         assert b"/l0" in status and b"(--max-memory)" in status
+
+
+@pytest.mark.both_loops
+async def test_calls_to_the_ros1_master_that_are_never_complete_count(start_hub: StartHub) -> None:
+    hub = await start_hub(max_memory=4 * MIB, ros1=0)
+    assert hub.ros1 is not None
+    head = f"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: {8 * MIB}\r\n\r\n"
+    call = (head + "<methodCall><methodName>a</methodName><params><param><value>").encode()
+    async with dialled(hub.ros1.port) as small, dialled(hub.ros1.port) as large:
+        await small.send(call, b"a" * MIB)
+        await until(lambda: hub._account.held()["incoming"] >= MIB)
+        with suppress(OSError):
+            await large.send(call, b"a" * 3 * MIB)
+        with suppress(OSError):
+            await large.to_the_end()
+        await until(lambda: MIB <= hub._account.held()["incoming"] < 2 * MIB)
+
+
+async def test_what_waits_for_another_hub_counts(start_hub: StartHub) -> None:
+    hub = await start_hub(max_memory=32 * MIB)
+    other = await start_hub(join=(hub.url,))
+    await until(lambda: bool(hub.federation.peers) and bool(other.federation.peers))
+    [backplane] = hub.federation.backplanes
+    large = Message(1, 0, 0, bytes(MIB))
+    backplane.publish(large, limit=10)
+    [holding] = hub.federation.queued()
+    assert holding.measure() == hub._account.held()["queues"] > MIB
+    holding.shorten(0, 0, hub._account.bound)
+    assert holding.measure() < MIB
+    holding.end(hub._account.bound)
+    await until(lambda: backplane not in hub.federation.backplanes)

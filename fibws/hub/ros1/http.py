@@ -120,6 +120,8 @@ class XmlRpcConnection(asyncio.Protocol):
         self._max_body = max_body
         self._closed = closed
         self._received = bytearray()
+        self._parsed = 0
+        """Bytes of a large call that its values were read from."""
         self._request: _Request | None = None
         """The head of the call that is arriving."""
         self._arrived: asyncio.Future[None] | None = None
@@ -155,7 +157,7 @@ class XmlRpcConnection(asyncio.Protocol):
     @property
     def incomplete_bytes(self) -> int:
         """Bytes of calls that came in part, or wait."""
-        return len(self._received)
+        return len(self._received) + self._parsed
 
     def shorten(self, size: int, least: int) -> None:
         """Do nothing: each call has a response."""
@@ -279,8 +281,9 @@ class XmlRpcConnection(asyncio.Protocol):
             try:
                 if not fault:
                     parser.feed(data)
+                    self._parsed += len(data)
             except XmlRpcError as error:
-                fault = str(error)
+                fault, parser, self._parsed = str(error), CallParser(), 0
             await asyncio.sleep(0)
         self._set_timer(None)
         try:
@@ -326,6 +329,7 @@ class XmlRpcConnection(asyncio.Protocol):
 
     def _respond(self, request: _Request, body: bytes) -> None:
         self._request = None
+        self._parsed = 0
         # roscpp finds the length only with this spelling, and one space.
         head = RESPONSE % (len(body), b"Connection: close\r\n" if request.is_last else b"")
         self._transport.write(head + body)

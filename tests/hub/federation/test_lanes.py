@@ -142,6 +142,20 @@ def test_oldest_messages_of_a_lane_are_dropped_behind_a_flowing_record(slow: Slo
     assert slow.arrived() == [(7, 299), (7, 300)]
 
 
+def test_fullest_lanes_lose_their_oldest_if_the_memory_is_full(slow: SlowLink) -> None:
+    for sequence in range(5):
+        slow.publish(7, sequence, 100_000)
+    slow.publish(8, 0, 100_000)
+    assert slow.link.waiting_bytes > 600_000
+    slow.link.shorten(250_000)
+    assert slow.link.waiting_bytes < 250_000
+    assert sorted(slow.arrived()) == [(7, 4), (8, 0)]
+    assert slow.dropped == 4
+    slow.link.shorten(0)
+    slow.link.give_up()
+    assert slow.wire.reasons == [link.OVERFULL]
+
+
 def test_other_hub_learns_that_messages_pass_whatever_is_dropped(slow: SlowLink) -> None:
     for sequence in range(10):
         slow.publish(7, sequence, 100, limit=1)

@@ -85,6 +85,18 @@ def test_header_may_arrive_in_pieces(size: int) -> None:
     assert accepted.clock.timers == 0
 
 
+def test_bytes_of_the_header_and_of_the_handler_count() -> None:
+    accepted = Accepted()
+    connection, data = accepted.connection, encode_header(HEADER)
+    connection.data_received(data[:-1])
+    assert (connection.waiting_bytes, connection.incomplete_bytes) == (0, len(data) - 1)
+    connection.shorten(100, 1)
+    connection.data_received(data[-1:])
+    assert (connection.waiting_bytes, connection.incomplete_bytes) == (3, 5)
+    connection.shorten(100, 1)
+    assert accepted.acceptor.events == ["shorten 100 1"]
+
+
 def test_silent_connection_is_closed() -> None:
     accepted = Accepted()
     accepted.connection.data_received(encode_header(HEADER)[:-1])

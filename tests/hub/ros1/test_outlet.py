@@ -125,6 +125,23 @@ async def test_slow_subscriber_keeps_as_many_messages_as_queue_size() -> None:
     assert subscriber.report() == (3, 0.0, "none", 8, 4, 0)
 
 
+async def test_queue_is_shortened_if_the_memory_is_full() -> None:
+    topic = Topic()
+    source = topic.publisher(queue_size=10)
+    link, transport = topic.link(topic.subscriber())
+    source.publish(sized(HIGH_WATER + 1, 0))
+    written = transport.get_write_buffer_size()
+    for number in range(1, 6):
+        source.publish(sized(88, number))
+    assert link.connection.waiting_bytes == written + 500
+    link.connection.shorten(250, 1)
+    assert (link.connection.waiting_bytes, link.report().dropped) == (written + 200, 3)
+    link.connection.shorten(0, 1)
+    assert link.connection.waiting_bytes == written + 100
+    transport.read()
+    assert [mark_of(each) for each in transport.written[-2:]] == [0, 5]
+
+
 async def test_publishers_of_one_topic_share_the_queue_of_all() -> None:
     topic = Topic()
     sources = [topic.publisher(f"/client{size}", queue_size=size) for size in (1, 2)]

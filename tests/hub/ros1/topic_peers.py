@@ -41,6 +41,9 @@ class FakeTransport(asyncio.Transport):
         if before <= HIGH_WATER < self._unread:
             self._protocol.pause_writing()
 
+    def get_write_buffer_size(self) -> int:
+        return self._unread
+
     def read(self) -> None:
         """Let the peer read all that was written."""
         is_full, self._unread = self._unread > HIGH_WATER, 0
