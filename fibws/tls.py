@@ -1,12 +1,12 @@
-"""TLS of nodes and tools: the certificates that they trust or present, and why TLS failed."""
+"""The certificates that programs trust or present, and why TLS failed."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
-from fibws.errors import HubUnreachable
+from fibws.errors import AccessError, HubUnreachable
 
 if TYPE_CHECKING:
     import ssl
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 CA = "FIBWS_CA"
 CLIENT_CERT = "FIBWS_CLIENT_CERT"
 CLIENT_KEY = "FIBWS_CLIENT_KEY"
+VARIABLES = (CA, CLIENT_CERT, CLIENT_KEY)
 
 File: TypeAlias = str | os.PathLike[str]
 
@@ -24,6 +25,8 @@ _OTHER_NAME = (62, 64)
 
 _NO_TLS = ("WRONG_VERSION_NUMBER", "RECORD_LAYER_FAILURE", "UNEXPECTED_EOF_WHILE_READING")
 """OpenSSL's reasons for an answer that is not TLS."""
+_OTHER_KEY = ("KEY_VALUES_MISMATCH", "KEY_TYPE_MISMATCH", "NO_CERTIFICATE_ASSIGNED")
+"""OpenSSL's reasons for a key that is not the certificate's, be it of another kind, such as RSA."""
 _CERTIFICATE_ALERTS = {
     "TLSV13_ALERT_CERTIFICATE_REQUIRED": "it requires one",
     "TLSV1_ALERT_UNKNOWN_CA": "its issuer is unknown to the server",
@@ -31,8 +34,19 @@ _CERTIFICATE_ALERTS = {
     "SSLV3_ALERT_CERTIFICATE_EXPIRED": "it has expired",
     "SSLV3_ALERT_CERTIFICATE_REVOKED": "it has been revoked",
     "SSLV3_ALERT_CERTIFICATE_UNKNOWN": "it is not accepted",
+    "SSLV3_ALERT_UNSUPPORTED_CERTIFICATE": "its extended key usage is not that of a client",
 }
 """Explanations of TLS alerts with which a server refuses a client's certificate."""
+
+
+class Pair(NamedTuple):
+    """The names by which a user gives a certificate and its private key, such as options."""
+
+    certificate: str
+    key: str
+
+
+CLIENT = Pair(CLIENT_CERT, CLIENT_KEY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +71,7 @@ class TlsFiles:
         client_key: File | None = None,
     ) -> Self:
         """Return the files that are given, or else those of the environment variables."""
-        given = ((ca, CA), (client_cert, CLIENT_CERT), (client_key, CLIENT_KEY))
+        given = zip((ca, client_cert, client_key), VARIABLES, strict=True)
         return cls(*(_path(file) or os.environ.get(name) or None for file, name in given))
 
     def context(self, url: str) -> ssl.SSLContext:
@@ -74,18 +88,94 @@ class TlsFiles:
         import ssl  # It takes 20 ms, and few tools need it.
 
         context = ssl.create_default_context()
-        if self.ca is not None:
-            try:
-                context.load_verify_locations(self.ca)
-            except OSError as error:
-                raise HubUnreachable(url, _unusable(CA, self.ca, error)) from None
-        if self.client_cert is not None:
-            try:
-                context.load_cert_chain(self.client_cert, self.client_key)
-            except OSError as error:
-                files = " and ".join(filter(None, (self.client_cert, self.client_key)))
-                raise HubUnreachable(url, _unusable(CLIENT_CERT, files, error)) from None
+        try:
+            if self.ca is not None:
+                load_authorities(context, CA, self.ca)
+            if self.client_cert is not None:
+                load_pair(context, CLIENT, self.client_cert, self.client_key)
+        except AccessError as error:
+            raise HubUnreachable(url, str(error)) from None
         return context
+
+
+def load_authorities(context: ssl.SSLContext, name: str, file: File) -> None:
+    """Trust the certificates in a PEM file.
+
+    Args:
+        name: how the user has given the file, such as an option, for the error.
+
+    Raises:
+        AccessError: the file cannot be used.
+    """
+    _read(name, file)
+    try:
+        context.load_verify_locations(file)
+    except OSError:  # It includes those of ssl.
+        raise AccessError(f"{name}: {file} holds no certificate in PEM format") from None
+
+
+def load_pair(context: ssl.SSLContext, names: Pair, certificate: File, key: File | None) -> None:
+    """Present the certificate in a PEM file.
+
+    Args:
+        names: how the user has given the files, for the error.
+        key: the file of its private key; None if that is in the same file.
+
+    Raises:
+        AccessError: a file cannot be used, or the key has a password.
+    """
+    content = _read(names.certificate, certificate)
+    private = content if key is None else _read(names.key, key)
+
+    def refuse_password() -> str:
+        # Otherwise OpenSSL asks on the terminal.
+        name = names.certificate if key is None else names.key
+        raise AccessError(
+            f"{name}: the key has a password; remove it with: openssl pkey -in OLD -out NEW"
+        )
+
+    try:
+        context.load_cert_chain(certificate, key, password=refuse_password)
+    except OSError as error:
+        text = _pair_fault(error, names, certificate, key, content, private)
+        raise AccessError(text) from None
+
+
+def _pair_fault(
+    error: OSError,
+    names: Pair,
+    certificate: File,
+    key: File | None,
+    content: bytes,
+    private: bytes,
+) -> str:
+    """Return why a certificate and its key, which have these contents, cannot be used."""
+    if b"-----BEGIN CERTIFICATE-----" not in content:
+        return f"{names.certificate}: {certificate} holds no certificate in PEM format"
+    if b"PRIVATE KEY-----" not in private:
+        if key is None:
+            return (
+                f"{names.certificate}: {certificate} holds no private key; "
+                f"set {names.key} to the file that holds it"
+            )
+        return f"{names.key}: {key} holds no private key in PEM format"
+    reason = getattr(error, "reason", None)
+    if reason in _OTHER_KEY:
+        return f"{names.key}: {key} is not the key of the first certificate in {certificate}"
+    files = certificate if key is None else f"{certificate} with {key}"
+    return f"{names.certificate}, {names.key}: cannot use {files}: {_words(reason or str(error))}"
+
+
+def _read(name: str, file: File) -> bytes:
+    try:
+        with open(file, "rb") as opened:
+            return opened.read()
+    except OSError as error:
+        raise AccessError(f"{name}: cannot read {file}: {error.strerror}") from None
+
+
+def _words(reason: str) -> str:
+    return reason.lower().replace("_", " ")
 
 
 def fault(error: BaseException | None) -> str | None:
@@ -94,24 +184,43 @@ def fault(error: BaseException | None) -> str | None:
     Args:
         error: the error, or one that it has caused.
     """
-    while error is not None and type(error).__module__ != "ssl":  # This avoids importing ssl.
-        error = error.__cause__ or error.__context__
+    error = _tls_error(error)
     if error is None:
         return None
     text, code = getattr(error, "verify_message", ""), getattr(error, "verify_code", 0)
     if text:
-        return f"invalid certificate: {text}{_advice(code)}"
-    reason = getattr(error, "reason", None) or str(error)
+        return f"invalid certificate: {text.rstrip('.')}{_advice(code)}"
+    reason = _reason(error)
     if reason in _NO_TLS:
         return "the server does not support TLS; use ws://"
     if alert := _CERTIFICATE_ALERTS.get(reason):
         return f"the server refuses this client's certificate: {alert}; see {CLIENT_CERT}"
-    return f"TLS failed: {reason.lower().replace('_', ' ')}"
+    return f"TLS failed: {_words(reason)}"
+
+
+def refuses_certificate(error: BaseException) -> bool:
+    """Return whether the server has refused this client's certificate.
+
+    Args:
+        error: as of `fault`.
+    """
+    found = _tls_error(error)
+    return found is not None and _reason(found) in _CERTIFICATE_ALERTS
+
+
+def _tls_error(error: BaseException | None) -> BaseException | None:
+    while error is not None and type(error).__module__ != "ssl":  # This avoids importing ssl.
+        error = error.__cause__ or error.__context__
+    return error
+
+
+def _reason(error: BaseException) -> str:
+    return getattr(error, "reason", None) or str(error)
 
 
 def _advice(code: int) -> str:
     if code in _UNKNOWN_ISSUER:
-        return f"; to trust it, set {CA}=FILE (PEM) or use --ca FILE"
+        return f"; to trust it, set {CA}=FILE (PEM) or use --ca FILE, the hub's or its authority's"
     if code in _OTHER_NAME:
         return "; connect by a name that is in it"
     if code == _EXPIRED:
@@ -121,10 +230,3 @@ def _advice(code: int) -> str:
 
 def _path(file: File | None) -> str | None:
     return None if file is None else os.fspath(file)
-
-
-def _unusable(name: str, file: str, error: OSError) -> str:
-    if type(error).__module__ != "ssl":
-        return f"{name}: cannot read {file}: {error.strerror}"
-    reason = (getattr(error, "reason", None) or "unknown format").lower().replace("_", " ")
-    return f"{name}: cannot use {file}, expected PEM format: {reason}"

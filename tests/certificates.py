@@ -11,6 +11,7 @@ import trustme
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import ExtendedKeyUsageOID
 
 
 class Authority:
@@ -43,16 +44,39 @@ class Authority:
         made.private_key_pem.write_to_path(key)
         return certificate, key
 
+    def issue_for_servers(self, common_name: str) -> tuple[Path, Path]:
+        """Write a certificate that must not be used by clients, and its key; return their paths."""
+        names = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, common_name)])
+        now, key = datetime.now(UTC), ec.generate_private_key(ec.SECP256R1())
+        usage = x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH])
+        issuer = x509.load_pem_x509_certificate(self.file.read_bytes())
+        made = (
+            x509.CertificateBuilder(issuer.subject, names, key.public_key())
+            .serial_number(x509.random_serial_number())
+            .not_valid_before(now - timedelta(days=1))
+            .not_valid_after(now + timedelta(days=1))
+            .add_extension(usage, critical=False)
+            .sign(self._key(), hashes.SHA256())
+        )
+        certificate = self._folder / f"{common_name}.pem"
+        certificate.write_bytes(made.public_bytes(serialization.Encoding.PEM))
+        file = certificate.with_suffix(".key")
+        file.write_bytes(_private(key, serialization.NoEncryption()))
+        return certificate, file
+
     def revocations(self, certificate: Path) -> bytes:
         """Return a list of revoked certificates (CRL) with one, in PEM."""
         revoked = x509.load_pem_x509_certificate(certificate.read_bytes())
         now = datetime.now(UTC)
         entry = x509.RevokedCertificateBuilder(revoked.serial_number, now).build()
+        builder = x509.CertificateRevocationListBuilder(revoked.issuer, now, now + timedelta(1))
+        made = builder.add_revoked_certificate(entry).sign(self._key(), hashes.SHA256())
+        return made.public_bytes(serialization.Encoding.PEM)
+
+    def _key(self) -> ec.EllipticCurvePrivateKey:
         key = serialization.load_pem_private_key(self._ca.private_key_pem.bytes(), None)
         assert isinstance(key, ec.EllipticCurvePrivateKey)
-        builder = x509.CertificateRevocationListBuilder(revoked.issuer, now, now + timedelta(1))
-        made = builder.add_revoked_certificate(entry).sign(key, hashes.SHA256())
-        return made.public_bytes(serialization.Encoding.PEM)
+        return key
 
     def client(self, certificate: tuple[Path, Path] | None = None) -> ssl.SSLContext:
         """Return the context of a client that trusts the authority, and may have a certificate.
@@ -64,6 +88,21 @@ class Authority:
         if certificate is not None:
             context.load_cert_chain(*certificate)
         return context
+
+
+def add_password(key: Path) -> None:
+    """Encrypt a private key, in its file."""
+    plain = serialization.load_pem_private_key(key.read_bytes(), None)
+    assert isinstance(plain, ec.EllipticCurvePrivateKey)
+    key.write_bytes(_private(plain, serialization.BestAvailableEncryption(b"secret")))
+
+
+def _private(
+    key: ec.EllipticCurvePrivateKey, encryption: serialization.KeySerializationEncryption
+) -> bytes:
+    return key.private_bytes(
+        serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, encryption
+    )
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ programs    demo  broadcaster  listener  examples/  demo_robot/  turtlesim/  web
 tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
-the wire            |                        |                                          |
+the wire            |                        |          client_handshake                |
 pure        values/  protocol/  interfaces/  bags/  access/  credentials  hub_address  tls
             names  errors  files  suggestions  origins
 """
@@ -36,6 +36,7 @@ BELOW = {
     "hub_address": {"errors"},
     "tls": {"errors"},
     "credentials": {"errors", "hub_address", "protocol"},
+    "client_handshake": set[str](),
     "command_names": set[str](),
     "definition_folders": set[str](),
     "origins": set[str](),
@@ -47,14 +48,14 @@ BELOW = {
     "bags": {"errors", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
-    | {"hub_address", "credentials", "tls", "bag_recorder", "origins"},
+    | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
     "action": {"errors", "interfaces", "msg"},
     "node": {"errors", "names", "hub_address", "tls", "credentials", "protocol", "interfaces"}
     | {*CLASSES}
-    | {"__version__"},
+    | {"__version__", "client_handshake"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "bags", "values", "client", "node", "interfaces", *CLASSES}
     | {"command_names", "definition_folders", "processes", "tf"},
@@ -86,7 +87,8 @@ BELOW_IN_HUB = {
         "hub.delivery",
         "hub.websocket",
     }
-    | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication", "hub.memory"},
+    | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication", "hub.memory"}
+    | {"tls"},
     "monitoring": {"errors", "access", "hub.access", "hub.audit", "hub.graph", "hub.settings"}
     | {"hub.memory"}
     | {"hub.delivery", "hub.monitoring", "hub.websocket", "__version__"},
@@ -109,7 +111,8 @@ BELOW_IN_HUB = {
     | {"origins", "hub.memory"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces", "protocol.websocket"}
-    | {"credentials", "hub_address", "tls", "hub.federation", "hub.graph", "hub.audit"}
+    | {"client_handshake", "credentials", "hub_address", "tls"}
+    | {"hub.federation", "hub.graph", "hub.audit"}
     | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}
     | {"hub.memory", "hub.zenoh_session"},
     "ros2": {"errors", "access.rights", "interfaces", "hub.graph", "hub.ros2", "hub.settings"}

@@ -13,11 +13,13 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from certificates import Authority
+from certificates import Authority, add_password
 from certificates import authority as authority
 from click.testing import CliRunner
 from client.servers import redirecting_server
 from conftest import StartHub
+from cryptography.hazmat.primitives import serialization
+from cryptography.hazmat.primitives.asymmetric import rsa
 from node.conftest import Lines
 
 import fibws
@@ -193,16 +195,92 @@ async def test_hub_with_tls_is_explained(program: Program, hub: Hub) -> None:
     assert "wss://" in await why(program, hub.url.replace("wss:", "ws:"))
 
 
+@EITHER
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [("issuer", "issuer is unknown"), ("expired", "has expired"), ("usage", "key usage")],
+)
 async def test_refused_client_certificate_is_explained(
-    closed_hub: Hub, authority: Authority, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    program: Program,
+    fault: str,
+    reason: str,
+    closed_hub: Hub,
+    authority: Authority,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    (tmp_path / "other").mkdir()
-    cert, key = Authority(tmp_path / "other").issue(common_name="arm")
+    use_client_certificate(monkeypatch, authority, *refused_certificate(authority, fault, tmp_path))
+    text = await why(program, closed_hub.url)
+    assert tls.CLIENT_CERT in text and reason in text
+
+
+def refused_certificate(authority: Authority, fault: str, folder: Path) -> tuple[Path, Path]:
+    """Return the files of a client's certificate that the authority's hub must refuse."""
+    match fault:
+        case "issuer":
+            (folder / "other").mkdir()
+            return Authority(folder / "other").issue(common_name="arm")
+        case "expired":
+            yesterday = datetime.now(UTC) - timedelta(days=1)
+            return authority.issue(common_name="arm", file="arm", expires=yesterday)
+        case _:
+            return authority.issue_for_servers("arm")
+
+
+def use_client_certificate(
+    monkeypatch: pytest.MonkeyPatch, authority: Authority, certificate: Path, key: Path | None
+) -> None:
     monkeypatch.setenv(tls.CA, str(authority.file))
-    monkeypatch.setenv(tls.CLIENT_CERT, str(cert))
-    monkeypatch.setenv(tls.CLIENT_KEY, str(key))
-    text = await why(tool, closed_hub.url)
-    assert tls.CLIENT_CERT in text and "unknown" in text
+    monkeypatch.setenv(tls.CLIENT_CERT, str(certificate))
+    if key is not None:
+        monkeypatch.setenv(tls.CLIENT_KEY, str(key))
+
+
+@EITHER
+async def test_client_certificate_without_its_key_is_explained(
+    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate, _ = authority.issue(common_name="arm", file="arm")
+    use_client_certificate(monkeypatch, authority, certificate, None)
+    text = await why(program, closed_hub.url)
+    assert f"{certificate} holds no private key" in text and tls.CLIENT_KEY in text
+
+
+@EITHER
+async def test_key_of_another_certificate_is_explained(
+    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate, _ = authority.issue(common_name="arm", file="arm")
+    _, other = authority.issue(common_name="arm", file="other")
+    for key in (other, rsa_key(other.with_name("rsa.key"))):
+        use_client_certificate(monkeypatch, authority, certificate, key)
+        assert f"{key} is not the key of the first certificate" in await why(
+            program, closed_hub.url
+        )
+
+
+def rsa_key(file: Path) -> Path:
+    """Write a key of another kind than the authority's."""
+    made = rsa.generate_private_key(65537, 2048)
+    file.write_bytes(
+        made.private_bytes(
+            serialization.Encoding.PEM,
+            serialization.PrivateFormat.PKCS8,
+            serialization.NoEncryption(),
+        )
+    )
+    return file
+
+
+@EITHER
+async def test_key_with_a_password_is_refused_without_a_question(
+    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate, key = authority.issue(common_name="arm", file="arm")
+    add_password(key)
+    use_client_certificate(monkeypatch, authority, certificate, key)
+    text = await why(program, closed_hub.url)
+    assert tls.CLIENT_KEY in text and "has a password" in text
 
 
 @EITHER

@@ -20,7 +20,7 @@ from contextlib import suppress
 from typing import Any
 from urllib.parse import parse_qs
 
-from websockets.asyncio.client import ClientConnection, connect
+from websockets.asyncio.client import connect
 from websockets.exceptions import (
     ConnectionClosed,
     InvalidHandshake,
@@ -34,6 +34,7 @@ from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
 from fibws import credentials
+from fibws.client_handshake import ClientHandshake
 from fibws.credentials import Credentials
 from fibws.errors import (
     AccessDenied,
@@ -64,7 +65,7 @@ from fibws.protocol.websocket import (
     client_payload,
     largest_message,
 )
-from fibws.tls import TlsFiles, fault
+from fibws.tls import TlsFiles, fault, refuses_certificate
 
 FIRST_RETRY = 0.1
 LONGEST_RETRY = 0.5
@@ -92,7 +93,7 @@ _ERRNO = re.compile(r"\[Errno (\d+)\]")
 _DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
 
-class _Handshake(ClientConnection):
+class _Handshake(ClientHandshake):
     """websockets' connection: it does the handshake, and later control frames and fragments.
 
     It is given the bytes of the handshake's response, and none that follow: those are kept until
@@ -479,6 +480,8 @@ class Connection:
             self._on_missing(_status(error))  # Such as 502 of a proxy.
             return False
         except (OSError, InvalidHandshake, AccessError) as error:
+            if refuses_certificate(error):
+                raise HubUnreachable(self._hub, _reason(error)) from None
             self._on_missing(_reason(error))
             return False
         closed = await self._converse(websocket)

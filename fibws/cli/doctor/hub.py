@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from fibws import __version__, hub_address, tls
+from fibws.access.token_file import ANONYMOUS
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.client import hub_pages
 from fibws.client.hub_client import HubClient
@@ -42,7 +43,8 @@ def url_of(hub: str | None) -> str:
 
 def reach(hub: str | None) -> HubClient | Finding:
     """Connect to the hub; return a finding if that fails."""
-    other = f"set its address: {hub_address.ENVIRONMENT}=ws://HOST:PORT"
+    scheme = "wss" if url_of(hub).startswith("wss:") else "ws"
+    other = f"set its address: {hub_address.ENVIRONMENT}={scheme}://HOST:PORT"
     try:
         return _accepted(HubClient("doctor", hub))
     except (InvalidAddress, InvalidName, AccessError):
@@ -57,13 +59,10 @@ def reach(hub: str | None) -> HubClient | Finding:
         text = f"No hub at {error.url} ({_source(hub)}; {error.cause})"
         return wrong("hub", text, f"Start one: {error.remedy}. Or {other}")
     except HubUnreachable as error:
-        if tls.CA in error.cause:
-            return wrong(
-                "hub",
-                f"The hub at {error.url} cannot be reached: {error.cause.partition(';')[0]}",
-                f"To trust it: {tls.CA}=FILE, where FILE is the certificate of "
-                "the hub or of its authority, in PEM format.",
-            )
+        what, _, remedy = error.cause.partition("; ")
+        if scheme == "wss" and remedy:
+            text = f"The hub at {error.url} cannot be reached: {what}"
+            return wrong("hub", text, f"{remedy[0].upper()}{remedy[1:]}.")
         text = f"{error}. {http_server(error.url)}"
         return wrong("hub", text, f"Check which program listens there, or {other}")
 
@@ -91,12 +90,15 @@ def token(client: HubClient) -> Iterator[Finding]:
     """
     try:
         _, _, body = hub_pages.get(client.url, "login")
-        wants = json.loads(body)["required"]
-    except (OSError, ValueError, KeyError, TypeError):
+        login = json.loads(body)
+        wants, name = login["required"], login.get("name")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return
     given = client.credentials
     if wants and given:
         yield ok("token", f"The hub accepts the token in {given.source}")
+    elif wants and name not in (None, ANONYMOUS):
+        yield ok("token", f"The hub accepts the certificate in {tls.CLIENT_CERT}, as {name}")
     elif wants:
         yield ok("token", "The hub lets in this client without a token, as anonymous")
     elif given:
@@ -117,7 +119,7 @@ def http_server(url: str) -> str:
     """Describe the HTTP server at an address."""
     try:
         status, headers, _ = hub_pages.get(url, "")
-    except (OSError, ValueError):
+    except (OSError, ValueError, HubUnreachable):
         return "It does not answer HTTP requests either"
     server = headers.get("server", "")
     return f"It answers HTTP requests with {status}{f' (server: {server})' if server else ''}"

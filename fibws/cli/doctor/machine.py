@@ -154,7 +154,7 @@ def _master_host() -> str:
 def _variables(hub: str) -> str:
     known = (
         hub_address.ENVIRONMENT,
-        tls.CA,
+        *tls.VARIABLES,
         "ROS_NAMESPACE",
         "FIBWS_INTERFACES",
         credentials.TOKEN_FILE,

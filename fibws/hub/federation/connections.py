@@ -18,6 +18,7 @@ from websockets.typing import Subprotocol
 
 from fibws import credentials
 from fibws.access.rights import Principal
+from fibws.client_handshake import ClientHandshake
 from fibws.credentials import Credentials
 from fibws.errors import AuthenticationError, FederationError, FibwsError, HubUnreachable
 from fibws.hub.federation.backplane import Peer
@@ -343,6 +344,7 @@ class Join:
             websocket = await connect(
                 node_url(self.url, node),
                 ssl=self._tls.context(self.url) if is_tls else None,
+                create_connection=ClientHandshake,
                 additional_headers=credentials.headers(token),
                 logger=credentials.handshake_log(),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],

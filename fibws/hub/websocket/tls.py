@@ -16,8 +16,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from fibws.errors import HubError
+from fibws.errors import AccessError, HubError
 from fibws.hub.access.authentication import Certificate
+from fibws.tls import Pair, load_authorities, load_pair
 
 logger = logging.getLogger("fibws.hub")
 
@@ -194,18 +195,13 @@ def _context(certificate: Path, key: Path, client_ca: Path | None) -> _Context:
     context = _Context(ssl.PROTOCOL_TLS_SERVER)
     context.sslobject_class = _Handshake
     context.minimum_version = ssl.TLSVersion.TLSv1_2
-    _check_readable("--cert", certificate)
-    _check_readable("--key", key)
     try:
-        context.load_cert_chain(certificate, key, password=_refuse_password)
-    except ssl.SSLError as error:
-        raise HubError(_fault(error, certificate, key)) from None
+        load_pair(context, Pair("--cert", "--key"), certificate, key)
+        if client_ca is not None:
+            load_authorities(context, "--client-ca", client_ca)
+    except AccessError as error:
+        raise HubError(str(error)) from None
     if client_ca is not None:
-        _check_readable("--client-ca", client_ca)
-        try:
-            context.load_verify_locations(client_ca)
-        except ssl.SSLError:
-            raise HubError(f"--client-ca: {client_ca} holds no certificate in PEM format") from None
         context.verify_mode = ssl.CERT_OPTIONAL
         if context.cert_store_stats()["crl"]:
             context.verify_flags |= ssl.VERIFY_CRL_CHECK_LEAF
@@ -242,28 +238,3 @@ def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], str
     names = [name for kind, name in found.get("subjectAltName", ()) if kind in _KINDS]
     end = datetime.fromtimestamp(ssl.cert_time_to_seconds(found["notAfter"]), UTC)
     return names, f"{end:%Y-%m-%d}", "" if names else "it holds no names"
-
-
-def _check_readable(option: str, file: Path) -> None:
-    try:
-        with file.open("rb"):
-            pass
-    except OSError as error:
-        raise HubError(f"{option}: cannot read {file}: {error.strerror}") from None
-
-
-def _refuse_password() -> str:
-    """Fail: otherwise OpenSSL asks on the terminal."""
-    raise HubError("--key: the key has a password; remove it with: openssl pkey -in OLD -out NEW")
-
-
-def _fault(error: ssl.SSLError, certificate: Path, key: Path) -> str:
-    """Return why a certificate and its key cannot be used."""
-    if error.reason == "KEY_VALUES_MISMATCH":
-        return f"--key: {key} is not the key of the first certificate in {certificate}"
-    if b"-----BEGIN CERTIFICATE-----" not in certificate.read_bytes():
-        return f"--cert: {certificate} holds no certificate in PEM format"
-    if b"PRIVATE KEY-----" not in key.read_bytes():
-        return f"--key: {key} holds no private key in PEM format"
-    text = (error.reason or str(error)).lower().replace("_", " ")
-    return f"--cert, --key: cannot use {certificate} with {key}: {text}"

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
 import socket
-import ssl
 import threading
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, HTTPServer
@@ -12,15 +12,17 @@ from pathlib import Path
 from typing import TypeAlias
 
 import pytest
+from certificates import Authority
+from certificates import authority as authority
 from hub_in_thread import HubThread
 
 from fibws import tls
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
 from fibws.cli.doctor import hub as doctor
+from fibws.cli.doctor import machine
 from fibws.cli.doctor.finding import Finding
 from fibws.client.hub_client import HubClient
-from fibws.errors import HubUnreachable
 from fibws.hub import Settings
 
 Serve: TypeAlias = Callable[..., str]
@@ -194,17 +196,69 @@ def test_difference_of_clocks(ahead: float, error: float, verdict: str, text: st
     assert finding.verdict == verdict and text in finding.text
 
 
-def test_unknown_certificate_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(tool: str, hub: str | None) -> None:
-        error = ssl.SSLCertVerificationError(1, "failed")
-        error.verify_message, error.verify_code = "self-signed certificate", 18
-        raise HubUnreachable("wss://robot", str(tls.fault(error)))
+@pytest.fixture
+def tls_hub(authority: Authority, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """A hub with TLS that lets in clients with certificates; its address."""
+    for name in (*tls.VARIABLES, "FIBWS_TOKEN", "FIBWS_TOKEN_FILE"):
+        monkeypatch.delenv(name, raising=False)
+    certificate, key = authority.issue()
+    settings = Settings(port=0, cert=certificate, key=key, client_ca=authority.file)
+    with HubThread(settings) as hub:
+        yield hub.url
 
-    monkeypatch.setattr(doctor, "HubClient", fail)
-    finding = doctor.reach("wss://robot")
-    assert isinstance(finding, Finding) and finding.verdict == "wrong"
-    assert "self-signed certificate" in finding.text
-    assert "FIBWS_CA=" in finding.advice
+
+def use_files(monkeypatch: pytest.MonkeyPatch, *files: Path) -> None:
+    for name, file in zip(tls.VARIABLES, files, strict=False):
+        monkeypatch.setenv(name, str(file))
+
+
+def test_unknown_certificate_is_explained(tls_hub: str) -> None:
+    finding = failure(tls_hub)
+    assert finding.verdict == "wrong" and "certificate" in finding.text
+    assert "FIBWS_CA=" in finding.advice and "ws://" not in finding.advice
+
+
+def test_certificate_of_another_name_is_explained(
+    tls_hub: str, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_files(monkeypatch, authority.file)
+    finding = failure(tls_hub.replace("127.0.0.1", "localhost"))
+    assert "not valid for 'localhost'" in finding.text
+    assert finding.advice == "Connect by a name that is in it."
+
+
+@pytest.mark.parametrize("file", ["missing", "of another authority"])
+def test_certificate_of_this_client_that_is_of_no_use_is_explained(
+    file: str,
+    tls_hub: str,
+    authority: Authority,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / "other").mkdir()
+    own = Authority(tmp_path / "other").issue(common_name="arm")
+    if file == "missing":
+        own = (tmp_path / "missing.pem", own[1])
+    use_files(monkeypatch, authority.file, *own)
+    finding = failure(tls_hub)
+    assert finding.verdict == "wrong"
+    assert tls.CLIENT_CERT in finding.text + finding.advice
+    assert not re.search(r"\bws://", finding.text + finding.advice)
+
+
+def test_accepted_certificate_is_named(
+    tls_hub: str, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate, key = authority.issue(common_name="arm", file="arm")
+    use_files(monkeypatch, authority.file, certificate, key)
+    client = doctor.reach(tls_hub)
+    assert isinstance(client, HubClient)
+    with client:
+        [finding] = doctor.token(client)
+    assert finding.verdict == "ok"
+    assert finding.text == "The hub accepts the certificate in FIBWS_CLIENT_CERT, as arm"
+    [finding] = machine.environment(tls_hub)
+    assert all(f"{name}=" in finding.text for name in tls.VARIABLES)
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
+from fibws import tls
 from fibws.access.rights import Right, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Hub
@@ -125,6 +126,19 @@ async def test_untrusted_certificate_is_refused_with_the_reason(
     monkeypatch.setenv("FIBWS_CA", str(authority.file))
     robot = await start_hub(join=(cloud.url,))
     await until(lambda: cloud.federation.peers, cloud)
+
+
+async def test_refused_certificate_of_this_hub_is_explained(
+    start_hub: StartHub, authority: Authority, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate, key = authority.issue()
+    cloud = await start_hub(hub_name="cloud", cert=certificate, key=key, client_ca=authority.file)
+    (tmp_path / "other").mkdir()
+    own = Authority(tmp_path / "other").issue(common_name="robot")
+    for name, file in zip(tls.VARIABLES, (authority.file, *own), strict=True):
+        monkeypatch.setenv(name, str(file))
+    robot = await start_hub()
+    assert "refuses this client's certificate" in await fault_of(robot, cloud.url)
 
 
 async def test_zenoh_accepts_only_hubs_that_trust_its_certificate(

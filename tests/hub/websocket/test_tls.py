@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from certificates import Authority
+from certificates import Authority, add_password
 from certificates import authority as authority
 from conftest import StartHub
-from cryptography.hazmat.primitives import serialization
 from patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidMessage
@@ -448,14 +447,7 @@ class TestFiles:
         self, start_hub: StartHub, authority: Authority
     ) -> None:
         certificate, key = authority.issue()
-        plain = serialization.load_pem_private_key(key.read_bytes(), None)
-        key.write_bytes(
-            plain.private_bytes(
-                serialization.Encoding.PEM,
-                serialization.PrivateFormat.PKCS8,
-                serialization.BestAvailableEncryption(b"secret"),
-            )
-        )
+        add_password(key)
         with pytest.raises(HubError, match=r"--key: .*password"):
             await start_hub(cert=certificate, key=key)
 
