@@ -37,6 +37,12 @@ REFUSALS: Mapping[int, type[AccessDenied]] = {
     LIMITED: HubLimitReached,
 }
 """The errors for the codes with which a hub closes a connection for good."""
+RENEWAL = 60.0
+"""Seconds before a token's expiry from which on its file is read again and again."""
+LONGEST_CHECK = 5.0
+"""Most seconds between two reads of the file."""
+SHORTEST_CHECK = 0.05
+"""Least seconds between two reads of the file."""
 # RFC 6750, section 2.1.
 _TOKEN = re.compile(r"[A-Za-z0-9\-._~+/]+=*")
 
@@ -106,11 +112,6 @@ class Credentials:
         return cls()
 
     @property
-    def is_file(self) -> bool:
-        """Whether the token is in a file, which may be replaced by one with a newer token."""
-        return self._file is not None
-
-    @property
     def source(self) -> str:
         """Where the token is from."""
         return f"{self._source} ({self._file})" if self._file is not None else self._source
@@ -129,6 +130,31 @@ class Credentials:
         except OSError as error:
             raise AccessError(f"cannot read {self.source}: {error.strerror}") from None
         return _check(text.strip(), self.source)
+
+    def replacement(self, token: str | None) -> str | None:
+        """Return the token in the file if it is another one than that in use, else None."""
+        try:
+            found = self.read()
+        except AccessError:
+            return None  # It is reported if the hub refuses the old one.
+        return found if found != token else None
+
+    def next_check(self, token: str | None, now: float) -> float | None:
+        """Return the seconds until the file is to be read again, since the token will expire.
+
+        Args:
+            token: the one in use, or None.
+            now: the seconds since 1970.
+
+        Returns:
+            None if it need not be read: the token is in no file, or is not a JWT that expires.
+        """
+        expires = expiry(token) if token is not None and self._file is not None else None
+        if expires is None:
+            return None
+        left = expires - now
+        pause = left - RENEWAL if left > 2 * RENEWAL else left / 10
+        return min(max(pause, SHORTEST_CHECK), LONGEST_CHECK)
 
     def set_in(self, environment: MutableMapping[str, str]) -> None:
         """Set the variables by which the programs that this one starts find the same token."""

@@ -60,8 +60,10 @@ def test_only_one_argument_may_be_given(file: Path) -> None:
 def test_file_is_read_again(file: Path) -> None:
     credentials = Credentials(file=file)
     file.write_text("newer")
-    assert credentials.read() == "newer"
-    assert credentials.is_file
+    assert credentials.replacement("older") == "newer"
+    assert credentials.replacement("newer") is None
+    file.unlink()
+    assert credentials.replacement("newer") is None
 
 
 @pytest.mark.parametrize(

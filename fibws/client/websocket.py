@@ -6,6 +6,8 @@ runs a thread, a short command takes a tenth more CPU time, and each received me
 
 from __future__ import annotations
 
+import json
+import math
 import socket
 import sys
 import time
@@ -80,7 +82,10 @@ class WebSocket:
         """The hub's URL, after redirects."""
         self._first_url = url
         self._credentials = token or Credentials()
-        self._headers = credentials.headers(self._credentials.read())
+        self._token = self._credentials.read()
+        self._headers = credentials.headers(self._token)
+        self._next_check = math.inf
+        """When the file of the token must be read again, by the monotonic clock."""
         self.largest = UNLIMITED
         """Bytes that the hub takes in one message."""
         self._has_denied = False
@@ -102,6 +107,7 @@ class WebSocket:
             self._socket = self._connect(uri.host, uri.port, secure=uri.secure)
             try:
                 self._shake_hands()
+                self._plan_renewal()
                 return
             except _Redirect as redirect:
                 self._socket.close()
@@ -139,7 +145,7 @@ class WebSocket:
             AccessDenied: likewise, and the hub has closed it for good.
             HubUnreachable: the server is not a hub.
         """
-        waits = [each for each in (timeout, _SLICE) if each is not None]
+        waits = [each for each in (timeout, _SLICE, self._renew()) if each is not None]
         waited = max(self._least_wait, min(waits)) if waits else None
         self._socket.settimeout(waited)
         try:
@@ -168,6 +174,27 @@ class WebSocket:
             cause = "connection lost" if close is None else close.reason or f"code {close.code}"
             raise HubLost(self.url, cause)
         return True
+
+    def _renew(self) -> float | None:
+        """Give the hub the next token from the file before the current one, a JWT, expires.
+
+        Returns:
+            The seconds until the file must be read again, if ever.
+        """
+        if self._next_check == math.inf:
+            return None
+        if time.monotonic() >= self._next_check:
+            token = self._credentials.replacement(self._token)
+            if token is not None:
+                self._token = token
+                self.send(json.dumps({"op": "auth", "token": token}).encode())
+            self._plan_renewal()
+        return max(0.0, self._next_check - time.monotonic())
+
+    def _plan_renewal(self) -> None:
+        token = self._token if self.has_sent_token else None
+        pause = self._credentials.next_check(token, time.time())
+        self._next_check = math.inf if pause is None else time.monotonic() + pause
 
     def _answered(self, response: Response) -> None:
         """Handle the response to the handshake."""

@@ -79,13 +79,6 @@ the node; and timeouts, of which the last two together bound how long a node's e
 BUFFER_SIZE = 64 * 1024
 """Bytes to read at once; a larger message is read into a buffer of its own."""
 
-RENEWAL = 60.0
-"""Seconds before a token's expiry from which on its file is read again and again."""
-LONGEST_CHECK = 5.0
-"""Most seconds between two reads of the file."""
-SHORTEST_CHECK = 0.05
-"""Least seconds between two reads of the file."""
-
 _TRY_LATER = (408, 425, 429)
 _NO_ROOM = (429, 503)
 """The statuses of a hub that has reached a limit, or is about to end."""
@@ -562,25 +555,15 @@ class Connection:
 
     async def _renew_token(self, websocket: WebSocket) -> None:
         """Give the hub the next token from the file before the current one, a JWT, expires."""
-        while self._token is not None and websocket.has_sent_token:
-            expires = credentials.expiry(self._token)
-            if expires is None or not self._credentials.is_file:
+        while websocket.has_sent_token:
+            pause = self._credentials.next_check(self._token, time.time())
+            if pause is None:
                 return
-            left = expires - time.time()
-            pause = left - RENEWAL if left > 2 * RENEWAL else left / 10
-            await asyncio.sleep(min(max(pause, SHORTEST_CHECK), LONGEST_CHECK))
-            token = self._new_token()
+            await asyncio.sleep(pause)
+            token = self._credentials.replacement(self._token)
             if token is not None:
                 self._token = token
                 self._session.authenticate(token)
-
-    def _new_token(self) -> str | None:
-        """Return the token in the file if that is not the one in use."""
-        try:
-            token = self._credentials.read()
-        except AccessError:
-            return None  # It is reported if the hub refuses the old one.
-        return token if token != self._token else None
 
     async def _flush(self, *, hold: bool) -> None:
         """Wait until the node has ended and its last frame is written, or the hub is lost.
@@ -599,7 +582,8 @@ class Connection:
         """Return what ends the node if the hub closed the connection for good."""
         code = closed.rcvd.code if closed.rcvd is not None else None
         reason = closed.rcvd.reason if closed.rcvd is not None else ""
-        if code == UNAUTHENTICATED and websocket.has_sent_token and self._new_token() is not None:
+        is_replaced = self._credentials.replacement(self._token) is not None
+        if code == UNAUTHENTICATED and websocket.has_sent_token and is_replaced:
             return None  # It expired or was replaced; the new one may be good.
         if code == REPLACED.code:
             return NodeReplaced(f"another node took the name {self._node}")

@@ -9,6 +9,7 @@ from pathlib import Path
 from select import select
 
 import pytest
+from unsigned_token import unsigned
 from websockets.sync.server import ServerConnection
 
 from client.servers import redirecting_server, websocket_server
@@ -124,3 +125,20 @@ def test_token_is_not_sent_to_where_another_server_redirects(
         with pytest.raises(NotAuthorized, match="redirects"), HubClient("test", first) as client:
             client.receive()
     assert tokens == [None]
+
+
+def test_token_is_renewed_before_it_expires(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tool may wait for hours, such as `fibws topic echo`."""
+    file = tmp_path / "token"
+    file.write_text(unsigned("first", 1))
+    monkeypatch.setenv("FIBWS_TOKEN_FILE", str(file))
+
+    def handle(connection: ServerConnection) -> None:
+        connection.send(connection.recv())
+
+    with websocket_server(handle, "fibws.v1") as url, HubClient("test", url) as client:
+        second = unsigned("second", 1000)
+        file.write_text(second)
+        assert client.receive() == {"op": "auth", "token": second}

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 import time
-from base64 import urlsafe_b64encode
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import jwt as web_tokens
 import pytest
 from client.servers import redirecting_server
+from unsigned_token import unsigned
 from websockets.asyncio.server import ServerConnection, serve
 
 import fibws
@@ -43,12 +42,6 @@ def token_of(peer: Peer) -> str | None:
     """Return the header that the node sent."""
     assert peer.websocket.request is not None
     return peer.websocket.request.headers.get("Authorization")
-
-
-def unsigned(name: str, seconds: float) -> str:
-    """Return a token that expires in some seconds."""
-    claims = json.dumps({"sub": name, "exp": time.time() + seconds}).encode()
-    return f"e30.{urlsafe_b64encode(claims).decode().rstrip('=')}.e30"
 
 
 async def test_token_is_sent_in_the_header(hub: ScriptedHub) -> None:

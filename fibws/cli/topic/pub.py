@@ -19,6 +19,7 @@ from fibws.cli.arguments import DigitOptions, piped_input
 from fibws.cli.common_options import examples, with_hub
 from fibws.cli.type_names import full_name
 from fibws.client.hub_client import HubClient
+from fibws.credentials import LONGEST_CHECK
 from fibws.values import parsing
 from fibws.values.typedefs import Typedefs, if_known
 from fibws.values.yaml_text import message_text
@@ -256,9 +257,8 @@ def _chunks(publisher: Publisher) -> Iterator[str]:
     while True:
         ready = [stdin]
         if sys.platform != "win32":  # Windows cannot wait for a pipe like this.
-            ready, _, _ = select.select([stdin, publisher.client], [], [])
-        if publisher.client in ready:
-            publisher.client.process(0)
+            ready, _, _ = select.select([stdin, publisher.client], [], [], LONGEST_CHECK)
+        publisher.client.process(0)
         if stdin in ready:
             data = os.read(stdin, CHUNK)
             yield decoder.decode(data, final=not data)
