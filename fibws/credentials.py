@@ -11,6 +11,7 @@ import logging
 import os
 import re
 from base64 import urlsafe_b64decode
+from codecs import BOM_UTF8
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import Self
@@ -126,7 +127,10 @@ class Credentials:
             return self._token
         try:
             with self._file.open("rb") as file:
-                text = file.read(LONGEST_TOKEN + 2).decode("ascii", "replace")
+                # An editor on Windows may begin the file with a byte order mark.
+                text = (
+                    file.read(LONGEST_TOKEN + 5).removeprefix(BOM_UTF8).decode("ascii", "replace")
+                )
         except OSError as error:
             raise AccessError(f"cannot read {self.source}: {error.strerror}") from None
         return _check(text.strip(), self.source)

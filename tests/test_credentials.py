@@ -66,8 +66,13 @@ def test_file_is_read_again(file: Path) -> None:
     assert credentials.replacement("newer") is None
 
 
+def test_file_may_begin_with_a_byte_order_mark(file: Path) -> None:
+    file.write_text("x" * 8000 + "\r\n", "utf-8-sig")
+    assert Credentials(file=file).read() == "x" * 8000
+
+
 @pytest.mark.parametrize(
-    "content", ["", " \n", "two words", "two\nlines", "ü", "a\x00b", "x" * 8193, "x" * 100_000]
+    "content", ["", " \n", "two words", "two\nlines", "ü", "a\x00b", "x" * 8001, "x" * 100_000]
 )
 def test_invalid_token_is_an_error_that_names_its_source_and_does_not_show_it(
     file: Path, content: str

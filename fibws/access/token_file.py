@@ -237,7 +237,7 @@ def _differences(
 
 def _read(path: Path) -> str:
     try:
-        return path.read_text("utf-8")
+        return path.read_text("utf-8-sig")
     except UnicodeDecodeError:
         raise AccessError(f"{path} is not UTF-8") from None
     except OSError as error:

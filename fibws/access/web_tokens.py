@@ -125,9 +125,9 @@ class WebTokens:
         return Principal(name, parsed, expires, limits, "JWT")
 
     def _key_for(self, token: str) -> Any:
-        if len(self._keys) == 1 and self._keys[0][0] is None:
-            return self._keys[0][1]
         wanted = self._jwt.get_unverified_header(token).get("kid")
+        if len(self._keys) == 1 and None in (wanted, self._keys[0][0]):
+            return self._keys[0][1]  # A token need not name the only key.
         for id_, key in self._keys:
             if id_ == wanted:
                 return key

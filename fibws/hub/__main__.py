@@ -46,7 +46,9 @@ def _read_config(context: click.Context, _: click.Parameter, path: Path | None) 
     if path is None:
         return
     try:
-        values = tomllib.loads(path.read_text("utf-8"))
+        values = tomllib.loads(path.read_text("utf-8-sig"))
+    except UnicodeDecodeError:
+        raise click.BadParameter(f"{path} is not UTF-8") from None
     except (OSError, ValueError) as error:
         raise click.BadParameter(f"{path}: {error}") from error
     known = {flag_of(field).replace("-", "_"): field for field in dataclasses.fields(Settings)}

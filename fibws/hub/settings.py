@@ -27,6 +27,7 @@ ENDPOINT = r"(?:tcp|udp|tls|quic|ws)/(?:\[[0-9A-Fa-f:.%]+\]|[^\s:/\[\]]+):(\d{1,
 """An endpoint of zenoh that has a host and a port."""
 OTHER_ENDPOINT = r"(?:serial|unixsock-stream|unixpipe|vsock)/\S+"
 
+_SURROGATE = re.compile("[\ud800-\udfff]")
 LOG_FORMATS = ("text", "json")
 COMPRESSIONS = ("none", "bz2", "lz4")
 
@@ -310,6 +311,7 @@ class Settings:
 
     def __post_init__(self) -> None:
         self._check_numbers()
+        self._check_texts()
         if self.log_format not in LOG_FORMATS:
             raise HubError(f"--log-format must be text or json, got {self.log_format}")
         self._check_tls()
@@ -326,6 +328,17 @@ class Settings:
         for flag, port in (("port", self.port), ("ros1", self.ros1 or 0)):
             if port > 65535:
                 raise HubError(f"--{flag} must be between 0 and 65535, got {port}")
+
+    def _check_texts(self) -> None:
+        """Refuse what messages could not hold: bytes of the command line that are no characters."""
+        for setting in fields(self):
+            value = getattr(self, setting.name)
+            values = value if isinstance(value, tuple) else (value,)
+            is_shown = setting.name == "record"
+            texts = [str(each) for each in values if isinstance(each, str) or is_shown]
+            if any(map(_SURROGATE.search, texts)):
+                flag = flag_of(setting)
+                raise HubError(f"--{flag} is not UTF-8; set a locale such as LANG=C.UTF-8")
 
     def _check_addresses(self) -> None:
         if not re.fullmatch(URL_PATH, self.url_path):

@@ -94,8 +94,8 @@ SIMULATED = "simulated"
 SIZE_HEADER = "Fibws-Max-Message-Size"
 """The header of the handshake's response that says how many bytes one message may have: a larger
 one closes the connection (code 1009)."""
-LONGEST_TOKEN = 8192
-"""Most characters of a token."""
+LONGEST_TOKEN = 8000
+"""Most characters of a token: a line of a request's head has 8192 bytes at most."""
 MISSING_TOKEN = CloseReason(UNAUTHENTICATED, "missing token")
 EXPIRED = CloseReason(UNAUTHENTICATED, "the token expired")
 CERTIFICATE_EXPIRED = CloseReason(UNAUTHENTICATED, "the certificate expired")

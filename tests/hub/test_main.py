@@ -436,6 +436,13 @@ def test_invalid_config_file_is_refused_with_the_reason(
     assert complaint in result.output
 
 
+def test_config_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    config = tmp_path / "hub.toml"
+    config.write_text("prot = 1", "utf-8-sig")
+    result = CliRunner().invoke(command, ["--config", str(config)])
+    assert "unknown setting prot" in result.output
+
+
 def test_missing_or_binary_config_file_is_refused(tmp_path: Path) -> None:
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"\xff\xfe")

@@ -60,6 +60,19 @@ def test_number_out_of_range_is_refused(setting: str, value: float, flag: str) -
 
 
 @pytest.mark.parametrize(
+    ("setting", "value", "flag"),
+    [
+        ("hub_name", "x\udcff", "--hub-name"),
+        ("record", Path("bad_\udcff"), "--record"),
+        ("zenoh", ("tcp/\udcff:1",), "--zenoh"),
+    ],
+)
+def test_text_that_messages_cannot_hold_is_refused(setting: str, value: Any, flag: str) -> None:
+    with pytest.raises(HubError, match=f"{flag} is not UTF-8"):
+        Settings(**{setting: value})
+
+
+@pytest.mark.parametrize(
     ("files", "flags"),
     [
         ({"cert": "hub.pem"}, ("--cert", "--key")),

@@ -17,6 +17,9 @@ from fibws.hub.delivery.clock import Clock, Timer
 
 logger = logging.getLogger("fibws.hub")
 
+SHORTEST_WATCHDOG = 0.02
+"""Least seconds of the watchdog: with fewer, the hub would do nothing else than feed it."""
+
 
 class ServiceManager:
     """Informs the service manager, if there is one.
@@ -39,6 +42,8 @@ class ServiceManager:
         self._status = status
         self._socket: socket.socket | None = None
         self._timer: Timer | None = None
+        self._fault = ""
+        """Why the last message could not be sent."""
         if self._address and hasattr(socket, "AF_UNIX"):
             flags = socket.SOCK_DGRAM | getattr(socket, "SOCK_CLOEXEC", 0)
             self._socket = socket.socket(socket.AF_UNIX, flags)
@@ -77,16 +82,21 @@ class ServiceManager:
         text = "\n".join(f"{name}={value}" for name, value in values.items())
         # A name that begins with @ is in Linux's abstract namespace.
         address = f"\0{self._address[1:]}" if self._address.startswith("@") else self._address
+        fault = ""
         try:
             self._socket.sendto(text.encode(), address)
         except OSError as error:
-            logger.warning("Cannot notify the service manager: %s.", error.strerror)
+            fault = error.strerror or str(error)  # The latter for a path that is too long.
+        if fault and fault != self._fault:
+            logger.warning("Cannot notify the service manager: %s.", fault)
+        self._fault = fault
 
 
 def _watchdog_seconds(environment: Mapping[str, str]) -> float:
     """Return the seconds after which systemd restarts a silent hub; 0 if it never does."""
     process = environment.get("WATCHDOG_PID", "")
     microseconds = environment.get("WATCHDOG_USEC", "")
-    if not microseconds.isdecimal() or (process and process != str(os.getpid())):
+    is_number = microseconds.isascii() and microseconds.isdecimal() and int(microseconds) > 0
+    if not is_number or (process and process != str(os.getpid())):
         return 0.0
-    return int(microseconds) / 1_000_000
+    return max(int(microseconds) / 1_000_000, SHORTEST_WATCHDOG)

@@ -258,10 +258,22 @@ def test_public_keys_check_web_tokens(tmp_path: Path, form: str) -> None:
         authentication = web_tokens(tmp_path, data, algorithm)
         token = signed({}, key, algorithm, headers={"kid": "k"})
         assert authentication.log_in_by_token(token, ADDRESS).principal.name == "ann"
+        unnamed = signed({}, key, algorithm)
+        assert authentication.log_in_by_token(unnamed, ADDRESS).principal.name == "ann"
         if form == "JWKS":
             other = signed({}, key, algorithm, headers={"kid": "other"})
             with pytest.raises(AuthenticationError, match="kid"):
                 authentication.log_in_by_token(other, ADDRESS)
+
+
+def test_token_must_name_its_key_if_there_are_several(tmp_path: Path) -> None:
+    keys = [ed25519.Ed25519PrivateKey.generate() for _ in range(2)]
+    jwks = [{**jwk(key, "EdDSA"), "kid": str(number)} for number, key in enumerate(keys)]
+    authentication = web_tokens(tmp_path, json.dumps({"keys": jwks}).encode(), "EdDSA")
+    named = signed({}, keys[1], "EdDSA", headers={"kid": "1"})
+    assert authentication.log_in_by_token(named, ADDRESS).principal.name == "ann"
+    with pytest.raises(AuthenticationError, match="kid"):
+        authentication.log_in_by_token(signed({}, keys[1], "EdDSA"), ADDRESS)
 
 
 def test_misspelt_right_is_named_with_the_right_spelling(tmp_path: Path) -> None:

@@ -92,6 +92,7 @@ def test_watchdog_is_fed_twice_in_its_time(systemd: Systemd) -> None:
         {},
         {"WATCHDOG_USEC": "0"},
         {"WATCHDOG_USEC": "x"},
+        {"WATCHDOG_USEC": "\u0663"},
         {"WATCHDOG_USEC": "9", "WATCHDOG_PID": "1"},
     ],
 )
@@ -117,6 +118,43 @@ def test_lost_service_manager_is_logged(
     service = manager(FakeClock(), NOTIFY_SOCKET=str(tmp_path / "nobody"))
     service.ready()
     assert "service manager" in caplog.text
+    service.close()
+
+
+def test_fault_is_logged_once_and_again_after_a_success(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    address = str(tmp_path / "notify")
+    clock = FakeClock()
+    service = manager(clock, NOTIFY_SOCKET=address, WATCHDOG_USEC="20000000")
+    service.ready()
+    clock.advance(30)
+    assert len(caplog.records) == 1
+    systemd = Systemd(address)
+    clock.advance(10)
+    systemd.close()
+    clock.advance(20)
+    assert len(caplog.records) == 2
+    service.close()
+
+
+def test_path_that_is_too_long_is_explained(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    service = manager(FakeClock(), NOTIFY_SOCKET=str(tmp_path / ("x" * 200)))
+    service.ready()
+    assert "too long" in caplog.text
+    service.close()
+
+
+def test_watchdog_of_a_microsecond_does_not_keep_the_hub_busy(systemd: Systemd) -> None:
+    clock = FakeClock()
+    service = manager(clock, NOTIFY_SOCKET=systemd.address, WATCHDOG_USEC="1")
+    service.ready()
+    for _ in ("READY", "WATCHDOG"):
+        systemd.receive()
+    clock.advance(0.005)
+    assert systemd.is_silent()
     service.close()
 
 
