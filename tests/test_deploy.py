@@ -240,6 +240,7 @@ HEALTHY = {
     samples("fibws_service_failures_total", service="/dock", code="timeout"): "0x30 1x50",
     samples("fibws_links_down"): "0x10 1x4 0x80",
     samples("fibws_recording_dropped_messages_total"): "0x80",
+    samples("fibws_recording_failed"): "0x10 1x2 0x80",
     lag("0.005"): "0+74x80",
     lag("0.5"): "0+75x80",
     lag("+Inf"): "0+75x80",
@@ -263,6 +264,7 @@ INCIDENTS = {
         samples("fibws_service_failures_total", service="/dock", code="timeout"): "0+6x80"
     },
     "LinkDown": {samples("fibws_links_down"): "0x60 1x20"},
+    "RecordingFailed": {samples("fibws_recording_failed"): "0x60 1x20"},
     "RecordingDrops": {samples("fibws_recording_dropped_messages_total"): "0x70 40x10"},
 }
 """What is different in the incident of each alert."""

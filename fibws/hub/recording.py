@@ -282,6 +282,12 @@ class Recording:
         """Whether something is recorded now."""
         return self._is_recording
 
+    @property
+    def has_failed(self) -> bool:
+        """Whether the disk does not take messages: nothing is recorded until that is mended."""
+        state = self.state()
+        return state is not None and bool(state.fault)
+
     def close(self, done: Callable[[], None]) -> None:
         """End, and take everything back; a function is called when the file is complete."""
         self._is_closed = True

@@ -134,6 +134,7 @@ async def test_failure_is_reported_and_the_hub_goes_on(
     ):
         state = await state_when(node, lambda state: bool(state.fault) and not state.recording)
         assert "file" in state.fault
+        assert hub.recording is not None and hub.recording.has_failed
         numbers = await node.advertise("/numbers", Int32, latch=True)
         await numbers.publish(1)
         assert (await node.wait_for_message("/numbers", Int32, timeout=PATIENCE)).data == 1

@@ -116,6 +116,10 @@ class Recording(Protocol):
         """Whether something is recorded now."""
 
     @property
+    def has_failed(self) -> bool:
+        """Whether nothing is recorded because of a fault."""
+
+    @property
     def buffered(self) -> int:
         """Bytes that wait for the disk."""
 
@@ -308,6 +312,8 @@ class Metrics:
 
     def _add_recording(self, metrics: Exposition, recording: Recording) -> None:
         metrics.gauge("fibws_recording", "1 while topics are recorded.", +recording.is_recording)
+        help_ = "1 while nothing is recorded because of a fault, such as a full disk."
+        metrics.gauge("fibws_recording_failed", help_, +recording.has_failed)
         messages, size, dropped = recording.totals()
         metrics.counter("fibws_recorded_messages", "Messages that were recorded.", messages)
         metrics.counter("fibws_recorded_bytes", "Bytes of the recorded bags.", size)

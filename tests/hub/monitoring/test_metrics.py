@@ -423,6 +423,7 @@ async def test_recording_has_metrics(start_hub: StartHub, tmp_path: Path) -> Non
     assert "fibws_recording" not in families(await start_hub())
     hub = await start_hub(record=tmp_path, record_min_space=0)
     assert value(hub, "fibws_recording") == 1
+    assert value(hub, "fibws_recording_failed") == 0
     source = hub.graph.advertise(hub.graph.topic("/n"), "/talker", "std_msgs/Int32")
     source.publish({"data": 1})
     await until(lambda: value(hub, "fibws_recorded_messages_total") == 1)
@@ -434,4 +435,5 @@ async def test_recording_has_metrics(start_hub: StartHub, tmp_path: Path) -> Non
     await complete.wait()
     hub.graph.remove_source(source)
     assert value(hub, "fibws_recording") == 0
+    assert value(hub, "fibws_recording_failed") == 0
     assert value(hub, "fibws_recorded_messages_total") == 1
