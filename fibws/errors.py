@@ -510,7 +510,9 @@ class InvalidAddress(NodeError, ValueError):
     def __init__(self, address: str, fault: str) -> None:
         self.address = address
         self.fault = fault
-        super().__init__(f"{address!r} is not the address of a hub: {fault}. Write ws://host:port")
+        scheme = "wss" if address.startswith(("https:", "wss:")) else "ws"
+        text = f"{address!r} is not the address of a hub: {fault}. Write {scheme}://host:port"
+        super().__init__(text)
 
 
 class HubUnreachable(NodeError):

@@ -36,7 +36,8 @@ def hub_url(address: str | None = None) -> str:
     except ValueError as error:
         raise InvalidAddress(address, str(error)) from None
     if parts.scheme not in ("ws", "wss"):
-        raise InvalidAddress(address, f"expected ws:// or wss://, got {parts.scheme}://")
+        expected = {"http": "ws://", "https": "wss://"}.get(parts.scheme, "ws:// or wss://")
+        raise InvalidAddress(address, f"expected {expected}, got {parts.scheme}://")
     if address.isdigit():
         raise InvalidAddress(address, "the host is missing")
     if not parts.hostname or any(character.isspace() for character in url):

@@ -14,6 +14,13 @@ from fibws.hub_address import (
 )
 
 
+def test_address_of_a_page_is_corrected() -> None:
+    with pytest.raises(InvalidAddress, match=r"expected wss://, got https://\. Write wss://"):
+        hub_url("https://robot:9090")
+    with pytest.raises(InvalidAddress, match=r"expected ws://, got http://\. Write ws://"):
+        hub_url("http://robot:9090")
+
+
 @pytest.mark.parametrize(
     ("address", "url"),
     [

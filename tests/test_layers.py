@@ -110,7 +110,8 @@ BELOW_IN_HUB = {
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
     | {"origins", "hub.memory"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
-    "federation": {"errors", "names", "access.rights", "interfaces", "protocol.websocket"}
+    "federation": {"errors", "names", "access.rights", "interfaces"}
+    | {"protocol.refusals", "protocol.websocket"}
     | {"client_handshake", "credentials", "hub_address", "tls"}
     | {"hub.federation", "hub.graph", "hub.audit"}
     | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}
@@ -124,7 +125,7 @@ BELOW_IN_HUB = {
 operations, delivery knows bytes, websocket knows endpoints but no operations."""
 
 ONLY = {
-    "client": {"protocol": {"serialized", "goals", "websocket"}},
+    "client": {"protocol": {"serialized", "goals", "refusals", "websocket"}},
     "cli": {"protocol": {"levels", "goals"}, "node": {"program"}},
     "ros1/launch": {"node": set[str]()},
     "ros1/workspace": {"node": set[str]()},

@@ -25,6 +25,7 @@ from websockets.uri import parse_uri
 from fibws import credentials, hub_address, tls
 from fibws.credentials import Credentials
 from fibws.errors import AccessDenied, HubLost, HubUnreachable, InvalidAddress, NoHub
+from fibws.protocol.refusals import Refusal
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import SIZE_HEADER, UNLIMITED, largest_message
 
@@ -36,8 +37,6 @@ MOST_BYTES = 2**28
 MOST_FRAGMENTS = 4096
 """Maximum number of frames of a message: empty frames do not count towards its size."""
 MOST_REDIRECTS = 5
-LONGEST_FAULT = 300
-"""Maximum number of characters that are quoted from a server's HTTP error."""
 # Messages of 1 MB take half the CPU time that they take with 2**18.
 _CHUNK = 2**16
 # Ctrl-C does not interrupt a socket on Windows.
@@ -347,14 +346,20 @@ def _text(error: OSError) -> str:
 
 def _fault(error: Exception) -> str:
     """Return why the handshake failed: a hub explains it in the body of its HTTP response."""
-    if isinstance(error, InvalidStatus):
-        words = bytes(error.response.body or b"").decode(errors="replace").split()
-        body = " ".join(words).rstrip(".")[:LONGEST_FAULT]
-        is_text = error.response.headers.get("Content-Type", "").startswith("text/plain")
-        texts = (400, 403, 404, 429, 503)  # 503: the hub is full, or about to end.
-        if error.response.status_code in (texts if is_text else (400, 403)) and body:
-            return body
-    return _not_a_hub(str(error))
+    if not isinstance(error, InvalidStatus):
+        return _not_a_hub(str(error))
+    response = error.response
+    content_type = response.headers.get("Content-Type", "")
+    refusal = Refusal(
+        response.status_code, response.reason_phrase, content_type, bytes(response.body or b"")
+    )
+    texts = (400, 403, 404, 429, 503)  # 503: the hub is full, or about to end.
+    is_explained = refusal.status in (
+        texts if content_type.startswith("text/plain") else (400, 403)
+    )
+    if is_explained and refusal.text and "html" not in content_type:
+        return refusal.text
+    return _not_a_hub(str(refusal))
 
 
 def _not_a_hub(fault: str) -> str:

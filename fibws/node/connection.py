@@ -50,6 +50,7 @@ from fibws.hub_address import node_url, redirected
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
 from fibws.node.session import Session
+from fibws.protocol.refusals import Refusal
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import (
     KILLED,
@@ -665,10 +666,8 @@ def _delays(first: float, longest: float) -> Iterator[float]:
 def _status(error: InvalidStatus) -> str:
     """Return the HTTP status with which a server refuses a handshake, and its text."""
     response = error.response
-    text = ""
-    if response.headers.get("Content-Type", "").startswith("text/plain"):
-        text = response.body.decode("utf-8", "replace").strip()[:500]
-    return f"HTTP {response.status_code}: {text or response.reason_phrase}"
+    content_type = response.headers.get("Content-Type", "")
+    return str(Refusal(response.status_code, response.reason_phrase, content_type, response.body))
 
 
 def _reason(error: Exception) -> str:

@@ -39,6 +39,7 @@ from fibws.hub.log_text import printable
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work, limit_unsent
 from fibws.hub_address import hub_url, node_url
+from fibws.protocol.refusals import Refusal
 from fibws.protocol.websocket import (
     BINARY,
     LIMITED,
@@ -380,9 +381,10 @@ class Join:
 
 def _end_of_handshake(response: Response) -> _End:
     """Return why a handshake was refused."""
-    status, text = response.status_code, response.body.decode("utf-8", "replace").strip()
+    status, content_type = response.status_code, response.headers.get("Content-Type", "")
+    refusal = Refusal(status, response.reason_phrase, content_type, response.body)
     asked = seconds_asked(response.headers.get("Retry-After"))
-    return _End(f"HTTP {status}: {text[:300]}", pace_of_status(status), asked)
+    return _End(str(refusal), pace_of_status(status), asked)
 
 
 def _end_of(wire: _OwnWire, websocket: ClientConnection, done: set[asyncio.Task[Any]]) -> _End:

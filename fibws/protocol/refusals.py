@@ -1,0 +1,49 @@
+"""What the HTTP response says with which a server refuses a WebSocket."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+LONGEST = 500
+"""Most characters of a server's text that are shown."""
+_TITLE = re.compile(r"<title>(.*?)</title>", re.IGNORECASE)
+
+
+class Refusal(NamedTuple):
+    """A response other than the handshake's.
+
+    Attributes:
+        status: its status.
+        phrase: the reason phrase of the status.
+        content_type: of the body; empty if it is not given.
+        body: the body.
+    """
+
+    status: int
+    phrase: str
+    content_type: str
+    body: bytes | bytearray
+
+    @property
+    def text(self) -> str:
+        """What the body says: that of a web page is its title."""
+        text = " ".join(self.body.decode("utf-8", "replace").split())
+        if text.startswith("<") or "html" in self.content_type:
+            title = _TITLE.search(text)
+            text = title[1].strip() if title is not None else ""
+        elif self.content_type and not self.content_type.startswith("text/plain"):
+            return ""
+        return text.rstrip(".")[:LONGEST]
+
+    def __str__(self) -> str:
+        """Return the status, the text, and what to do if that is known."""
+        text = self.text or self.phrase
+        return f"HTTP {self.status}: {text}{self._advice(text)}"
+
+    def _advice(self, text: str) -> str:
+        if self.status == 400 and "https" in text.lower():
+            return "; use wss://"
+        if 200 <= self.status < 300:  # A page, or a proxy that has not passed on the request whole.
+            return "; check the address's path, and that a proxy passes on the header Upgrade"
+        return ""
