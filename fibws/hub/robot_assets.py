@@ -271,11 +271,7 @@ class AssetRoute:
     def _rights(self, get: Get) -> Allows:
         if self._authentication is None:
             return lambda right, name: True
-        # The page of another hub cannot send headers here. A wrong token in the query counts
-        # against the address, so that pages which may not connect must not have it tried: the
-        # browser names the origin of others, which the hub has accepted.
-        path = get.path if "Origin" in get.headers else "/"
-        login = self._authentication.log_in(get.headers, path, (), get.certificate, get.address)
+        login = self._authentication.log_in(get.headers, "/", (), get.certificate, get.address)
         if login is None:
             raise AuthenticationError("missing token")
         return login.principal.rights.allows

@@ -329,13 +329,28 @@ async def test_hub_with_tokens_serves_those_who_may_read_the_description(
     path = "/assets/package/arm/meshes/a.stl"
     assert (await get(hub, path, Authorization="Bearer ann"))[0] == 200
     origin = f"http://127.0.0.1:{hub.port}"
-    assert (await get(hub, f"{path}?token=ann", Origin=origin))[0] == 200
-    assert (await get(hub, f"{path}?token=ann"))[0] == 401
+    assert (await get(hub, path, Origin=origin, Authorization="Bearer ann"))[0] == 200
+    assert (await get(hub, f"{path}?token=ann", Origin=origin))[0] == 401
     refused = await get(hub, path, Authorization="Bearer bob")
     assert refused[0] == 404 and "arm" in reason(refused)
     for query in ("", "?token=wrong"):
         refused = await get(hub, path + query)
         assert refused[0] == 401 and "token" in reason(refused)
+
+
+async def test_pages_that_may_connect_may_send_their_token(
+    start_hub: StartHub, workspace: Path
+) -> None:
+    """The browser asks first, without the token."""
+    hub = await start_hub(allow_origin=("https://lab.example",))
+    path = "/assets/package/arm/meshes/a.stl"
+    status, headers, body = await get(hub, path, "OPTIONS", Origin="https://lab.example")
+    assert (status, body) == (204, b"")
+    assert headers["access-control-allow-origin"] == "https://lab.example"
+    assert headers["access-control-allow-headers"] == "Authorization"
+    status, headers, body = await get(hub, path, "OPTIONS", Origin="https://evil.example")
+    assert status == 403 and "access-control-allow-origin" not in headers
+    assert (await get(hub, "/metrics", "OPTIONS", Origin="https://lab.example"))[0] == 405
 
 
 async def test_pages_of_other_origins_read_files_only_if_allowed(

@@ -291,6 +291,8 @@ class HttpRequests:
         return None
 
     def _respond_to_plain(self, method: str, get: Get) -> Response:
+        if method == "OPTIONS" and self._folder_of(get.path) is not None:
+            return self._permit(get)
         if method not in ("GET", "HEAD"):
             fault = "Only GET and HEAD are answered"
             refusal = text_response(http.HTTPStatus.METHOD_NOT_ALLOWED, fault)
@@ -308,6 +310,19 @@ class HttpRequests:
                 found.has_body = False
             else:
                 found.body = b""
+        return found
+
+    def _permit(self, get: Get) -> Response:
+        """Answer a browser that asks if a page may send its token to a folder (CORS preflight)."""
+        refusal = self.refusal(get)
+        if refusal is not None:
+            return text_response(http.HTTPStatus.FORBIDDEN, refusal)
+        found = response(http.HTTPStatus.NO_CONTENT)
+        found.headers["Vary"] = "Origin"
+        if (origin := get.headers.get("Origin")) is not None:
+            found.headers["Access-Control-Allow-Origin"] = origin
+            found.headers["Access-Control-Allow-Headers"] = "Authorization"
+            found.headers["Access-Control-Max-Age"] = "600"
         return found
 
     def _folder_of(self, path: str) -> Route | None:

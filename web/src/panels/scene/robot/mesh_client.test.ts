@@ -22,10 +22,10 @@ describe("addressOf", () => {
     );
   });
 
-  it("asks other hubs without headers, which they would not allow", () => {
-    const { url, init } = addressOf("package://a/b.stl", "ws://other:9090/x", "t&u", PAGE);
-    expect(url).toBe("http://other:9090/x/assets/package/a/b.stl?token=t%26u");
-    expect(init).toEqual({ credentials: "omit" });
+  it("asks other hubs with the token, which is in no address", () => {
+    const { url, init } = addressOf("package://a/b.stl", "ws://other:9090/x?key=5", "t&u", PAGE);
+    expect(url).toBe("http://other:9090/x/assets/package/a/b.stl");
+    expect(init).toEqual({ headers: { Authorization: "Bearer t&u" }, credentials: "omit" });
   });
 
   it("leaves no way to other files of the hub", () => {

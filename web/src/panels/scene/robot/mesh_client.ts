@@ -65,18 +65,16 @@ export function addressOf(
   }
   const parts = uri.slice(SCHEME.length).split("/");
   const path = parts.map((each) => encodeURIComponent(decoded(each))).join("/");
+  const headers: Record<string, string> = token === "" ? {} : { Authorization: `Bearer ${token}` };
   const site = siteOf(hub, page);
   if (site !== undefined) {
-    const headers: Record<string, string> =
-      token === "" ? {} : { Authorization: `Bearer ${token}` };
     return { url: new URL(`assets/package/${path}`, site).href, init: { headers } };
   }
   const other = new URL(hub);
   other.protocol = other.protocol.replace("ws", "http");
-  // A header would need a permission that hubs give to none.
-  other.search = token === "" ? "" : `?token=${encodeURIComponent(token)}`;
+  other.search = "";
   other.pathname = `${other.pathname.replace(/\/?$/, "/")}assets/package/${path}`;
-  return { url: other.href, init: { credentials: "omit" } };
+  return { url: other.href, init: { headers, credentials: "omit" } };
 }
 
 function decoded(text: string): string {
