@@ -14,6 +14,7 @@ import asyncio
 import html
 import io
 import logging
+import re
 import socket
 from collections import Counter
 from collections.abc import AsyncIterator, Coroutine
@@ -433,10 +434,10 @@ def _head(status: HTTPStatus, media_type: str, length: int | None = None) -> byt
 
 def _quality(query: dict[str, str]) -> int:
     text = query.get("quality", str(QUALITY))
-    if not text.isdecimal() or not 1 <= int(text[:4]) <= 100:
+    if not re.fullmatch("0*([1-9][0-9]?|100)", text, re.ASCII):
         text = f"quality must be an integer from 1 to 100, got {text[:20]!r}"
         raise Refused(HTTPStatus.BAD_REQUEST, text)
-    return int(text)
+    return int(text[-3:])
 
 
 def _link(topic: str) -> str:

@@ -186,6 +186,9 @@ async def test_image_that_is_not_compressed_becomes_a_jpeg(port: int, node: fibw
     await images.publish(Image(Header(), 9999, 9999, "rgb8", 0, 0, red))
     status, text = await answer(port, "/snapshot?topic=/camera/image&quality=51")
     assert (status, "a row has 0 bytes" in text) == (415, True)
+    for quality in ("0", "101", "00019999", "0001" + "9" * 5000, "%D9%A3"):
+        status, text = await answer(port, f"/snapshot?topic=/camera/image&quality={quality}")
+        assert (status, "1 to 100" in text) == (400, True)
 
 
 async def test_requests_that_cannot_be_served_say_why(port: int, node: fibws.Node) -> None:
