@@ -87,8 +87,8 @@ class Offers:
         self._view = graph.view(backplane.node)
         self._announced: dict[Kind, dict[str, Record]] = {kind: {} for kind in KINDS}
         """The last records, by the names on the backplane."""
-        self._users: dict[str, set[str]] = {}
-        """The nodes of each topic that was announced."""
+        self._users: dict[tuple[Kind, str], set[str]] = {}
+        """The nodes of each topic, service and action, where only those make nodes visible."""
         self._changed: dict[tuple[Kind, str], None] = {}
         self._is_due = False
         self._is_closed = False
@@ -197,13 +197,13 @@ class Offers:
     def _topic(self, name: str) -> TopicRecord | None:
         topic = self.graph.topics.get(name)
         if topic is None or name in self.graph.reserved:
-            self._note_users(name, set())
+            self._note_users("topics", name, set())
             return None
         publishers = self._publishers(topic) if self._may(name, "subscribe", exports=True) else ()
         subscribers: tuple[str, ...] = ()
         if self._may(name, "publish", exports=False):
             subscribers = tuple(filter(self._may_offer, self._view.subscribers(topic)))
-        self._note_users(name, {*topic.sources, *topic.subscribers()})
+        self._note_users("topics", name, {*topic.sources, *topic.subscribers()})
         if not publishers and not subscribers:
             return None
         node_outward = self.backplane.view.node_outward
@@ -241,19 +241,22 @@ class Offers:
             for name in self.graph.guards:
                 self.changed("topics", name)
 
-    def _note_users(self, topic: str, users: set[str]) -> None:
-        """Announce nodes that began or ceased to use a topic, if only that makes them visible."""
-        view, allows_all = self.backplane.view, self.graph.policy.allows_all
-        if not allows_all or view.is_filtered or (view.prefix and not view.is_below):
-            for node in users ^ self._users.get(topic, set()):
-                self.changed("nodes", node)
-            if users:
-                self._users[topic] = users
-            else:
-                self._users.pop(topic, None)
+    def _note_users(self, kind: Kind, name: str, users: set[str]) -> None:
+        """Announce nodes that began or ceased to use something, if only that makes them visible."""
+        view = self.backplane.view
+        shows_all = not view.is_filtered and (not view.prefix or view.is_below)
+        if shows_all and self.graph.policy.allows_all:
+            return
+        for node in users ^ self._users.get((kind, name), set()):
+            self.changed("nodes", node)
+        if users:
+            self._users[kind, name] = users
+        else:
+            self._users.pop((kind, name), None)
 
     def _service(self, name: str) -> ServiceRecord | None:
         service = self.graph.services.get(name)
+        self._note_users("services", name, set() if service is None else {service.node})
         if service is None or isinstance(service.server, InternalServer):
             return None
         if service.type.codecs is None or not self._is_served("services", name, service.node):
@@ -268,6 +271,7 @@ class Offers:
 
     def _action(self, name: str) -> ActionRecord | None:
         action = self.graph.actions.get(name)
+        self._note_users("actions", name, set() if action is None else {action.node})
         if action is None or action.type.codecs is None:
             return None
         if not self._is_served("actions", name, action.node):

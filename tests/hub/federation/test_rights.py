@@ -19,6 +19,7 @@ from fibws.access.token_file import TokenFile
 from fibws.hub import Hub
 from fibws.hub.federation.connections import Join as Joining
 from fibws.msg.std_msgs import String
+from fibws.srv.std_srvs import Trigger
 
 from ..zenoh_endpoints import listens_at, zenoh_config
 from .conftest import until
@@ -186,3 +187,30 @@ async def test_section_join_limits_the_hub_that_is_joined(start_hub: StartHub, p
         await until(lambda: "/cmd_vel" in robot.graph.topics, robot)
         assert "/viewer" not in getattr(robot.graph.topics.get("/other"), "sources", {})
         assert "/scan" not in cloud.graph.topics
+
+
+async def test_nodes_are_announced_once_they_have_something_that_may_be_seen(
+    start_hub: StartHub, path: Path
+) -> None:
+    """A node enters the graph before it has topics and services, and is hidden until then."""
+    cloud = await start_hub(hub_name="cloud")
+    admin = TokenFile(path).add("operator", Rights(admin=True))
+    with path.open("a") as file:
+        file.write('[join]\nallow = {publish = ["/cmd_vel"], call = ["/dock"], node = ["/**"]}\n')
+    robot = await start_hub(hub_name="robot", join=(cloud.url,), tokens=path)
+    await until(lambda: robot.federation.peers, robot)
+    async with (
+        fibws.Node("viewer", hub=cloud.url) as viewer,
+        fibws.Node("driver", hub=robot.url, token=admin) as driver,
+        fibws.Node("docker", hub=robot.url, token=admin) as docker,
+    ):
+        publisher = await viewer.advertise("/cmd_vel", String, latch=True)
+        commands = driver.subscribe("/cmd_vel", String)
+        topic = cloud.graph.topic("/cmd_vel")
+        await until(lambda: "/driver" in topic.subscribers(), cloud)
+        await publisher.publish(data="go")
+        assert (await anext(commands)).data == "go"
+        assert "/docker" not in cloud.graph.nodes
+        await docker.service("/dock", Trigger, lambda request: (True, "docked"))
+        await until(lambda: "/dock" in cloud.graph.services, cloud)
+        assert (await viewer.call("/dock", Trigger)).success
