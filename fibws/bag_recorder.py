@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
 
 from fibws.bags import Connection, Writer, open_writer
+from fibws.bags.connection import ANY_TYPE
 from fibws.command_names import command_name
 from fibws.errors import BagError
 
@@ -454,6 +455,8 @@ class Recorder:
         """Make the stream's connection in the current file."""
         assert self._writer is not None
         topic, type_, md5sum, definition, callerid, latching = stream.origin
+        if type_ == ANY_TYPE:
+            raise BagError(f"the type of {topic} is unknown")
         stream.connection = self._writer.connection(
             topic, type_, md5sum, definition, callerid=callerid, latching=latching
         )

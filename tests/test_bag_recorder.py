@@ -331,6 +331,17 @@ def test_publisher_that_bags_cannot_hold_is_left_out(
     assert "/odd is not recorded: too many connections" in caplog.text
 
 
+def test_publisher_of_an_unknown_type_is_left_out(
+    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    recording = record()
+    recording.put(1, 0, Origin("/odd", "*", "*", "", "", latching=False))
+    recording.put(2)
+    recording.recorder.stop()
+    assert values(tmp_path / "a.bag") == [2]
+    assert "the type of /odd is unknown" in caplog.text
+
+
 def test_file_of_a_crashed_recorder_is_not_overwritten(
     record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

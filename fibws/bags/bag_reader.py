@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, BinaryIO, Self
 from fibws.bags import bag_format, compression
 from fibws.bags.bag_format import Record, RecordFile
 from fibws.bags.bag_scan import BagScan
-from fibws.bags.connection import ChunkInfo, Connection
+from fibws.bags.connection import ChunkInfo, Connection, with_known_types
 from fibws.bags.reader import ChunkMessages, Reader, in_file_order
 from fibws.errors import BagFormatError, BagNotIndexed, UnsupportedBag
 
@@ -157,7 +157,8 @@ class BagReader(Reader):
                 record.expect(bag_format.CHUNK_INFO, place)
                 chunks.append(self._read_chunk_header(bag_format.unpack_chunk_info(record, data)))
             position = record.end
-        self.connections = sorted(connections.values(), key=lambda each: each.id)
+        in_order = sorted(connections.values(), key=lambda each: each.id)
+        self.connections = with_known_types(in_order)
         self.chunks = in_file_order(chunks)
 
     def _read_chunk_header(self, info: ChunkInfo) -> ChunkInfo:

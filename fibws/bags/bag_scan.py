@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from fibws.bags import bag_format, compression
 from fibws.bags.bag_format import INDEX_ENTRY, Record, RecordFile, UnpackedChunk
-from fibws.bags.connection import ChunkInfo, Connection
+from fibws.bags.connection import ChunkInfo, Connection, with_known_types
 from fibws.errors import BagFormatError
 
 _SMALLEST_BLOCK, _LARGEST_BLOCK = 2**12, 2**20
@@ -70,7 +70,7 @@ class BagScan:
 
     def sorted_connections(self) -> list[Connection]:
         """Return all connections in the order of their ids; those in chunks were found by then."""
-        return sorted(self.connections.values(), key=lambda each: each.id)
+        return with_known_types(sorted(self.connections.values(), key=lambda each: each.id))
 
     def _add_connection(self, record: Record) -> None:
         try:

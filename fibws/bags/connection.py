@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+ANY_TYPE = "*"
+"""What some recorders wrote in place of a type that they did not know yet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,3 +47,39 @@ class ChunkInfo:
     compressed_size: int = 0
     size: int = 0
     """The size of its uncompressed data."""
+
+
+def with_known_types(connections: Iterable[Connection]) -> list[Connection]:
+    """Return connections, in their order, where `ANY_TYPE` is replaced if the type is known.
+
+    It is known if all other connections of the topic have one type.
+    """
+    found = list(connections)
+    if all(each.type != ANY_TYPE for each in found):
+        return found
+    known: dict[str, Connection | None] = {}
+    for each in found:
+        if each.type != ANY_TYPE:
+            other = known.setdefault(each.topic, each)
+            if other is None or (other.type, other.md5sum) != (each.type, each.md5sum):
+                known[each.topic] = None
+    return [
+        each
+        if each.type != ANY_TYPE or (other := known.get(each.topic)) is None
+        else _with_type_of(each, other)
+        for each in found
+    ]
+
+
+def _with_type_of(connection: Connection, other: Connection) -> Connection:
+    names = ("type", "md5sum", "message_definition")
+    fields = {name: other.fields[name] for name in names if name in other.fields}
+    return replace(
+        connection,
+        type=other.type,
+        md5sum=other.md5sum,
+        definition=other.definition,
+        fields={**connection.fields, **fields},
+        encoding=other.encoding,
+        definition_format=other.definition_format,
+    )

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from fibws.bags import compression
 from fibws.bags.bag_format import RecordFile
-from fibws.bags.connection import ChunkInfo, Connection
+from fibws.bags.connection import ANY_TYPE, ChunkInfo, Connection, with_known_types
 from fibws.bags.reader import ChunkMessages, Reader, in_file_order
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, InterfaceError, UnsupportedBag
 
@@ -301,7 +301,7 @@ class _Connections:
 
     def sorted(self) -> list[Connection]:
         """Return the connections in the order of their ids."""
-        return [self.connection(id_) for id_ in sorted(self._channels)]
+        return with_known_types(self.connection(id_) for id_ in sorted(self._channels))
 
     def connection(self, id_: int) -> Connection:
         channel = self._channels[id_]
@@ -688,41 +688,65 @@ def rewrite_mcap(
         file = RecordFile(opened, source)
         if file.read(0, min(len(MAGIC), file.size)) != MAGIC:
             raise BagFormatError(f"{source}: not an MCAP file")
-        scan = McapScan(file)
-        parts = scan.parts()
-        first = next(parts, None)
-        if method is None:
-            method = first.compression if first else "none"
-        connections = scan.connections
-        ids: dict[int, Connection] = {}
-        count = 0
-        writer = McapWriter(target, method, chunk_size, profile=scan.profile)
-        with writer:
-            for part in chain([first] if first else [], parts):
-                records = part.records
-                connections.add(records)
-                for place, end in zip(records.places, records.ends, strict=True):
-                    _, _, id_, number, time, publish_time = _MESSAGE_RECORD.unpack_from(
-                        records.data, place
-                    )
-                    if id_ not in connections:
-                        continue
-                    if id_ not in ids:
-                        ids[id_] = writer.copy_connection(connections.connection(id_))
-                    data = records.data[place + _MESSAGE_RECORD.size : end]
-                    writer.mcap.add_message(ids[id_].id, time, data, publish_time, number)
-                    count += 1
-            for id_ in connections.ids() - ids.keys():
-                writer.copy_connection(connections.connection(id_))
-            for other in scan.others:
-                if hasattr(other, "metadata"):
-                    writer.mcap.add_metadata(other.name, other.metadata)
-                else:
-                    writer.mcap.add_attachment(
-                        *(other.create_time, other.log_time, other.name, other.media_type),
-                        other.data,
-                    )
-    return count, scan.lost
+        count, lost, found = _rewrite(file, target, method, chunk_size, {})
+        if any(each.type == ANY_TYPE for each in found):
+            known = {each.id: each for each in with_known_types(found)}
+            count, lost, _ = _rewrite(file, target, method, chunk_size, known)
+        return count, lost
+
+
+def _rewrite(
+    file: RecordFile,
+    target: str,
+    method: str | None,
+    chunk_size: int,
+    known: Mapping[int, Connection],
+) -> tuple[int, int, list[Connection]]:
+    """Write what is left of a file.
+
+    Args:
+        known: connections to write in place of those of the same id.
+
+    Returns:
+        The number of messages, the number of bytes that were lost, and the file's connections.
+    """
+    scan = McapScan(file)
+    parts = scan.parts()
+    first = next(parts, None)
+    if method is None:
+        method = first.compression if first else "none"
+    connections = scan.connections
+    ids: dict[int, Connection] = {}
+    count = 0
+    writer = McapWriter(target, method, chunk_size, profile=scan.profile)
+    with writer:
+        for part in chain([first] if first else [], parts):
+            records = part.records
+            connections.add(records)
+            for place, end in zip(records.places, records.ends, strict=True):
+                _, _, id_, number, time, publish_time = _MESSAGE_RECORD.unpack_from(
+                    records.data, place
+                )
+                if id_ not in connections:
+                    continue
+                if id_ not in ids:
+                    connection = known.get(id_) or connections.connection(id_)
+                    ids[id_] = writer.copy_connection(connection)
+                data = records.data[place + _MESSAGE_RECORD.size : end]
+                writer.mcap.add_message(ids[id_].id, time, data, publish_time, number)
+                count += 1
+        for id_ in connections.ids() - ids.keys():
+            writer.copy_connection(known.get(id_) or connections.connection(id_))
+        for other in scan.others:
+            if hasattr(other, "metadata"):
+                writer.mcap.add_metadata(other.name, other.metadata)
+            else:
+                writer.mcap.add_attachment(
+                    *(other.create_time, other.log_time, other.name, other.media_type),
+                    other.data,
+                )
+    found = [connections.connection(id_) for id_ in sorted(connections.ids())]
+    return count, scan.lost, found
 
 
 def _import_mcap(path: str) -> None:

@@ -88,7 +88,6 @@ class Subscription(Generic[M]):
         self._md5sum = codec.md5sum
         self._take: Callable[[Received], object] | None = None
         self._take_serialized: TakeSerialized | None = None
-        self._found = ReportedType(ANY_TYPE, ANY_TYPE, "")
         self.peers = Peers()
         """The nodes that publish the topic, if ``peers=True`` was given."""
 
@@ -221,28 +220,42 @@ class Subscription(Generic[M]):
             }
         )
 
-    def found(self, type_: str, md5sum: str, definition: str | None) -> None:
+    def found(self, type_: ReportedType) -> None:
         """Note the topic's type, as the hub reports it."""
-        self._found = ReportedType(type_, md5sum, definition or "")
         if self._codec.type == ANY_TYPE:
-            self._type = type_
-            self._md5sum = md5sum
+            self._type = type_.name
+            self._md5sum = type_.md5sum
 
-    def offer(
-        self, message: Any, header: bytes | dict[str, str] | None = None, received: int = 0
+    def offer_serialized(
+        self, message: memoryview, header: bytes, received: int, type_: ReportedType
     ) -> bool:
+        """Queue a message in ROS 1's serialization, as `offer`.
+
+        One without its header, if headers were asked for, was sent before the hub knew of this
+        subscription, for another one of the node: it is left out.
+
+        Args:
+            header: its connection header, as JSON.
+            received: when the hub received it, in nanoseconds since 1970.
+        """
+        if self._operation.headers and not header:
+            return False
+        if self._take_serialized is None:
+            return self.offer(message, header)
+        if not self._ended:
+            self._take_serialized(message, header, received, type_)
+        return False
+
+    def offer(self, message: Any, header: bytes | dict[str, str] | None = None) -> bool:
         """Queue a message; return whether the queue is full now.
 
         Args:
             message: a memoryview of ROS 1's bytes, or JSON values.
             header: its connection header, as JSON if it is bytes.
-            received: when the hub received it, in nanoseconds since 1970; 0 if that is unknown.
         """
         if self._ended:  # A function that had the same message before may have closed it.
             return False
         if self._take_serialized is not None:
-            if isinstance(header, bytes):
-                self._take_serialized(message, header, received, self._found)
             return False
         if self._take is not None:
             self._take((message, header))

@@ -12,7 +12,7 @@ from fibws.interfaces import Message
 from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.publisher import Publisher
 from fibws.node.session import OperationHandler, Session
-from fibws.node.subscription import Subscription, TakeSerialized
+from fibws.node.subscription import ReportedType, Subscription, TakeSerialized
 from fibws.node.types import ANY_TYPE, MessageCodec
 from fibws.protocol.operations import (
     Advertise,
@@ -48,10 +48,11 @@ class Topics(OperationHandler):
         """By the ids of their operations, both."""
         self._readers: dict[str, list[Subscription[Any]]] = {}
         """Subscriptions by topic."""
-        self._topics: dict[int, str] = {}
-        """The topics' numbers on the current connection, if that is one of `fibws.v1`."""
+        self._confirmed: dict[int, list[tuple[Subscription[Any], ReportedType]]] = {}
+        """By the topics' numbers on the current connection, if that is one of `fibws.v1`: the
+        subscriptions that the hub has answered, and the type of the messages of this number."""
         self._topic_numbers: dict[str, set[int]] = {}
-        """The same by topic, which has several if its type has changed."""
+        """The same numbers by topic, which has several if its type has changed."""
         self._numbers = count(1)
         session.add_handler(self)
         session.set_message_handlers(self._on_json, self._on_binary)
@@ -194,9 +195,7 @@ class Topics(OperationHandler):
             case Subscribed():
                 subscription = self._subscriptions.get(str(reply.id))
                 if subscription is not None:
-                    subscription.found(reply.type, reply.md5sum, reply.definition)
-                    self._topics[reply.topic_id] = subscription.topic
-                    self._topic_numbers.setdefault(subscription.topic, set()).add(reply.topic_id)
+                    self._confirm(subscription, reply)
             case Peers():
                 id_ = str(reply.id)
                 owner = self._publishers.get(id_) or self._subscriptions.get(id_)
@@ -222,18 +221,17 @@ class Topics(OperationHandler):
 
     def skip(self, beginning: bytes, size: int, fault: str) -> bool:
         """Count a message that was too long to be read as dropped by its readers."""
-        topic = self._topics.get(read_topic(beginning), "")
-        readers = self._readers.get(topic, ())
-        for subscription in readers:
+        readers = self._confirmed.get(read_topic(beginning), ())
+        for subscription, _ in readers:
             subscription.skip()
-        if readers and (count := readers[0].skipped) == 10 ** (len(str(count)) - 1):
+        if readers and (count := readers[0][0].skipped) == 10 ** (len(str(count)) - 1):
             text = "Dropped a message on %s: %s; %d so far"
-            self._session.log.error(text, topic, fault, count)
+            self._session.log.error(text, readers[0][0].topic, fault, count)
         return bool(readers)
 
     def on_disconnect(self) -> None:
         """Forget what the lost hub reported: the topics' numbers, and peers."""
-        self._topics.clear()
+        self._confirmed.clear()
         self._topic_numbers.clear()
         for publisher in self._publishers.values():
             publisher.peers.on_disconnect()
@@ -247,6 +245,24 @@ class Topics(OperationHandler):
         for subscription in self._subscriptions.values():
             subscription.end(error)
 
+    def _confirm(self, subscription: Subscription[Any], reply: Subscribed) -> None:
+        """Deliver the messages of a topic's number to a subscription from now on.
+
+        Not before: another subscription of the node may hear the topic already, whose messages
+        this one could not tell the type of.
+        """
+        number = reply.topic_id
+        type_ = ReportedType(reply.type, reply.md5sum, reply.definition or "")
+        subscription.found(type_)
+        # A new list, as in `_forget`. The hub may give a topic's number to another topic.
+        others = (
+            each
+            for each in self._confirmed.get(number, ())
+            if each[0] is not subscription and each[0].topic == subscription.topic
+        )
+        self._confirmed[number] = [*others, (subscription, type_)]
+        self._topic_numbers.setdefault(subscription.topic, set()).add(number)
+
     def _on_binary(self, data: Payload) -> None:
         """Queue a serialized message for its readers."""
         try:
@@ -254,8 +270,8 @@ class Topics(OperationHandler):
         except OperationError as error:
             self._session.log.warning("The hub sent an %s", error)
             return
-        for subscription in self._readers.get(self._topics.get(number, ""), ()):
-            if subscription.offer(message, header, received):
+        for subscription, type_ in self._confirmed.get(number, ()):
+            if subscription.offer_serialized(message, header, received, type_):
                 self._session.give_readers_a_turn()
 
     def _on_json(self, topic: str, message: Any, header: dict[str, str] | None) -> bool:
@@ -288,6 +304,12 @@ class Topics(OperationHandler):
                 self._readers[topic] = others
             else:
                 del self._readers[topic]
-                for number in self._topic_numbers.pop(topic, ()):
-                    del self._topics[number]
+            numbers = self._topic_numbers.get(topic, ())
+            if not others:
+                self._topic_numbers.pop(topic, None)
+            for number in numbers:
+                readers = self._confirmed.get(number, [])
+                self._confirmed[number] = [each for each in readers if each[0] is not subscription]
+                if not self._confirmed[number]:
+                    del self._confirmed[number]
         return subscription

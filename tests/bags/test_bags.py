@@ -10,7 +10,16 @@ from time import process_time
 
 import pytest
 
-from fibws.bags import Connection, Reader, Writer, open_reader, open_writer, reader, summary
+from fibws.bags import (
+    Connection,
+    Reader,
+    Writer,
+    open_reader,
+    open_writer,
+    reader,
+    reindex,
+    summary,
+)
 from fibws.bags.mcap_files import McapWriter
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, UnsupportedBag
 
@@ -151,6 +160,41 @@ def test_flushed_messages_can_be_read_before_the_bag_is_closed(tmp_path: Path, s
     with open_reader(path) as bag:
         assert bag.is_indexed
         assert [data for _, _, data in bag.messages()] == [b"one.", b"two."]
+
+
+@each_suffix
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_type_that_the_recorder_did_not_know_is_taken_from_another_publisher(
+    tmp_path: Path, suffix: str, is_closed: bool
+) -> None:
+    path, restored = tmp_path / f"it.{suffix}", tmp_path / f"new.{suffix}"
+    writer = open_writer(path)
+    unknown = [writer.connection(topic, "*", "*", "") for topic in ("/a", "/b", "/c")]
+    writer.write(unknown[0], 1, bytes(4))
+    writer.flush()
+    writer.write(add(writer, "/a", "/talker"), 2, bytes(4))
+    writer.write(writer.connection("/b", "std_msgs/UInt32", "0" * 32, "uint32 data"), 3, bytes(4))
+    writer.write(add(writer, "/b"), 4, bytes(4))
+    for each in unknown[1:]:
+        writer.write(each, 5, bytes(4))
+    if is_closed:
+        writer.close()
+    else:
+        writer.flush()
+    reindex(path, restored)
+    for each_path in (path, restored):
+        with open_reader(each_path, allow_unindexed=True) as bag:
+            assert [(each[0], each[1], each[2]) for each in contents(bag)] == [
+                ("/a", *INT32[:2]),
+                ("/a", *INT32[:2]),
+                ("/b", "std_msgs/UInt32", "0" * 32),
+                ("/b", *INT32[:2]),
+                ("/b", "*", "*"),  # It may be either.
+                ("/c", "*", "*"),
+            ]
+            definitions = {each.definition for each in bag.connections if each.topic == "/a"}
+            assert definitions == {INT32[2]}
+    writer.close()
 
 
 @each_suffix

@@ -9,9 +9,9 @@ import pytest
 from fibws.errors import NodeClosed, NodeError, OperationRejected
 from fibws.msg.std_msgs import Int32
 from fibws.node.publisher import Publisher
-from fibws.node.subscription import Subscription
+from fibws.node.subscription import ReportedType, Subscription
 from fibws.node.topics import Topics
-from fibws.node.types import Types
+from fibws.node.types import ANY_TYPE, Types
 from fibws.protocol.serialized import deliver_head
 
 from .conftest import FakeSession, Lines, deliver, reconnected, sent_operations
@@ -321,3 +321,66 @@ async def test_reconnection_repeats_registrations_with_their_ids(
 ) -> None:
     ids = [advertise(topics, "/a").id, subscribe(topics, "/s").id]
     assert [each["id"] for each in reconnected(session)] == ids
+
+
+async def test_subscription_gets_nothing_before_the_hub_has_answered_it(
+    session: FakeSession, topics: Topics
+) -> None:
+    """Another one of the node may hear the topic already: with no headers, or of no known type."""
+    taken: list[tuple[int, bytes, str]] = []
+
+    def take(message: memoryview, header: bytes, received: int, type_: ReportedType) -> None:
+        taken.append((message[0], header, type_.name))
+
+    first = subscribe(topics, "/s")
+    subscribed(session, first)
+    typed = subscribe(topics, "/s", headers=True)
+    codec = Types(lambda: 0).serialized(ANY_TYPE, None, None)
+    any_ = topics.subscribe("/s", codec, queue_size=None, headers=True, take_serialized=take)
+    header = b'{"callerid":"/b"}'
+    delivers(session, first, 1)
+    delivers(session, first, 2, header)
+    for each in (typed, any_):
+        subscribed(session, each)
+    delivers(session, first, 3)  # It waited in the hub when it was asked for headers.
+    delivers(session, first, 4, header)
+    session.end()
+    assert await read(first) == [1, 2, 3, 4]
+    assert await read(typed) == [4]
+    assert taken == [(4, header, "std_msgs/Int32")]
+
+
+async def test_messages_have_the_type_that_their_topic_had(
+    session: FakeSession, topics: Topics
+) -> None:
+    """A topic whose type has changed has another number; older messages may still arrive."""
+    taken: list[str] = []
+    codec = Types(lambda: 0).serialized(ANY_TYPE, None, None)
+    any_ = topics.subscribe(
+        "/s",
+        codec,
+        queue_size=None,
+        headers=True,
+        take_serialized=lambda message, header, received, type_: taken.append(type_.name),
+    )
+    subscribed(session, any_)
+    fields = {"id": any_.id, "topic": "/s", "md5sum": "0" * 32}
+    deliver(session, "subscribed", **fields, topic_id=8, type="std_msgs/UInt32")
+    for number in (7, 8):
+        session.receive_binary(deliver_head(number, 0, b"{}") + bytes(4))
+    assert taken == ["std_msgs/Int32", "std_msgs/UInt32"]
+    any_.close()
+    session.receive_binary(deliver_head(7, 0, b"{}") + bytes(4))
+    assert len(taken) == 2
+
+
+async def test_number_that_went_to_another_topic_reaches_that_one_alone(
+    session: FakeSession, topics: Topics
+) -> None:
+    first, second = subscribe(topics, "/first"), subscribe(topics, "/second")
+    subscribed(session, first)
+    subscribed(session, second)
+    first.close()
+    delivers(session, second, 1)
+    session.end()
+    assert await read(second) == [1]
