@@ -208,6 +208,10 @@ class Recorder:
         self._dropped_bytes = 0
         self._discarded = 0
         """Messages that the disk had no room for."""
+        self._early: dict[Stream, Buffer] = {}
+        """The last latched message of each stream from before simulated time began."""
+        self._early_bytes = 0
+        self._has_early = False
         self._written = 0
         self._streams: dict[Origin, Stream] = {}
         self._left: dict[str, list[int]] = {}
@@ -256,9 +260,14 @@ class Recorder:
         """Record a message.
 
         Args:
-            received: its time in nanoseconds since 1970.
+            received: its time in nanoseconds since 1970. At 0 simulated time has not begun: such a
+                message is left out, as by rosbag, unless it is latched. The last latched one
+                becomes the first message after that.
             data: ROS 1's serialization, which must not change any more.
         """
+        if received <= 0 and not stream.origin.latching:
+            self._has_early = True
+            return
         left = stream.left
         if left is not None:
             if not left[0]:
@@ -342,6 +351,7 @@ class Recorder:
                 self._look_at_the_clock()
             if not self._is_full:
                 self._write_waiting()
+                self._write_early(self._now())
             self._end_file()
         except OSError as error:
             self._fail(f"cannot write {self._path}{ACTIVE}: {error.strerror or error}")
@@ -404,6 +414,11 @@ class Recorder:
     def _write(self, stream: Stream, received: int, data: Buffer) -> bool:
         """Write a message; return False if bags cannot hold it, such as one of 2 GiB."""
         assert self._writer is not None
+        if received <= 0:
+            self._keep_early(stream, data)
+            return False
+        if self._early:
+            self._write_early(received)
         try:
             if stream.file != self._number:
                 self._join(stream)
@@ -417,6 +432,23 @@ class Recorder:
         if stream.is_repeated:
             self._keep_latched(stream, data)
         return True
+
+    def _keep_early(self, stream: Stream, data: Buffer) -> None:
+        """Keep a latched message until there is a time; drop the oldest if there is no room."""
+        self._has_early = True
+        self._early_bytes += len(data) - len(self._early.pop(stream, b""))
+        self._early[stream] = data
+        while self._early_bytes > self._room and len(self._early) > 1:
+            self._early_bytes -= len(self._early.pop(next(iter(self._early))))
+            self._discarded += 1
+
+    def _write_early(self, now: int) -> None:
+        """Write the latched messages from before simulated time began, at its first moment."""
+        if now <= 0 or self._writer is None or not self._has_space:
+            return
+        early, self._early, self._early_bytes = self._early, {}, 0
+        for stream, data in early.items():
+            self._write(stream, now, data)
 
     def _keep_latched(self, stream: Stream, data: Buffer) -> None:
         """Keep a message for the next files; drop the oldest ones if there is no room."""
@@ -467,6 +499,7 @@ class Recorder:
         options, now = self.options, self._now()
         if options.max_duration and self._file_ends == NEVER and now:
             self._file_ends = now + options.max_duration  # Simulated time has begun.
+        self._write_early(now)
         if now > self._file_ends and not options.split:
             self._is_full = True
         ticks = time.monotonic()
@@ -480,6 +513,9 @@ class Recorder:
             self._next_disk = ticks + DISK_INTERVAL
             self._check_disk()
         self._report_drops()
+        if self._has_early and now <= 0:
+            self._has_early = False
+            self._warn("early", "Nothing is recorded before the first message of /clock.")
         while self._forgotten:
             self._drop_latched(self._forgotten.popleft())
 

@@ -355,6 +355,62 @@ def test_file_of_a_crashed_recorder_is_not_overwritten(
     assert left.name in caplog.text
 
 
+# Simulated time.
+
+
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_nothing_is_recorded_before_simulated_time_begins(
+    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture, suffix: str
+) -> None:
+    recording = record(path=str(tmp_path / f"a.{suffix}"), limit=3)
+    recording.now = 0
+    latched = origin("/map", "/map_server", latching=True)
+    early = -START / SECOND
+    for value, source in ((1, None), (2, latched), (3, None), (4, latched)):
+        recording.put(value, early, source)
+    while "before the first message of /clock" not in caplog.text:
+        recording.wait_until(lambda state: True)
+    recording.put(5, 7)
+    recording.put(6, 8)
+    recording.put(7, 9, latched)
+    recording.recorder.stop()
+    with open_reader(tmp_path / f"a.{suffix}") as bag:
+        found = [
+            (each.topic, (time - START) // SECOND, data[0]) for each, time, data in bag.messages()
+        ]
+    assert found == [("/map", 7, 4), ("/n", 7, 5), ("/n", 8, 6), ("/map", 9, 7)]
+    assert recording.recorder.state().dropped == 0
+
+
+def test_latched_messages_are_recorded_when_the_clock_begins_though_nothing_else_comes(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record()
+    recording.now = 0
+    recording.put(1, -START / SECOND, origin("/map", latching=True))
+    recording.now = START + SECOND
+    recording.wait_until(lambda state: state.messages == 1)
+    recording.recorder.stop()
+    with open_reader(tmp_path / "a.bag") as bag:
+        assert bag.start == bag.end == START + SECOND
+
+
+def test_room_for_latched_messages_before_simulated_time_is_bounded(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    recording = record(buffer_size=MESSAGE_COST + 100)
+    recording.now = 0
+    for value in range(4):
+        stream = recording.recorder.stream(origin(f"/map{value}", latching=True))
+        recording.recorder.put(stream, 0, bytes(100))
+        recording.wait_until(lambda state: not state.buffered)
+    recording.now = START
+    recording.recorder.stop()
+    with open_reader(tmp_path / "a.bag") as bag:
+        assert [each.topic for each, _, _ in bag.messages()] == ["/map2", "/map3"]
+    assert recording.recorder.state().dropped == 2
+
+
 # Files.
 
 

@@ -20,6 +20,7 @@ from fibws.hub.recording import NODE, STATE
 from fibws.hub.server import RECORDING_TIMEOUT
 from fibws.msg.fibws_msgs import PlaybackState, RecordingState
 from fibws.msg.geometry_msgs import PointStamped
+from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.fibws_msgs import GetRecording
 from fibws.srv.std_srvs import Trigger
@@ -79,6 +80,26 @@ async def test_all_topics_are_recorded_from_their_first_message(tmp_path: Path) 
     with open_reader(path) as bag:
         assert [data for _, _, data in bag.messages(["/map"])] == [b"\x04\0\0\0here"]
         assert bag.connections[-1].definition.startswith("Header header")
+
+
+async def test_nothing_is_recorded_before_simulated_time_begins(tmp_path: Path) -> None:
+    async with Hub(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
+        await node.params.set("/use_sim_time", True)
+        latched = await node.advertise("/map", Int32, latch=True)
+        numbers = await node.advertise("/numbers", Int32)
+        clock = await node.advertise("/clock", Clock)
+        for number in range(2):
+            await latched.publish(number)
+            await numbers.publish(number)
+            await clock.publish(Clock(fibws.Time(7 + number)))
+    [path] = files(tmp_path)
+    with open_reader(path) as bag:
+        found = [
+            (each.topic, time // 10**9, data[0])
+            for each, time, data in bag.messages(["/map", "/numbers", "/clock"])
+        ]
+    # A message has the time of the clock's message before it.
+    assert found == [("/map", 7, 0), ("/map", 7, 1), ("/numbers", 7, 1), ("/clock", 7, 8)]
 
 
 async def test_topic_is_left_with_its_last_publisher(tmp_path: Path) -> None:

@@ -40,6 +40,10 @@ STATE_INTERVAL = 0.25
 SWITCH_INTERVAL = 0.0005
 """Seconds after which the thread that reads lets the event loop run: by default 5 ms, which would
 delay messages."""
+LONG_SPAN = 3600.0
+"""Seconds without messages that are skipped, which is said, unless others are asked for."""
+NEVER = 1e10
+"""More seconds than any bag has."""
 _STAMP = struct.Struct("<II")
 _FIRST_FIELD = re.compile(r"\A(?:\s*(?:#.*)?\n)*\s*(?:std_msgs/)?Header\s", re.ASCII)
 
@@ -159,6 +163,7 @@ class Player:
                 self._room,
                 on_change=self._publish_state,
                 on_step=self._publish_clock,
+                on_skip=self._report_skip,
             )
             await self._advertise_own()
             if self._options.clock_rate:
@@ -315,6 +320,11 @@ class Player:
         if self._clock is not None:
             now = Time.from_nanoseconds(self._playback.position)
             self._clock.send_while_open(self._clock.encode(now))
+
+    def _report_skip(self, span: int) -> None:
+        """Say that a span without messages is skipped, unless that is as long as was asked for."""
+        if span >= LONG_SPAN * 1e9:
+            self._node.log.warning("Skipping %s without messages.", span_text(span / 1e9))
 
     async def _run_state(self) -> None:
         while True:
@@ -491,6 +501,8 @@ class _PlayCommand(click.Command):
     "--skip-empty",
     metavar="SEC",
     type=click.FloatRange(min=0),
+    default=LONG_SPAN,
+    show_default=True,
     help="Skip spans of more than SEC seconds without messages.",
 )
 @click.option("-l", "--loop", is_flag=True, help="Begin again at the end.")
@@ -564,7 +576,6 @@ def command(
         readers = [reader for reader in readers if reader.message_count]
         if not readers:
             raise click.ClickException(f"{', '.join(paths)}: no messages to play")
-        skip_empty = others["skip_empty"]
         playback_options = PlaybackOptions(
             **_span(readers, start, duration),
             rate=others["rate"],
@@ -572,7 +583,7 @@ def command(
             is_paused=others["pause"],
             is_loop=others["loop"],
             stays=others["keep_alive"],
-            skip_empty=round(skip_empty * 1e9) if skip_empty is not None else None,
+            skip_empty=round(min(others["skip_empty"], NEVER) * 1e9),
             pause_topics=_without_slashes(pause_topics),
             max_delay=round(others["rate_control_max_delay"] * 1e9),
         )
@@ -589,6 +600,14 @@ def command(
         )
         sys.setswitchinterval(SWITCH_INTERVAL)
         run(_play(node, readers, paths, options, playback_options))
+
+
+def span_text(seconds: float) -> str:
+    """Return a long time as people say it, such as ``3.5 hours`` or ``53.9 years``."""
+    for size, unit in ((365.25 * 86400, "years"), (86400, "days")):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.1f} {unit}"
+    return f"{seconds / 3600:.1f} hours"
 
 
 def _without_slashes(topics: Iterable[str]) -> frozenset[str]:

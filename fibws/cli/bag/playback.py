@@ -151,6 +151,7 @@ class Playback:
             run.
         on_change: called when the playback was paused, resumed, or changed in another way.
         on_step: called before a single message is published during a pause.
+        on_skip: called with the nanoseconds of each span without messages that is skipped.
     """
 
     def __init__(
@@ -161,6 +162,7 @@ class Playback:
         *,
         on_change: Callable[[], object] = lambda: None,
         on_step: Callable[[], object] = lambda: None,
+        on_skip: Callable[[int], object] = lambda span: None,
     ) -> None:
         self.options = options
         self.rate = options.rate
@@ -177,6 +179,7 @@ class Playback:
         self._room = room
         self._on_change = on_change
         self._on_step = on_step
+        self._on_skip = on_skip
         self._clock = asyncio.get_running_loop().time
         self._position = options.start
         """The time of the playback at `_since`, a time of the event loop's clock."""
@@ -305,8 +308,10 @@ class Playback:
     async def _due(self, time: int, target: Target) -> None:
         """Wait until a message is due; raise `_Sought` if another one is to be next."""
         options = self.options
-        if options.skip_empty is not None and time - self.position > options.skip_empty:
+        empty = time - self.position
+        if options.skip_empty is not None and empty > options.skip_empty:
             self._set_position(time)
+            self._on_skip(empty)
         if self.pauses_for_topics and target.topic in options.pause_topics:
             self.pause(True)
         while True:

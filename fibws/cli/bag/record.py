@@ -26,6 +26,8 @@ from fibws.srv import fibws_msgs, rosapi
 
 LOOK_INTERVAL = 0.5
 """Seconds between two looks for new topics; rosbag looks once a second."""
+CLOCK_LAG = 10**9
+"""Nanoseconds that this node's time may be behind the hub's."""
 REPORT_TIMEOUT = 2.0
 """Seconds that the hub may take at the end to report what it has dropped."""
 _MULTIPLIERS = {"": 1, "k": 2**10, "M": 2**20, "G": 2**30}
@@ -177,33 +179,42 @@ class RecordingNode:
     def _taker(self, topic: str) -> Callable[[memoryview, bytes, int, Any], None]:
         """Return what records the messages of a topic."""
         recorder, put = self.recorder, self.recorder.put
-        known: dict[bytes, tuple[Any, Stream, int]] = {}
-        """By connection headers: the type, the stream, and the least time of a message."""
+        known: dict[bytes, tuple[Any, Stream]] = {}
+        """By connection headers: the type and the stream."""
 
         def take(message: memoryview, header: bytes, received: int, type_: Any) -> None:
             found = known.get(header)
             if found is None or found[0] is not type_:
-                found = known[header] = (type_, *self._stream(topic, header, type_))
-            least = found[2]
-            put(found[1], received if received > least else least, message)
+                stream = self._stream(topic, header, type_)
+                if found is None and stream.origin.latching:
+                    received = self._time_of_latched(received)
+                found = known[header] = (type_, stream)
+            put(found[1], received, message)
             if self._has_limit and recorder.is_complete(topic):
                 self._end_topic(topic)
 
         return take
 
-    def _stream(self, topic: str, header: bytes, type_: Any) -> tuple[Stream, int]:
-        fields = json.loads(header) if header else {}
-        latching = fields.get("latching") == "1"
+    def _time_of_latched(self, received: int) -> int:
+        """Return the time of the first message of a latching publisher.
+
+        It may have been published before the recording, by a clock that has jumped since: it is
+        recorded as of the beginning then.
+        """
+        now = self._node.now().to_nanoseconds()
+        return received if self._began <= received <= now + CLOCK_LAG else self._began
+
+    def _stream(self, topic: str, header: bytes, type_: Any) -> Stream:
+        fields = json.loads(header)
         origin = Origin(
             topic,
             type_.name,
             type_.md5sum,
             type_.definition or _local_definition(type_.name, type_.md5sum),
             fields.get("callerid", ""),
-            latching,
+            fields.get("latching") == "1",
         )
-        # A latched message was published before this, but it is recorded now.
-        return self.recorder.stream(origin), self._began if latching else 0
+        return self.recorder.stream(origin)
 
     def _end_topic(self, topic: str) -> None:
         self._subscriptions[topic].close()

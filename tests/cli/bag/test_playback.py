@@ -41,6 +41,7 @@ class Course:
         self.playback: Playback
         self.task: asyncio.Task[None]
         self.steps = 0
+        self.skipped: list[int] = []
         self._loop = asyncio.get_running_loop()
         self._began = self._loop.time()
         self.news = asyncio.Event()
@@ -101,6 +102,7 @@ async def playing(*paths: Path, **options: Any) -> AsyncIterator[Course]:
         room,
         on_change=course.news.set,
         on_step=course.step,
+        on_skip=course.skipped.append,
     )
     course.task = asyncio.create_task(course.playback.run())
     try:
@@ -281,6 +283,8 @@ async def test_empty_spans_are_skipped(tmp_path: Path) -> None:
     async with playing(path, skip_empty=SECOND) as course:
         await course.end()
     assert course.published == [0, 1, 2, 3]
+    [skipped] = course.skipped
+    assert 999 * SECOND < skipped < 1000 * SECOND
 
 
 async def test_pause_topics_pause_before_each_of_their_messages(tmp_path: Path) -> None:

@@ -161,6 +161,35 @@ def test_all_topics_and_new_ones_are_recorded_until_ctrl_c(
     assert "/rosout_not" not in {each.topic for each in found}
 
 
+@pytest.mark.parametrize("clock", [[20, 6], [6], []])
+def test_latched_messages_have_the_time_of_the_beginning(
+    hub: HubThread, tmp_path: Path, publish: Publish, client: HubClient, clock: list[int]
+) -> None:
+    """They were published before the recording, by a clock that may have been set back since."""
+    publish("/map", "std_msgs/Int32", {"data": 1})
+    client.call("/rosapi/set_param", {"name": "/use_sim_time", "value": "true"})
+    for seconds in clock:
+        publish("/clock", "rosgraph_msgs/Clock", {"clock": {"secs": seconds, "nsecs": 0}})
+        publish("/map", "std_msgs/Int32", {"data": 1})
+        client.call("/rosapi/get_time")
+    try:
+        with recorder(hub.url, tmp_path / "b.bag", "-a") as recording:
+            recording.wait_for("Subscribing to /map")
+            wait_for_subscriber(hub.url, "/map")
+            for seconds in (7, 8):
+                publish("/clock", "rosgraph_msgs/Clock", {"clock": {"secs": seconds, "nsecs": 0}})
+                publish("/n", "std_msgs/Int32", {"data": seconds})
+            recording.wait_for("Subscribing to /n")
+            recording.end(signal.SIGINT)
+    finally:
+        client.call("/rosapi/set_param", {"name": "/use_sim_time", "value": "false"})
+    with open_reader(tmp_path / "b.bag") as bag:
+        first = {each.topic: time for each, time, _ in reversed(list(bag.messages()))}
+        assert first["/map"] == (clock[-1] if clock else 7) * SECOND == bag.start
+        assert {each.type for each in bag.connections} >= {"std_msgs/Int32", "rosgraph_msgs/Clock"}
+        assert "*" not in {each.type for each in bag.connections}
+
+
 def wait_for_subscriber(url: str, topic: str) -> None:
     with HubClient("look", url) as client:
         while not client.call("/rosapi/subscribers", {"topic": topic})["subscribers"]:
