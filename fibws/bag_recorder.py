@@ -23,6 +23,7 @@ from fibws.bags import Connection, Writer, open_writer
 from fibws.bags.connection import ANY_TYPE
 from fibws.command_names import command_name
 from fibws.errors import BagError
+from fibws.exit_signals import unfinished
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
 Compression: TypeAlias = Literal["none", "bz2", "lz4"]
@@ -344,6 +345,17 @@ class Recorder:
     # In the writing thread
 
     def _run(self) -> None:
+        with unfinished(self._left_text):
+            self._record()
+
+    def _left_text(self) -> str:
+        """Return what is left if the process ends now."""
+        if self._writer is None:
+            return ""
+        active = self._path.with_name(self._path.name + ACTIVE)
+        return f"{active} was not completed. To restore it: {command_name('bag reindex')} {active}"
+
+    def _record(self) -> None:
         try:
             self._begin()
             while not self._stopping.wait(WRITE_INTERVAL) and not self._is_full:

@@ -604,6 +604,28 @@ while True:
 """
 
 
+def test_signal_that_ends_the_process_at_once_leaves_advice(tmp_path: Path) -> None:
+    program = f"""
+import logging, signal, sys, threading, time
+from fibws.bag_recorder import Recorder, RecordingOptions
+from fibws.exit_signals import end_at_once
+
+begun = threading.Event()
+options = RecordingOptions(path={str(tmp_path / "a.bag")!r}, dated=False, min_space=0)
+recorder = Recorder(
+    options, time.time_ns, logging.getLogger(), on_file=lambda path: begun.set()
+)
+recorder.start()
+begun.wait()
+end_at_once(signal.SIGINT)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == -signal.SIGINT
+    active = tmp_path / "a.bag.active"
+    text = f"{active} was not completed. To restore it: fibws bag reindex {active}\n"
+    assert done.stderr == text
+
+
 @pytest.mark.slow  # It measures seconds of another process, which a busy machine lengthens.
 @pytest.mark.parametrize("compression", ["none", "bz2"])
 def test_kill_loses_at_most_the_last_second(tmp_path: Path, compression: str) -> None:

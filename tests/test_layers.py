@@ -41,24 +41,26 @@ BELOW = {
     "definition_folders": set[str](),
     "origins": set[str](),
     "processes": set[str](),
+    "exit_signals": set[str](),
     "access": {"errors", "files", "suggestions"},
-    "bag_recorder": {"bags", "command_names", "errors"},
+    "bag_recorder": {"bags", "command_names", "errors", "exit_signals"},
     "interfaces": {"errors", "files", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "bags": {"errors", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
-    | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"},
+    | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"}
+    | {"exit_signals"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
     "action": {"errors", "interfaces", "msg"},
     "node": {"errors", "names", "hub_address", "tls", "credentials", "protocol", "interfaces"}
     | {*CLASSES}
-    | {"__version__", "client_handshake"},
+    | {"__version__", "client_handshake", "exit_signals"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "bags", "values", "client", "node", "interfaces", *CLASSES}
-    | {"command_names", "definition_folders", "processes", "tf"},
+    | {"command_names", "definition_folders", "exit_signals", "processes", "tf"},
     "broadcaster": {*NODE, *CLASSES, "cli"},
     "listener": {*NODE, *CLASSES, "cli"},
     "testing": {*NODE, "hub"},

@@ -19,6 +19,7 @@ import click
 
 from fibws import __version__
 from fibws.errors import FibwsError, HubError
+from fibws.exit_signals import ExitSignals, end_at_once
 from fibws.files import replace_file
 from fibws.hub import log_output
 from fibws.hub.announcement import announcement
@@ -162,9 +163,15 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
             click.echo(err=True)  # The log must not continue the line of the terminal's ^C.
         signals.put_nowait(number)
 
-    for number in (signal.SIGINT, signal.SIGTERM):
-        with suppress(NotImplementedError):  # Windows: Ctrl-C comes as KeyboardInterrupt.
-            loop.add_signal_handler(number, stop, number)
+    def stop_at_once(number: int) -> None:
+        if is_draining:
+            signals.put_nowait(number)
+        else:
+            end_at_once(number)
+
+    is_draining = False
+    exit_signals = ExitSignals(stop, stop_at_once)
+    exit_signals.install(loop)
     _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
         manager = ServiceManager(loop, hub.status)
@@ -177,7 +184,9 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
             first = await signals.get()
             manager.stopping()
             if first == signal.SIGTERM:
+                is_draining = True
                 await _drain(hub, signals)
+                is_draining = False
         finally:
             manager.close()
             _remove(url_file)

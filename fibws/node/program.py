@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import os
-import signal
 import sys
 from collections.abc import Coroutine
-from contextlib import suppress
 from typing import Any, TypeVar
 
 from fibws.errors import AccessDenied, HubUnreachable, NodeKilled, NodeReplaced
+from fibws.exit_signals import ExitSignals
 
 T = TypeVar("T")
 
@@ -19,8 +18,8 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
     """Run a program of nodes: ``fibws.run(main())`` in place of ``asyncio.run(main())``.
 
     Ctrl-C and SIGTERM are the normal end of a node, as with rospy: they cancel ``main``, so that
-    each ``async with fibws.Node(...)`` block leaves the graph, and the exit code is 0. A second
-    signal ends the process at once.
+    each ``async with fibws.Node(...)`` block leaves the graph, and the exit code is 0. A signal
+    more than a second later ends the process at once; earlier ones repeat the first.
 
     Args:
         main: the program. It may also start a `Hub`, or tasks of its own.
@@ -60,26 +59,23 @@ def run_until_signal(main: Coroutine[Any, Any, T]) -> T | None:
 async def _until_signal(main: Coroutine[Any, Any, T]) -> T | None:
     loop = asyncio.get_running_loop()
     task = asyncio.ensure_future(main)
-    handled: list[signal.Signals] = []
     is_stopped = False
 
-    def stop() -> None:
+    def stop(number: int) -> None:
         nonlocal is_stopped
         is_stopped = True
         if sys.stderr is not None and sys.stderr.isatty():
             print(file=sys.stderr)  # The shell's prompt must not follow the terminal's ^C.
-        for number in handled:
-            loop.remove_signal_handler(number)
+        signals.receive_directly()
         task.cancel()
 
-    for number in (signal.SIGINT, signal.SIGTERM):
-        # Windows has no such handlers, and threads other than the main one may not set them.
-        with suppress(NotImplementedError, RuntimeError, ValueError):
-            loop.add_signal_handler(number, stop)
-            handled.append(number)
+    signals = ExitSignals(stop)
+    signals.install(loop)
     try:
         return await task
     except asyncio.CancelledError:
         if not is_stopped:
             raise
         return None
+    finally:
+        signals.remove(loop)

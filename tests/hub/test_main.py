@@ -58,12 +58,27 @@ class Program:
         return self.process.returncode, out, err
 
 
+NOT_REPEATED = (
+    "-c",
+    "from fibws import exit_signals; from fibws.hub.__main__ import main; "
+    "exit_signals.REPEAT = 0.0; main()",
+)
+"""A hub for which each signal is another one."""
+
+
 @contextmanager
 def running(*arguments: str, **environment: str) -> Iterator[Program]:
     """A hub in a process of its own; it does not outlive the block."""
+    with running_as(("-m", "fibws.hub"), *arguments, **environment) as program:
+        yield program
+
+
+@contextmanager
+def running_as(module: tuple[str, ...], *arguments: str, **environment: str) -> Iterator[Program]:
+    """A hub that Python runs as these words say."""
     known = {name: value for name, value in os.environ.items() if not name.startswith("FIBWS_")}
     process = fork_server.popen(
-        ["-m", "fibws.hub", *arguments],
+        [*module, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -141,7 +156,7 @@ def test_signal_closes_clients_and_exits_with_0(
 
 def test_second_signal_ends_a_long_drain() -> None:
     with ExitStack() as stack:
-        hub = stack.enter_context(running("--port", "0", "--drain", "600"))
+        hub = stack.enter_context(running_as(NOT_REPEATED, "--port", "0", "--drain", "600"))
         url = hub.url()
         clients = [stack.enter_context(connect(url)) for _ in range(40)]
         hub.process.terminate()

@@ -122,6 +122,9 @@ def test_second_signal_ends_a_program_that_does_not_end() -> None:
 import asyncio
 
 import fibws
+from fibws import exit_signals
+
+exit_signals.REPEAT = 0.0
 
 
 async def main() -> None:

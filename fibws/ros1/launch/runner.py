@@ -15,6 +15,7 @@ from typing import Any
 
 from fibws.command_names import command_name
 from fibws.errors import HubError
+from fibws.exit_signals import ExitSignals
 from fibws.processes import start_error
 from fibws.ros1.launch.model import Node
 from fibws.ros1.launch.node_command import NodeCommand
@@ -22,6 +23,7 @@ from fibws.ros1.launch.output import LogFile, Screen, Terminal
 from fibws.ros1.launch.process import Process, Signal
 
 SIGINT_TIMEOUT, SIGTERM_TIMEOUT = 15.0, 2.0
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 """Seconds until the next, more urgent signal, as in roslaunch."""
 SHORTEST_DELAY = 0.1
 """Least seconds before a restart; a process that fails at once must not keep a machine busy."""
@@ -111,14 +113,12 @@ class Runner:
     def handle_signals(self, on_signal: Callable[[], None]) -> None:
         """Stop on Ctrl-C, on SIGTERM, and when the terminal is closed."""
 
-        def stop() -> None:
+        def stop(number: int) -> None:
             on_signal()
             self.stop()
 
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            # On Windows, event loops handle no signals; there Ctrl-C cancels the task.
-            with suppress(NotImplementedError, AttributeError):
-                asyncio.get_running_loop().add_signal_handler(getattr(signal, name), stop)
+        numbers = [getattr(signal, each) for each in SIGNALS if hasattr(signal, each)]
+        ExitSignals(stop, stop).install(asyncio.get_running_loop(), numbers)
 
     async def start_hub(self, host: str, port: int, options: Sequence[str] = ()) -> str:
         """Start a hub, and wait until nodes can connect to it.

@@ -190,6 +190,19 @@ def test_latched_messages_have_the_time_of_the_beginning(
         assert "*" not in {each.type for each in bag.connections}
 
 
+def test_two_signals_at_once_complete_the_bag(
+    hub: HubThread, tmp_path: Path, publish: Publish
+) -> None:
+    """``timeout -s INT`` sends one to the recorder, and one to its group."""
+    publish("/map", "std_msgs/Int32", {"data": 1})
+    with recorder(hub.url, tmp_path / "b.bag", "/map") as recording:
+        recording.wait_for("Recording to")
+        wait_for_subscriber(hub.url, "/map")
+        recording.process.send_signal(signal.SIGINT)
+        found = recording.end(signal.SIGINT)
+    assert [each.topic for each in found] == ["/map"]
+
+
 def wait_for_subscriber(url: str, topic: str) -> None:
     with HubClient("look", url) as client:
         while not client.call("/rosapi/subscribers", {"topic": topic})["subscribers"]:

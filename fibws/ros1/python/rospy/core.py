@@ -9,9 +9,9 @@ import threading
 from collections.abc import Callable, Coroutine
 from functools import partial
 from importlib import import_module
-from types import FrameType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from fibws.exit_signals import ExitSignals, end_at_once
 from rospy.background import Background
 from rospy.exceptions import ROSInterruptException
 from rospy.names import get_caller_id
@@ -264,30 +264,40 @@ def register_signals() -> None:
     Raises:
         ValueError: this is another thread.
     """
+    signals = ExitSignals(_on_signal, _on_later_signal)
     for number in (signal.SIGINT, signal.SIGTERM):
-        earlier = signal.signal(number, _on_signal)
+        earlier = signal.signal(number, signals.receive)
         _earlier_handlers[number] = signal.SIG_DFL if earlier is None else earlier
     background.loop_lock.allows_main_thread = True
     _silence_interruptions()
 
 
-def _on_signal(number: int, frame: FrameType | None) -> None:
+def _on_signal(number: int) -> None:
     """End the node; the main thread notices it through `is_shutdown`, or an exception.
 
     This does not wait for the node's end: the main thread may hold a lock that the node needs.
     """
-    if background.loop_lock.defer(partial(_on_signal, number, frame)):
+    if background.loop_lock.defer(partial(_on_signal, number)):
         return
     background.loop_lock.allows_main_thread = False
-    earlier = _earlier_handlers.get(number)
-    for each, handler in _earlier_handlers.items():
-        signal.signal(each, handler)  # A second signal ends the process.
     _begin_end(f"signal-{number}")
+    earlier = _earlier_handlers.get(number)
     if callable(earlier):
         try:
-            earlier(number, frame)
+            earlier(number, None)
         except KeyboardInterrupt:
             pass
+
+
+def _on_later_signal(number: int) -> None:
+    """Handle a signal as if this were no node: that ends the process, unless the script differs."""
+    for each, handler in _earlier_handlers.items():
+        signal.signal(each, handler)
+    earlier = _earlier_handlers[number]
+    if callable(earlier):
+        earlier(number, None)
+    elif earlier != signal.SIG_IGN:
+        end_at_once(number)
 
 
 def _silence_interruptions() -> None:
