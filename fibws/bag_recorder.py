@@ -24,6 +24,7 @@ from fibws.bags.connection import ANY_TYPE
 from fibws.command_names import command_name
 from fibws.errors import BagError
 from fibws.exit_signals import unfinished
+from fibws.files import check_not_written
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
 Compression: TypeAlias = Literal["none", "bz2", "lz4"]
@@ -568,6 +569,7 @@ class Recorder:
         """Rename the file that a recorder has left which crashed: it must not be overwritten."""
         if not active.exists():
             return
+        check_not_written(active)
         stem = active.name.removesuffix(ACTIVE)
         left = active.with_name(f"{stem}.{time.time_ns()}{ACTIVE}")
         active.rename(left)

@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import FileIO
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -77,12 +78,15 @@ def replacing(path: Path, *, backup: Path | None = None) -> Iterator[Path]:
         The path of the new file, which has the same suffix and does not exist so far.
 
     Raises:
+        BlockingIOError: a program writes the old file; see `open_to_write`.
         OSError: it cannot be written, or its owner cannot be kept.
     """
     path = Path(os.path.realpath(path))
+    check_not_written(path)
     new = path.with_name(f".{path.stem}.{os.getpid()}.{os.urandom(4).hex()}{path.suffix}")
     try:
         yield new
+        check_not_written(path)
         if path.exists():
             _copy_owner_and_mode(path, new)
             if backup is not None:
@@ -116,6 +120,67 @@ def _copy_owner_and_mode(old: Path, new: Path) -> None:
     new.chmod(wanted.st_mode & 0o7777)
 
 
+def open_to_write(path: str | os.PathLike[str], *, truncate: bool = True) -> FileIO:
+    """Open a file for reading and writing, without a buffer, and lock it until it is closed.
+
+    The lock counts among programs that use this function or `check_not_written`. It stays with the
+    file when that gets another name, and is free when the program is killed.
+
+    Args:
+        truncate: begin with an empty file, which need not exist; else the file must exist.
+
+    Raises:
+        BlockingIOError: another program writes it.
+        OSError: it cannot be opened.
+    """
+    flags = os.O_RDWR | _BINARY | (os.O_CREAT if truncate else 0)
+    file = open(path, "r+b", buffering=0, opener=lambda name, _: os.open(name, flags, 0o666))
+    try:
+        if not _try_lock_end(file.fileno()):
+            raise _being_written(path)
+        if truncate:
+            file.truncate()
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def check_not_written(path: str | os.PathLike[str]) -> None:
+    """Check that no program writes a file that `open_to_write` has opened, if there is one.
+
+    Raises:
+        BlockingIOError: a program does; the text says which, where the system tells.
+    """
+    try:
+        file = open(path, "rb")
+    except OSError:
+        return
+    with file:
+        if not _try_lock_end(file.fileno()):
+            raise _being_written(path)
+
+
+def _being_written(path: str | os.PathLike[str]) -> BlockingIOError:
+    text = f"being written by {_holder(path) or 'another program'}"
+    return BlockingIOError(errno.EAGAIN, text, os.fspath(path))
+
+
+def _holder(path: str | os.PathLike[str]) -> str:
+    """Return which process holds the lock of a file; empty if the system does not tell."""
+    try:
+        inode = str(os.stat(path).st_ino)
+        for line in Path("/proc/locks").read_text(encoding="ascii").splitlines():
+            words = line.split()
+            if words[1] == "FLOCK" and words[5].rpartition(":")[2] == inode:
+                command = Path(f"/proc/{int(words[4])}/cmdline").read_bytes().split(b"\0")
+                words_of = b" ".join(command).decode("utf-8", "replace").strip()
+                return f"process {words[4]} ({words_of})"
+    except (OSError, ValueError, IndexError):
+        pass
+    return ""
+
+
 @contextmanager
 def reserved(path: Path) -> Iterator[None]:
     """Reserve a file, which need not exist, for this program; a killed program frees it.
@@ -143,6 +208,14 @@ if sys.platform == "win32":
         except OSError:
             return False
         return True
+
+    def _try_lock_end(descriptor: int) -> bool:
+        """Lock a byte far beyond the file's end: nobody can read one that is locked."""
+        os.lseek(descriptor, 2**62, os.SEEK_SET)
+        try:
+            return _try_lock(descriptor)
+        finally:
+            os.lseek(descriptor, 0, os.SEEK_SET)
 
     @contextmanager
     def locked(path: Path) -> Iterator[None]:
@@ -178,6 +251,8 @@ else:
         except OSError:
             pass  # Some network file systems have no locks.
         return True
+
+    _try_lock_end = _try_lock
 
     @contextmanager
     def locked(path: Path) -> Iterator[None]:

@@ -199,11 +199,8 @@ def test_state_does_not_wait_for_a_disk_that_hangs(
             assert works.wait(PATIENCE)
             return super().write(data)
 
-    def open_(path: str, mode: str, buffering: int = -1) -> io.RawIOBase | io.BufferedWriter:
-        return io.BufferedWriter(Hanging(path, mode)) if buffering else Hanging(path, mode)
-
     for module in ("bag_writer", "mcap_files"):
-        monkeypatch.setattr(f"fibws.bags.{module}.open", open_, raising=False)
+        monkeypatch.setattr(f"fibws.bags.{module}.open_to_write", lambda path: Hanging(path, "w+b"))
     recording = record(path=str(tmp_path / f"a.{suffix}"), chunk_size=100_000)
     recording.recorder.put(recording.recorder.stream(origin()), START, bytes(200_000))
     assert hangs.wait(PATIENCE)
@@ -353,6 +350,22 @@ def test_file_of_a_crashed_recorder_is_not_overwritten(
     [left] = tmp_path.glob("a.bag.*.active")
     assert left.read_bytes() == b"left"
     assert left.name in caplog.text
+
+
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_file_that_another_recorder_writes_stays_its_own(
+    record: Callable[..., Recording], tmp_path: Path, suffix: str
+) -> None:
+    path = tmp_path / f"a.{suffix}"
+    first = record(path=str(path))
+    first.put(1)
+    first.wait_until(lambda state: state.messages == 1)
+    second = record(path=str(path))
+    assert second.ended.wait(PATIENCE)
+    assert "being written by" in second.recorder.state().fault
+    first.put(2)
+    first.recorder.stop()
+    assert values(path) == [1, 2]
 
 
 # Simulated time.

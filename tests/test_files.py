@@ -11,7 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from fibws.files import locked, replace_file, replacing, reserved
+from fibws.files import (
+    check_not_written,
+    locked,
+    open_to_write,
+    replace_file,
+    replacing,
+    reserved,
+)
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other permissions")
 root = pytest.mark.skipif(
@@ -191,6 +198,58 @@ def test_file_of_a_killed_program_is_free(tmp_path: Path) -> None:
 
 
 @posix
+@pytest.mark.parametrize("renamed", [False, True])
+def test_file_that_is_written_cannot_be_replaced_or_written_by_others(
+    tmp_path: Path, *, renamed: bool
+) -> None:
+    path = tmp_path / "a"
+    with open_to_write(path) as file:
+        file.write(b"old")
+        if renamed:
+            path = path.rename(tmp_path / "b")
+        with pytest.raises(BlockingIOError, match="being written by ") as found:
+            open_to_write(path)
+        assert found.value.filename == str(path)
+        if Path("/proc/locks").exists():
+            assert f"process {os.getpid()} (" in str(found.value)
+        with pytest.raises(BlockingIOError), replacing(path):
+            raise AssertionError
+        assert path.read_bytes() == b"old"
+    check_not_written(path)
+    check_not_written(tmp_path / "missing")
+    with open_to_write(path) as file:
+        assert file.read() == b""
+
+
+def test_file_that_another_program_begins_to_write_meanwhile_is_not_replaced(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "a"
+    path.write_bytes(b"old")
+    with pytest.raises(BlockingIOError), replacing(path) as new:
+        new.write_bytes(b"new")
+        file = open_to_write(path, truncate=False)
+    file.close()
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_file_of_a_killed_writer_is_free(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    program = "import sys; from fibws.files import open_to_write; file = open_to_write(sys.argv[1])"
+    with subprocess.Popen(
+        [sys.executable, "-c", f"{program}; print('ready', flush=True); input()", str(path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
+        with pytest.raises(BlockingIOError):
+            check_not_written(path)
+        process.kill()
+    check_not_written(path)
+
+
 def test_lock_leaves_no_file(tmp_path: Path) -> None:
     with locked(tmp_path / "file"):
         assert not list(tmp_path.iterdir())

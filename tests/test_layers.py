@@ -43,10 +43,10 @@ BELOW = {
     "processes": set[str](),
     "exit_signals": set[str](),
     "access": {"errors", "files", "suggestions"},
-    "bag_recorder": {"bags", "command_names", "errors", "exit_signals"},
+    "bag_recorder": {"bags", "command_names", "errors", "exit_signals", "files"},
     "interfaces": {"errors", "files", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
-    "bags": {"errors", "interfaces"},
+    "bags": {"errors", "files", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
     | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"}

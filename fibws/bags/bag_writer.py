@@ -18,6 +18,7 @@ from fibws.bags.bag_format import (
 from fibws.bags.bag_reader import BagReader
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.errors import BagError
+from fibws.files import open_to_write
 
 CHUNK_SIZE = 768 * 1024
 """The default size of chunks, which is that of rosbag, too."""
@@ -51,7 +52,7 @@ class BagWriter:
         file: BinaryIO | None = None,
     ) -> None:
         self._prepare(path, compression, chunk_size)
-        self.file: BinaryIO = file or open(path, "w+b", buffering=0)
+        self.file: BinaryIO = file or open_to_write(path)
         self._write_all(bag_format.VERSION_LINE + self._file_header(0))
         self.position = self.file.tell()
 

@@ -12,7 +12,7 @@ import zlib
 from array import array
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from io import BytesIO
+from io import BufferedWriter, BytesIO
 from itertools import chain
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -22,6 +22,7 @@ from fibws.bags.bag_format import RecordFile
 from fibws.bags.connection import ANY_TYPE, ChunkInfo, Connection, with_known_types
 from fibws.bags.reader import ChunkMessages, Reader, in_file_order
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, InterfaceError, UnsupportedBag
+from fibws.files import open_to_write
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Schema
@@ -85,7 +86,7 @@ class McapWriter:
         self.connections: list[Connection] = []
         self.is_closed = False
         self._schemas: dict[tuple[str, str, bytes], int] = {}
-        self._file = open(path, "wb")
+        self._file = BufferedWriter(open_to_write(path))
         self.mcap = Writer(
             self._file, chunk_size=chunk_size, compression=CompressionType[compression.upper()]
         )

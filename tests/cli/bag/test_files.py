@@ -318,6 +318,25 @@ def test_other_bags_are_written_after_one_that_fails(bag: Tool, path: Path) -> N
 # reindex
 
 
+@pytest.mark.parametrize("command", ["reindex", "compress", "decompress"])
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_bag_that_is_written_is_not_changed(
+    bag: Tool, tmp_path: Path, command: str, suffix: str
+) -> None:
+    active = tmp_path / f"a.{suffix}.active"
+    with open_writer(active) as writer:
+        connection = writer.connection("/n", "std_msgs/Int32", "0" * 32, "int32 data")
+        writer.write(connection, 1, bytes(4))
+        writer.flush()
+        before = active.read_bytes()
+        result = bag(command, "-q", str(active))
+        assert result.exit_code == 1
+        assert f"Error: {active}: being written by " in result.output
+        assert active.read_bytes() == before
+        assert list(tmp_path.iterdir()) == [active]
+    assert bag(command, "-q", str(active)).exit_code == 0
+
+
 def test_reindex_restores_a_cut_bag(bag: Tool, path: Path) -> None:
     content = path.read_bytes()
     path.write_bytes(content[: len(content) // 2])

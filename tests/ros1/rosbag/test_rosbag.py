@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import shutil
 from pathlib import Path
 from threading import Thread
 from time import time
@@ -120,10 +121,16 @@ def test_appending_makes_a_bag_that_is_missing(path: str) -> None:
         assert bag.get_type_and_topic_info().topics["/a"].connections == 1
 
 
+def write_unclosed(path: str) -> None:
+    """Write what a program leaves that is killed."""
+    with rosbag.Bag(f"{path}.other", "w") as bag:
+        bag.write("/a", Int32(5), rospy.Time(1))
+        bag.flush()
+        shutil.copy(f"{path}.other", path)
+
+
 def test_bag_that_was_not_closed(path: str) -> None:
-    bag = rosbag.Bag(path, "w")
-    bag.write("/a", Int32(5), rospy.Time(1))
-    bag.flush()
+    write_unclosed(path)
     with pytest.raises(rosbag.ROSBagUnindexedException, match="Unindexed bag"):
         rosbag.Bag(path)
     with rosbag.Bag(path, allow_unindexed=True) as unindexed:
@@ -135,17 +142,26 @@ def test_bag_that_was_not_closed(path: str) -> None:
         appended.write("/a", Int32(6), rospy.Time(2))
     with rosbag.Bag(path) as both:
         assert numbers(both) == [5, 6]
-    bag.close()  # Its file has been replaced.
 
 
 def test_reindex_in_place(path: str) -> None:
-    bag = rosbag.Bag(path, "w")
-    bag.write("/a", Int32(5), rospy.Time(1))
-    bag.flush()
+    write_unclosed(path)
     assert rosbag.bag_reindex(path) == 1
-    bag.close()  # Its file has been replaced.
     with rosbag.Bag(path) as restored:
         assert numbers(restored) == [5]
+
+
+def test_bag_that_is_written_is_not_changed(path: str) -> None:
+    with rosbag.Bag(path, "w") as bag:
+        bag.write("/a", Int32(5), rospy.Time(1))
+        bag.flush()
+        with pytest.raises(OSError, match="being written by"):
+            rosbag.bag_reindex(path)
+        for mode in ("w", "a"):
+            with pytest.raises(OSError, match="being written by"):
+                rosbag.Bag(path, mode)
+    with rosbag.Bag(path) as read:
+        assert numbers(read) == [5]
 
 
 def test_threads_may_write(path: str) -> None:

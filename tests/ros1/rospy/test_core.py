@@ -225,6 +225,8 @@ async def test_second_ctrl_c_ends_a_program_that_ignores_the_first() -> None:
     async with running_hub() as programs:
         program = await programs.start("""
             import rospy, threading
+            from fibws import exit_signals
+            exit_signals.REPEAT = 0.0
             rospy.init_node("deaf")
             rospy.on_shutdown(lambda: print("hook"))
             print("ready")

@@ -28,7 +28,7 @@ from fibws.bags.bag_writer import BagWriter
 from fibws.bags.mcap_files import MAGIC as MCAP_MAGIC
 from fibws.bags.mcap_files import McapWriter
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, UnsupportedBag
-from fibws.files import replacing
+from fibws.files import open_to_write, replacing
 
 __all__ = [
     "Bag",
@@ -469,7 +469,7 @@ class Bag:
     def _append(self, allow_unindexed: bool) -> None:
         file = self._file
         if self._filename is not None:
-            file = open(self._filename, "r+b", buffering=0)
+            file = open_to_write(self._filename, truncate=False)
         assert file is not None
         name = self._filename or "the bag"
         try:
