@@ -7,7 +7,9 @@ so that a crash of the process loses no more than the last second.
 
 from __future__ import annotations
 
+import errno
 import logging
+import os
 import shutil
 import sys
 import threading
@@ -19,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
 
-from fibws.bags import Connection, Writer, open_writer
+from fibws.bags import Connection, Writer, open_reader, open_writer
 from fibws.bags.connection import ANY_TYPE
 from fibws.command_names import command_name
 from fibws.errors import BagError
@@ -196,8 +198,7 @@ class Recorder:
         self.options = options
         self._now = now
         self._log = log
-        self._on_file = on_file
-        self._on_end = on_end
+        self._on_file, self._on_end = on_file, on_end
         self._open = open_
         self._queue: deque[tuple[Stream, int, Buffer]] = deque()
         self._room = options.buffer_size or sys.maxsize
@@ -236,13 +237,14 @@ class Recorder:
         self._has_space = True
         self._flushed = 0
         """Messages that were handed to the system."""
+        self._past_messages = self._repeated = 0
+        """The messages that were written before the current file, and those that it repeats."""
         self._is_full = False
         self._fault = ""
         self._next_flush = self._next_disk = 0.0
         self._warned: dict[str, float] = {}
         self._reported = 0
-        self._stopping = threading.Event()
-        self._ended = threading.Event()
+        self._stopping, self._ended = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
 
     # For the thread of messages
@@ -367,7 +369,8 @@ class Recorder:
                 self._write_early(self._now())
             self._end_file()
         except OSError as error:
-            self._fail(f"cannot write {self._path}{ACTIVE}: {error.strerror or error}")
+            # The reason first: the page's header has room for a few words.
+            self._fail(f"{error.strerror or error}: cannot write {self._path}{ACTIVE}")
         except BagError as error:
             self._fail(str(error))
         except Exception as error:
@@ -383,6 +386,8 @@ class Recorder:
         self._check_disk()
         if not self._has_space:
             raise BagError(self._fault)
+        if self._free_space() < self.options.chunk_size:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._begin_file()
 
     def _write_waiting(self) -> None:
@@ -539,10 +544,17 @@ class Recorder:
         active = self._path.with_name(self._path.name + ACTIVE)
         active.parent.mkdir(parents=True, exist_ok=True)
         self._put_aside(active)
-        self._writer = writer = self._open(
-            active, compression=options.compression, chunk_size=options.chunk_size
-        )
+        try:
+            self._writer = writer = self._open(
+                active, compression=options.compression, chunk_size=options.chunk_size
+            )
+        except BlockingIOError:  # It is the file of another recorder.
+            raise
+        except OSError:
+            active.unlink(missing_ok=True)
+            raise
         self._number += 1
+        self._past_messages, self._repeated = self._written, len(self._latched)
         self._bytes = self._past_bytes + writer.position  # Before a message of the file counts.
         now = self._now()
         if options.max_duration and self._file_ends == NEVER and now:
@@ -608,10 +620,7 @@ class Recorder:
         least, path = self.options.min_space, self._path
         if not least:
             return
-        folder = path.absolute().parent
-        while not folder.exists():
-            folder = folder.parent
-        free = shutil.disk_usage(folder).free
+        free = self._free_space()
         had, self._has_space = self._has_space, free >= least
         if not self._has_space:
             self._fault = (
@@ -626,6 +635,13 @@ class Recorder:
             text = f"Less than 5 x {size_text(least)} of space free on disk with '{path}'."
             self._warn("space", text)
 
+    def _free_space(self) -> int:
+        """Return the bytes of free space where the file is."""
+        folder = self._path.absolute().parent
+        while not folder.exists():
+            folder = folder.parent
+        return shutil.disk_usage(folder).free
+
     def _discard(self) -> None:
         """Drop the messages that wait: there is nowhere to write them."""
         while self._queue:
@@ -638,20 +654,31 @@ class Recorder:
                 self._discarded += 1
 
     def _fail(self, reason: str) -> None:
-        """End after an error; the file keeps its name for ``reindex``."""
+        """End after an error; a file that is not complete keeps its name for ``reindex``."""
         writer, self._writer = self._writer, None
         self._fault = reason
         self._log.error("The recording has ended: %s.", reason)
         if writer is None:
             return
-        self._discarded += self._written - self._flushed
-        self._written = self._flushed
         with suppress(OSError, BagError):  # The index may fit where the messages did not.
             writer.close()
         active = self._path.with_name(self._path.name + ACTIVE)
-        with suppress(OSError):
+        left, is_complete = self._flushed, False
+        with suppress(OSError, BagError):
             self._count_bytes(active)
-        self._log.error("To repair the file: %s %s", command_name("bag reindex"), active)
+            with open_reader(active) as bag:
+                left = self._past_messages + bag.message_count - self._repeated
+            active.replace(self._path)
+            is_complete = True
+        self._discarded += self._written - left
+        self._written = left
+        if is_complete:
+            self._log.warning("'%s' is complete up to then.", self._path)
+        else:
+            self._log.error(
+                "To restore what is left of it, on a disk with space: %s --output-dir DIR %s",
+                *(command_name("bag reindex"), active),
+            )
 
     def _report_drops(self, *, final: bool = False) -> None:
         dropped = self._dropped + self._discarded
@@ -660,7 +687,7 @@ class Recorder:
             self._log.warning(
                 "The recording has dropped %d messages so far: %s.",
                 dropped,
-                "the buffer was exceeded" if self._dropped else "the disk took none, or not these",
+                "the buffer was exceeded" if self._dropped else "they could not be written",
             )
 
     def _warn(self, kind: str, text: str) -> None:

@@ -233,22 +233,70 @@ def test_size_of_compressed_files_only_grows(
     assert before.bytes <= recording.recorder.state().bytes == size
 
 
+@pytest.mark.parametrize("has_room_for_index", [True, False])
 def test_full_disk_ends_the_recording_and_is_reported(
-    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
+    record: Callable[..., Recording],
+    tmp_path: Path,
+    caplog: pytest.LogCaptureFixture,
+    *,
+    has_room_for_index: bool,
 ) -> None:
     class Full(BagWriter):
         def flush(self) -> None:
-            raise OSError(28, "No space left on device")
+            if self.chunks:
+                raise OSError(28, "No space left on device")
+            super().flush()
 
-    recording = record(open_=Full)
+        def _write_end(self) -> None:
+            if not has_room_for_index:
+                raise OSError(28, "No space left on device")
+            super()._write_end()
+
+    recording = record(open_=Full, repeat_latched=True, split=True, max_size=2**20)
     recording.put(1)
-    assert recording.ended.wait(PATIENCE)
+    recording.wait_until(lambda state: state.messages == 1)
+    while not (tmp_path / "a_0.bag.active").stat().st_size > 4200:
+        recording.wait_until(lambda state: True)
     recording.put(2)
+    assert recording.ended.wait(PATIENCE)
+    recording.put(3)
     state = recording.recorder.state()
     assert not state.is_recording
-    assert "No space left on device" in state.fault
-    assert (state.messages, state.dropped) == (0, 1)
-    assert "bag reindex" in caplog.text
+    assert state.fault.startswith("No space left on device: cannot write")
+    assert (state.messages, state.dropped) == (1, 1)
+    if has_room_for_index:
+        assert values(tmp_path / "a_0.bag") == [1]
+        assert "a_0.bag' is complete" in caplog.text
+        assert "reindex" not in caplog.text
+    else:
+        active = tmp_path / "a_0.bag.active"
+        assert f"bag reindex --output-dir DIR {active}" in caplog.text
+        assert reindex(active, tmp_path / "b.bag").messages == 1
+
+
+@pytest.mark.parametrize("free", [0, 4096])
+def test_recording_does_not_begin_on_a_full_disk(
+    record: Callable[..., Recording], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, free: int
+) -> None:
+    usage = type("Usage", (), {"free": free})()
+    monkeypatch.setattr("fibws.bag_recorder.shutil.disk_usage", lambda folder: usage)
+    recording = record()
+    assert recording.ended.wait(PATIENCE)
+    assert recording.recorder.state().fault.startswith("No space left on device: ")
+    assert not list(tmp_path.iterdir())
+
+
+def test_file_that_cannot_be_begun_is_not_left(
+    record: Callable[..., Recording], tmp_path: Path
+) -> None:
+    class Full(BagWriter):
+        def _write_all(self, data: bytes | bytearray) -> None:
+            raise OSError(28, "No space left on device")
+
+    recording = record(open_=lambda path, **options: Full(str(path), **options))
+    assert recording.ended.wait(PATIENCE)
+    assert "No space left on device" in recording.recorder.state().fault
+    assert not list(tmp_path.iterdir())
 
 
 def test_disk_with_too_little_space_is_not_written_to(

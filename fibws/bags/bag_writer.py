@@ -53,7 +53,12 @@ class BagWriter:
     ) -> None:
         self._prepare(path, compression, chunk_size)
         self.file: BinaryIO = file or open_to_write(path)
-        self._write_all(bag_format.VERSION_LINE + self._file_header(0))
+        try:
+            self._write_all(bag_format.VERSION_LINE + self._file_header(0))
+        except BaseException:
+            if file is None:
+                self.file.close()
+            raise
         self.position = self.file.tell()
 
     def _prepare(self, path: str, method: str, chunk_size: int) -> None:

@@ -178,6 +178,8 @@ class Recording:
         self._is_recording = False
         self._past = RecordingTotals()
         """Of the recordings that have ended."""
+        self._starting: list[Callable[[], None]] = []
+        """What waits for the first file of the recording."""
         self._waiting: list[Callable[[], None]] = []
         """What waits for the end of the recording."""
         self._timer: TimerHandle | None = None
@@ -233,6 +235,7 @@ class Recording:
             ),
             self.graph.clock.now,
             logger,
+            on_file=lambda path: self._loop.call_soon_threadsafe(self._begun),
             on_end=lambda: self._loop.call_soon_threadsafe(self._ended),
         )
         self._recorder = recorder
@@ -304,10 +307,17 @@ class Recording:
             self.graph.remove_service(self.graph.services[name])
         self.graph.leave(self, NODE)
 
+    def _begun(self) -> None:
+        """Tell those who wait for it that a file has begun, or that none can begin."""
+        starting, self._starting = self._starting, []
+        for done in starting:
+            done()
+
     def _ended(self) -> None:
         """Take note that the recording is complete, or has failed."""
         self._past = self.totals()
         self._is_recording = False
+        self._begun()
         self._leave_topics()
         if not self._is_closed:
             self._publish_state()
@@ -351,13 +361,24 @@ class Recording:
             f"{NODE}/status": ("fibws_msgs/GetRecording", self._handle_status),
         }
 
-    def _handle_start(self, request: dict[str, Any], caller: str) -> Response:
+    def _handle_start(self, request: dict[str, Any], caller: str) -> Response | Deferred:
         self._check_admin(caller, "start")
         if self._is_recording:
             return {"success": False, "message": "a recording is in progress"}
-        self.start()
+        response = Deferred()
+
+        def done() -> None:
+            state = self.state()
+            if self._is_recording or state is None:
+                text = f"recording to {self._settings.record}"
+                response.respond({"success": True, "message": text})
+            else:
+                response.respond({"success": False, "message": state.fault})
+
+        self._starting.append(done)
         self._audit.recording_started(str(self._settings.record), node=caller)
-        return {"success": True, "message": f"recording to {self._settings.record}"}
+        self.start()
+        return response
 
     def _handle_stop(self, request: dict[str, Any], caller: str) -> Response | Deferred:
         self._check_admin(caller, "stop")

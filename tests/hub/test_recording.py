@@ -143,6 +143,22 @@ async def test_services_start_and_stop_the_recording(tmp_path: Path) -> None:
     assert time >= state.since.to_nanoseconds()
 
 
+async def test_recording_does_not_start_on_a_full_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usage = type("Usage", (), {"free": 4096})()
+    monkeypatch.setattr("fibws.bag_recorder.shutil.disk_usage", lambda folder: usage)
+    async with (
+        Hub(settings(tmp_path, record_at_start=False)) as hub,
+        fibws.Node("talker", hub=hub.url) as node,
+    ):
+        started = await node.call(f"{NODE}/start", Trigger)
+        assert not started.success
+        assert started.message.startswith("No space left on device: ")
+        assert not (await node.call(f"{NODE}/status", GetRecording)).state.recording
+    assert files(tmp_path) == []
+
+
 async def test_failure_is_reported_and_the_hub_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

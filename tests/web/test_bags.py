@@ -43,7 +43,8 @@ async def test_header_starts_and_stops_the_recording(tmp_path: Path, open_page: 
         await expect(page.locator(".bags-progress")).to_contain_text(re.compile(r"\d:\d\d"))
         await button.click()
         await expect(button).to_have_text("Record")
-        await expect(page.locator(".bags-progress")).to_have_text("")
+        saved = re.compile(r"^saved [\d_-]+\.bag · .+ · \d+ messages?$")
+        await expect(page.locator(".bags-progress")).to_have_text(saved)
         await page.context.close()
     assert "/numbers" in recorded(tmp_path)
 

@@ -35,8 +35,9 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
         click.option(
             "--output-dir",
             metavar="DIR",
-            type=click.Path(exists=True, file_okay=False, path_type=Path),
-            help="Write the new bags to DIR instead of replacing the originals.",
+            type=click.Path(file_okay=False, path_type=Path),
+            help="Write the new bags to DIR, which is created if it is missing, instead of "
+            "replacing the originals.",
         ),
         click.argument(
             "bags", metavar="BAG...", nargs=-1, required=True, type=click.Path(path_type=Path)
@@ -89,6 +90,8 @@ def _rewrite_all(
     """Write all bags anew; go on after one that fails, and exit with 1 in the end."""
     failed = False
     with clean_exit():
+        if output_dir is not None:
+            output_dir.mkdir(parents=True, exist_ok=True)
         for path in bags:
             try:
                 _rewrite(rewrite, path, output_dir, force=force, quiet=quiet)

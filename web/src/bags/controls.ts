@@ -63,12 +63,14 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
   };
 
   const show = (state: RecordingState): void => {
+    const hasEnded = isRecording && !state.recording;
     isRecording = state.recording;
     button.disabled = false;
     setText(button, isRecording ? "Stop" : "Record");
     button.title = isRecording ? "Stop recording all topics" : "Record all topics at the hub";
     box.classList.toggle("recording", isRecording);
-    setText(progress, isRecording ? progressText(state) : "");
+    if (isRecording) setText(progress, progressText(state));
+    else if (hasEnded) setText(progress, savedText(state));
     progress.title = [state.file, plural(state.messages, "message")].join(", ");
     report(state.fault);
   };
@@ -97,6 +99,13 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
 
 function canRecord(graph: Graph | null): boolean {
   return graph?.services.some(({ name }) => name === `${RECORDER}/start`) ?? false;
+}
+
+/** What a recording has left: `saved 2026-11-27.bag · 20 MiB · 5000 messages`. */
+export function savedText({ file, files, bytes: size, messages }: RecordingState): string {
+  if (files === 0) return "";
+  const name = files > 1 ? plural(files, "file") : file.slice(file.lastIndexOf("/") + 1);
+  return [`saved ${name}`, bytes(size), plural(messages, "message")].join(" · ");
 }
 
 /** How long and how much: `1:05 · 20 MiB`, and what was dropped. */
