@@ -85,6 +85,10 @@ def record(tmp_path: Path) -> Iterator[Callable[..., Recording]]:
     yield record
     for each in made:
         each.recorder.stop()
+        for path in each.files:
+            if path.exists():
+                with open_reader(path) as bag:
+                    assert [each for each in bag.faults() if "years later" not in each] == []
 
 
 def values(path: Path) -> list[int]:

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from typing import TYPE_CHECKING, BinaryIO, Self
 
 from fibws.bags import bag_format, compression
 from fibws.bags.bag_format import Record, RecordFile
 from fibws.bags.bag_scan import BagScan
 from fibws.bags.connection import ChunkInfo, Connection, with_known_types
-from fibws.bags.reader import ChunkMessages, Reader, in_file_order
+from fibws.bags.reader import (
+    ChunkMessages,
+    Reader,
+    chunk_faults,
+    entry_faults,
+    in_file_order,
+)
 from fibws.errors import BagFormatError, BagNotIndexed, UnsupportedBag
 
 if TYPE_CHECKING:
@@ -159,6 +165,11 @@ class BagReader(Reader):
             position = record.end
         in_order = sorted(connections.values(), key=lambda each: each.id)
         self.connections = with_known_types(in_order)
+        self.mended = [
+            each
+            for each, found in zip(in_order, self.connections, strict=True)
+            if each.type != found.type
+        ]
         self.chunks = in_file_order(chunks)
 
     def _read_chunk_header(self, info: ChunkInfo) -> ChunkInfo:
@@ -203,7 +214,40 @@ class BagReader(Reader):
             position = record.end
         return times
 
-    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
+    def _index_faults(self) -> Iterator[str]:
+        listed = {chunk.position for chunk in self.chunks}
+        position = self.header_end
+        while position < self.index_position:
+            record = self.file.record(position)
+            if record.op == bag_format.CHUNK and position not in listed:
+                yield f"chunk at byte {position}: the index does not list it"
+            position = record.end
+        known = {each.id for each in self.connections}
+        for chunk in self.chunks:
+            found = self._unpack_chunk(chunk, None)
+            yield from chunk_faults(chunk, found, known)
+            yield from entry_faults(chunk, found, self._entries(chunk))
+
+    def _entries(self, chunk: ChunkInfo) -> dict[int, list[tuple[int, int]]]:
+        """Return the times and places of messages in the index of a chunk, by connection."""
+        entries: dict[int, list[tuple[int, int]]] = {}
+        position = self.file.record(chunk.position).end
+        while position < self.index_position:
+            record = self.file.record(position)
+            if record.op != bag_format.INDEX:
+                break
+            place = f"{self.path}: record at byte {position}"
+            data = self.file.data(record)
+            if len(data) % bag_format.INDEX_ENTRY.size:
+                raise BagFormatError(f"{place}: incomplete index of a chunk")
+            entries.setdefault(bag_format.number(record.fields, "conn", 4, place), []).extend(
+                (seconds * 1_000_000_000 + ns, found)
+                for seconds, ns, found in bag_format.INDEX_ENTRY.iter_unpack(data)
+            )
+            position = record.end
+        return entries
+
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int] | None) -> ChunkMessages:
         place = f"{self.path}: chunk at byte {chunk.position}"
         data = self._partial.get(chunk.position)
         if data is None:

@@ -10,6 +10,7 @@ import re
 import struct
 import zlib
 from array import array
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from io import BufferedWriter, BytesIO
@@ -20,7 +21,13 @@ from typing import TYPE_CHECKING, Any, Self
 from fibws.bags import compression
 from fibws.bags.bag_format import RecordFile
 from fibws.bags.connection import ANY_TYPE, ChunkInfo, Connection, with_known_types
-from fibws.bags.reader import ChunkMessages, Reader, in_file_order
+from fibws.bags.reader import (
+    ChunkMessages,
+    Reader,
+    chunk_faults,
+    entry_faults,
+    in_file_order,
+)
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, InterfaceError, UnsupportedBag
 from fibws.files import open_to_write
 
@@ -33,6 +40,7 @@ METHODS = ("none", "lz4", "zstd")
 CHUNK_SIZE = 768 * 1024
 
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(1, 7)
+_MESSAGE_INDEX = 7
 _CHUNK_INDEX, _ATTACHMENT, _STATISTICS, _METADATA, _DATA_END = 8, 9, 11, 12, 15
 _RECORD = struct.Struct("<BQ")
 """The kind of a record, and the length of its content."""
@@ -304,6 +312,11 @@ class _Connections:
         """Return the connections in the order of their ids."""
         return with_known_types(self.connection(id_) for id_ in sorted(self._channels))
 
+    def mended(self) -> list[Connection]:
+        """Return those of no known type that `sorted` gives one."""
+        pairs = zip(map(self.connection, sorted(self._channels)), self.sorted(), strict=True)
+        return [each for each, found in pairs if each.type != found.type]
+
     def connection(self, id_: int) -> Connection:
         channel = self._channels[id_]
         schema = self._schemas.get(channel.schema_id)
@@ -423,6 +436,7 @@ class McapReader(Reader):
         connections = _Connections()
         connections.add(records)
         self.connections = connections.sorted()
+        self.mended = connections.mended()
         self.chunks = []
         statistics = None
         for kind, content in _split(data):
@@ -484,7 +498,41 @@ class McapReader(Reader):
             )
         self.connections = connections.sorted()
 
-    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
+    def _index_faults(self) -> Iterator[str]:
+        listed = {chunk.position for chunk in self.chunks}
+        for kind, position, _ in McapScan(self.file).records():
+            if kind == _CHUNK and position not in listed:
+                yield f"chunk at byte {position}: the index does not list it"
+            elif kind == _MESSAGE:
+                yield f"message at byte {position}: it is in no chunk"
+        known = {each.id for each in self.connections}
+        counts: Counter[int] = Counter()
+        for chunk in self.chunks:
+            found = self._unpack_chunk(chunk, None)
+            counts.update(found.ids)
+            yield from chunk_faults(chunk, found, known)
+            if entries := self._entries(chunk):
+                yield from entry_faults(chunk, found, entries)
+        for id_ in sorted(counts.keys() | self.counts.keys()):
+            if counts[id_] != self.counts.get(id_, 0):
+                said = self.counts.get(id_, 0)
+                yield f"channel {id_} has {counts[id_]} messages, the statistics say {said}"
+
+    def _entries(self, chunk: ChunkInfo) -> dict[int, list[tuple[int, int]]]:
+        """Return the times and places in the indexes behind a chunk, by channel."""
+        entries: dict[int, list[tuple[int, int]]] = {}
+        position = chunk.position
+        kind, length = _RECORD.unpack(self.file.read(position, _RECORD.size))
+        while True:
+            position += _RECORD.size + length
+            kind, length = _RECORD.unpack(self.file.read(position, _RECORD.size))
+            if kind != _MESSAGE_INDEX:
+                return entries
+            content = self.file.read(position + _RECORD.size, length)
+            index = _parse("MessageIndex", content, self.path)
+            entries.setdefault(index.channel_id, []).extend(index.records)
+
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int] | None) -> ChunkMessages:
         place = f"{self.path}: chunk at byte {chunk.position}"
         if chunk.position in self._runs:
             data = self.file.read(chunk.position, self._runs[chunk.position])
@@ -552,7 +600,7 @@ class McapScan:
         self.others: list[Any] = []
         self.profile = ""
         self.connections = _Connections()
-        for kind, position, end in self._records():
+        for kind, position, end in self.records():
             if kind in (_SCHEMA, _CHANNEL):
                 self.connections.add(self._run(position, end).records)
         self.lost = 0
@@ -560,7 +608,7 @@ class McapScan:
     def parts(self) -> Iterator[FoundPart]:
         """Find all chunks and all messages outside them, in the order of the file."""
         begin = stop = 0
-        for kind, position, end in self._records():
+        for kind, position, end in self.records():
             if kind in (_SCHEMA, _CHANNEL, _MESSAGE):
                 if position == stop and end - begin <= _RUN:
                     stop = end
@@ -582,7 +630,7 @@ class McapScan:
         if begin < stop:
             yield self._run(begin, stop)
 
-    def _records(self) -> Iterator[tuple[int, int, int]]:
+    def records(self) -> Iterator[tuple[int, int, int]]:
         """Yield kind, start and end of each record; a chunk may be cut off by the file's end."""
         file = self._file
         self.lost = 0

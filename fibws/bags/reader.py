@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from types import TracebackType
 from typing import IO, NamedTuple, Self, TypeAlias
@@ -18,6 +18,11 @@ MAX_MEMORY = 32 * 2**20
 """How many bytes of uncompressed chunks are kept in memory; more are in a temporary file."""
 MAX_FILE = 4 * 2**30
 """Maximum size of the temporary file, unless `MAX_RATIO` times the bag is more."""
+
+YEAR = 31_557_600 * 10**9
+"""In ns."""
+MAX_GAP = 10 * YEAR
+"""Messages that are further apart have times of different clocks."""
 
 Message: TypeAlias = tuple[Connection, int, bytes]
 """A message: its connection, its time in ns and its serialized data."""
@@ -54,6 +59,8 @@ class Reader(ABC):
     connections: list[Connection]
     chunks: list[ChunkInfo]
     is_indexed: bool
+    mended: Sequence[Connection] = ()
+    """The connections whose type the file does not say; see `with_known_types`."""
 
     @property
     @abstractmethod
@@ -66,12 +73,41 @@ class Reader(ABC):
         """The number of messages of each connection that has some."""
 
     @abstractmethod
-    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int]) -> ChunkMessages:
-        """Return a chunk's messages of these connections."""
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int] | None) -> ChunkMessages:
+        """Return a chunk's messages of these connections; all if None."""
 
     def _chunk_times(self, chunk: ChunkInfo, wanted: Collection[int]) -> Iterable[int]:
         """Return the times of a chunk's messages of these connections."""
         return self._unpack_chunk(chunk, wanted).times
+
+    @abstractmethod
+    def _index_faults(self) -> Iterator[str]:
+        """Compare the index with what is in the file, which has to have one."""
+
+    def faults(self) -> Iterator[str]:
+        """Read the whole file, and say where its parts do not agree, or a time is implausible.
+
+        Raises:
+            BagFormatError: a part is damaged.
+            UnsupportedBag: as `messages`.
+        """
+        for each in self.mended:
+            yield f"connection {each.id} of {each.topic} has no type; reindex writes that of others"
+        yield from self._index_faults()
+        previous: int | None = None
+        without_time: Counter[str] = Counter()
+        for connection, time, _ in self.messages():
+            if not time:
+                without_time[connection.topic] += 1
+            elif previous is not None and time - previous > MAX_GAP:
+                years = (time - previous) / YEAR
+                yield (
+                    f"the message of {connection.topic} at {time / 1e9:.3f} s is {years:.1f} years "
+                    "later than the one before"
+                )
+            previous = time or previous
+        for topic, count in without_time.items():
+            yield f"{topic} has messages with the time 0: {count}"
 
     @abstractmethod
     def close(self) -> None:
@@ -219,6 +255,46 @@ def in_file_order(chunks: Iterable[ChunkInfo]) -> list[ChunkInfo]:
                 f"the chunks at bytes {chunk.position} and {following.position} overlap"
             )
     return found
+
+
+def chunk_faults(chunk: ChunkInfo, found: ChunkMessages, known: Collection[int]) -> Iterator[str]:
+    """Compare what the index says of a chunk with its messages.
+
+    Args:
+        found: all messages of the chunk.
+        known: the connections that the index lists.
+    """
+    place = f"chunk at byte {chunk.position}"
+    counts = Counter(found.ids)
+    if unknown := sorted(counts.keys() - set(known)):
+        yield f"{place}: messages of connections that the index does not list: {unknown}"
+    for id_ in sorted(counts.keys() | chunk.counts.keys()):
+        listed = chunk.counts.get(id_)
+        # The index may say 0 for a number that it does not know.
+        if listed is None or not (listed == counts[id_] or (listed == 0 and counts[id_])):
+            yield f"{place}: connection {id_} has {counts[id_]} messages, the index says {listed}"
+    if found.times and (min(found.times), max(found.times)) != (chunk.start, chunk.end):
+        yield f"{place}: the index says other times of its first and last message"
+
+
+def entry_faults(
+    chunk: ChunkInfo, found: ChunkMessages, entries: Mapping[int, list[tuple[int, int]]]
+) -> Iterator[str]:
+    """Compare the places of messages in a chunk with those in its index.
+
+    Args:
+        found: all messages of the chunk.
+        entries: the times and places of messages, by connection.
+    """
+    there: dict[int, list[tuple[int, int]]] = {}
+    for time, id_, position in zip(found.times, found.ids, found.places, strict=True):
+        there.setdefault(id_, []).append((time, position))
+    for id_ in sorted(there.keys() | entries.keys()):
+        if sorted(there.get(id_, ())) != sorted(entries.get(id_, ())):
+            yield (
+                f"chunk at byte {chunk.position}: the index of connection {id_} says other times "
+                "or places of its messages"
+            )
 
 
 _NEVER = 2**64

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tracemalloc
 from pathlib import Path
 from time import process_time
+from typing import Any
 
 import pytest
 
@@ -20,6 +22,7 @@ from fibws.bags import (
     reindex,
     summary,
 )
+from fibws.bags.bag_writer import BagWriter
 from fibws.bags.mcap_files import McapWriter
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, UnsupportedBag
 
@@ -195,6 +198,104 @@ def test_type_that_the_recorder_did_not_know_is_taken_from_another_publisher(
             definitions = {each.definition for each in bag.connections if each.topic == "/a"}
             assert definitions == {INT32[2]}
     writer.close()
+
+
+def wrong_bag(path: Path, kind: str) -> None:
+    writer = BagWriter(str(path))
+    connections = [add(writer, "/a"), add(writer, "/b")]
+    for number in range(4):
+        writer.write(connections[number % 2], (number + 1) * SECOND, bytes(4))
+        if number == 1:
+            if kind == "places":
+                writer._indexes[0].entries[8:12] = bytes(4)
+            writer.flush()
+    writer.flush()
+    chunk = writer.chunks[0]
+    match kind:
+        case "counts":
+            chunk.counts[1] += 1
+        case "connections":
+            writer.connections.pop()
+        case "times":
+            chunk.start -= 1
+        case "chunks":
+            writer.chunks.pop()
+    writer.close()
+
+
+def wrong_mcap(path: Path, kind: str) -> None:
+    writer = McapWriter(str(path))
+    connections = [add(writer, "/a"), add(writer, "/b")]
+    for number in range(4):
+        writer.write(connections[number % 2], (number + 1) * SECOND, bytes(4))
+        if number == 1:
+            if kind == "places":
+                indices = writer.mcap._Writer__chunk_builder.message_indices  # type: ignore[attr-defined]
+                indices[connections[0].id].records[0] = (SECOND, 0)
+            writer.flush()
+    writer.flush()
+    mcap: Any = writer.mcap
+    match kind:
+        case "counts":
+            mcap._Writer__statistics.channel_message_counts[connections[1].id] += 1
+        case "connections":
+            del mcap._Writer__channels[connections[1].id]
+        case "times":
+            mcap._Writer__chunk_indices[0].message_start_time -= 1
+        case "chunks":
+            mcap._Writer__chunk_indices.pop()
+    writer.close()
+
+
+@each_suffix
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("none", None),
+        ("counts", "has [12] messages"),
+        ("connections", "does not list"),
+        ("times", "other times of its first and last message"),
+        ("places", "other times or places"),
+        ("chunks", "the index does not list it"),
+    ],
+)
+def test_index_that_does_not_agree_with_the_file_is_found(
+    tmp_path: Path, suffix: str, kind: str, text: str | None
+) -> None:
+    path = tmp_path / f"it.{suffix}"
+    (wrong_bag if suffix == "bag" else wrong_mcap)(path, kind)
+    with open_reader(path) as bag:
+        faults = list(bag.faults())
+    if text is None:
+        assert faults == []
+    else:
+        assert any(re.search(text, each) for each in faults), faults
+
+
+@each_suffix
+def test_implausible_times_are_found(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    with open_writer(path) as writer:
+        connection = add(writer, "/a")
+        for seconds in (0, 0, 1, 2, 1_700_000_000):
+            writer.write(connection, seconds * SECOND, bytes(4))
+    with open_reader(path) as bag:
+        assert list(bag.faults()) == [
+            "the message of /a at 1700000000.000 s is 53.9 years later than the one before",
+            "/a has messages with the time 0: 2",
+        ]
+
+
+@each_suffix
+def test_missing_types_are_found(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"it.{suffix}"
+    with open_writer(path) as writer:
+        writer.write(writer.connection("/a", "*", "*", ""), SECOND, bytes(4))
+        writer.write(add(writer, "/a"), SECOND, bytes(4))
+    for each_path, count in ((path, 1), (tmp_path / f"new.{suffix}", 0)):
+        with open_reader(each_path) as bag:
+            assert len([each for each in bag.faults() if "/a has no type" in each]) == count
+        reindex(path, tmp_path / f"new.{suffix}") if count else None
 
 
 @each_suffix

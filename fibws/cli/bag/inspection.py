@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
+from itertools import chain, islice
 from typing import Any
 
 import click
@@ -13,8 +14,11 @@ from fibws.cli import output
 from fibws.cli.bag.bag_messages import BagType, open_bag
 from fibws.cli.common_options import examples, json_option
 from fibws.cli.exit_handling import clean_exit
-from fibws.errors import InterfaceError
+from fibws.errors import BagError, InterfaceError
 from fibws.values.type_definitions import InstalledTypes
+
+MOST_FAULTS = 20
+"""Faults of a bag that are printed."""
 
 bags_argument: Callable[[Callable[..., None]], Callable[..., None]] = click.argument(
     "bags", metavar="BAG...", nargs=-1, required=True, type=click.Path()
@@ -94,17 +98,31 @@ def _plain(value: Any, indent: str = "") -> str:
 def check(
     bag: str, rules: tuple[str, ...], genrules: str | None, append: bool, noplugins: bool
 ) -> None:
-    """Check that the types in BAG are those that are installed.
+    """Check that BAG can be read, and that its types are those that are installed.
+
+    The whole file is read: definitions must be valid, all messages must fit them, the index must
+    agree with what is there, and times must be plausible: not 0, nor years apart. The exit code is
+    1 if there is a fault.
 
     Messages of a type that has changed cannot be received by nodes that know the new one. Types
     that are not installed are listed, too; they can be played, as the bag has their definitions.
-    All messages are read, so that a damaged chunk is found, and compared with their definitions.
     """
     if rules or genrules or append:
         raise click.UsageError("rules of migration are not supported; rosbag of ROS 1 has them")
     with clean_exit(), open_bag(bag) as reader:
-        _check_messages(reader)
-        changed = {each.type: each for each in reader.connections if not _is_installed(each)}
+        faults = list(islice(chain(reader.faults(), _message_faults(reader)), MOST_FAULTS))
+        if faults:
+            for each in faults:
+                click.echo(output.visible(f"{bag}: {each}"), err=True)
+            raise click.exceptions.Exit(1)
+        encodings = sorted({each.encoding for each in reader.connections} - {"ros1"})
+        for encoding in encodings:
+            output.line(f"Messages in {encoding} are not compared with their definitions.")
+        changed = {
+            each.type: each
+            for each in reader.connections
+            if each.encoding == "ros1" and not _is_installed(each)
+        }
         if not changed:
             output.line("Bag file does not need any migrations.")
             return
@@ -115,14 +133,24 @@ def check(
             output.line(f"   To:   {f'{name} [{known}]' if known else 'Unknown'}")
 
 
-def _check_messages(reader: Reader) -> None:
-    """Read all messages, and check that they fit the definitions in the bag."""
+def _message_faults(reader: Reader) -> Iterator[str]:
+    """Say which definitions are invalid, and which connections have messages that do not fit."""
     types: dict[int, BagType] = {}
-    for connection, _, data in reader.messages():
+    for connection in reader.connections:
         if connection.encoding == "ros1":
-            if connection.id not in types:
-                types[connection.id] = BagType(connection)
-            types[connection.id].check(data)
+            try:
+                found = BagType(connection)
+                found.serializer  # noqa: B018 - it raises for an invalid definition
+                types[connection.id] = found
+            except BagError as error:
+                yield str(error)
+    for connection, _, data in reader.messages():
+        if connection.id in types:
+            try:
+                types[connection.id].check(data)
+            except BagError as error:
+                del types[connection.id]
+                yield str(error)
 
 
 def _is_installed(connection: Connection) -> bool:

@@ -12,6 +12,7 @@ import yaml
 from click.testing import CliRunner, Result
 
 from fibws.bags import open_reader, open_writer
+from fibws.bags.mcap_files import McapWriter
 from fibws.cli.commands import command
 from fibws.interfaces import Interfaces
 from fibws.interfaces.serialization import Serializers
@@ -165,6 +166,41 @@ def test_check_finds_messages_that_do_not_fit(bag: Tool, tmp_path: Path) -> None
     result = bag("check", path)
     assert result.exit_code == 1
     assert "/a" in result.output and "1 bytes too many" in result.output
+
+
+def test_check_finds_all_faults(bag: Tool, tmp_path: Path) -> None:
+    path = tmp_path / "bad.bag"
+    with open_writer(path) as writer:
+        writer.connection("/odd", "std_msgs/Odd", "0" * 32, "no_such_pkg/Thing it")
+        for topic in ("/a", "/b"):
+            connection = writer.connection(topic, "std_msgs/Int32", "*", "int32 data")
+            for data in (b"12345", b"123", b"1234"):
+                writer.write(connection, 0, data)
+    result = bag("check", path)
+    assert result.exit_code == 1
+    for topic in ("/odd", "/a", "/b"):
+        assert f"{topic}" in result.output
+    assert "with the time 0: 3" in result.output
+    assert len(result.output.splitlines()) == 5
+
+
+def test_check_says_which_messages_are_not_compared(bag: Tool, tmp_path: Path) -> None:
+    path = tmp_path / "ros2.mcap"
+    with McapWriter(str(path), profile="ros2") as writer:
+        connection = writer.connection(
+            *("/a", "std_msgs/msg/Int32", "", "int32 data"),
+            encoding="cdr",
+            definition_format="ros2msg",
+        )
+        writer.write(connection, START, bytes(8))
+    result = bag("check", path)
+    assert (result.exit_code, result.output.splitlines()) == (
+        0,
+        [
+            "Messages in cdr are not compared with their definitions.",
+            "Bag file does not need any migrations.",
+        ],
+    )
 
 
 # filter
