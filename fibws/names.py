@@ -13,6 +13,10 @@ from dataclasses import dataclass, field
 from fibws.errors import InvalidName
 
 MAX_LENGTH = 1024
+HUB_TOPICS = frozenset(
+    ("/client_count", "/connected_clients", "/hub_recorder/state", "/rosout_agg")
+)
+"""The topics that only a hub may publish."""
 _LEGAL = re.compile(r"([A-Za-z]\w*|[~/]\w+)(/\w+)*", re.ASCII)
 _LEGAL_BASE = re.compile(r"[A-Za-z]\w*", re.ASCII)
 

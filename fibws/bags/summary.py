@@ -256,8 +256,8 @@ def _duration(seconds: float) -> str:
 
 
 def _date(seconds: float) -> str:
-    date = datetime.fromtimestamp(int(seconds))
-    return f"{date:%b %d %Y %H:%M:%S}{f'{seconds % 1:.2f}'[1:]}"
+    whole, hundredths = divmod(round(seconds * 100), 100)
+    return f"{datetime.fromtimestamp(whole):%b %d %Y %H:%M:%S}.{hundredths:02}"
 
 
 def size_text(size: float) -> str:

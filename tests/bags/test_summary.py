@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,16 @@ def test_bag_without_messages(tmp_path: Path) -> None:
     assert rows.keys() == {"path", "version", "size"}
     with open_reader(path) as bag:
         assert summary.as_dict(bag, None) == {"version": 2.0, "size": 4117, "indexed": False}
+
+
+def test_times_are_rounded_one_way(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    with open_writer(path) as writer:
+        connection = writer.connection("/a", "std_msgs/Int32", "*", "int32 data")
+        writer.write(connection, 1_700_000_002_999_000_000, bytes(4))
+    with open_reader(path) as bag:
+        text = summary.text(bag, None)
+    assert re.search(r"start: +\S+ \d+ \d+ \d\d:\d\d:23\.00 \(1700000003\.00\)\n", text), text
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from fibws.msg.fibws_msgs import PlaybackState, RecordingState
 from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.std_msgs import Int32, String
+from fibws.names import HUB_TOPICS
 from fibws.srv.fibws_msgs import GetRecording
 from fibws.srv.std_srvs import Trigger
 
@@ -100,6 +101,11 @@ async def test_nothing_is_recorded_before_simulated_time_begins(tmp_path: Path) 
         ]
     # A message has the time of the clock's message before it.
     assert found == [("/map", 7, 0), ("/map", 7, 1), ("/numbers", 7, 1), ("/clock", 7, 8)]
+
+
+async def test_names_of_the_hubs_own_topics_are_known_to_recorders(tmp_path: Path) -> None:
+    async with Hub(settings(tmp_path)) as hub:
+        assert hub.graph.reserved == HUB_TOPICS
 
 
 async def test_topic_is_left_with_its_last_publisher(tmp_path: Path) -> None:

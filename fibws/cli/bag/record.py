@@ -15,14 +15,25 @@ from typing import Any
 import click
 
 import fibws
-from fibws.bag_recorder import MIB, PLAYBACK, Origin, Recorder, RecordingOptions, Stream
-from fibws.cli import completers
+from fibws.bag_recorder import (
+    MIB,
+    PLAYBACK,
+    Origin,
+    Recorder,
+    RecordingOptions,
+    RecordingState,
+    Stream,
+)
+from fibws.bags.summary import size_text
+from fibws.cli import completers, output
 from fibws.cli.common_options import examples
 from fibws.cli.node_program import SETTINGS, node, run
 from fibws.errors import BagError, FibwsError, InterfaceError
 from fibws.msg import default_interfaces
 from fibws.msg.std_msgs import String
+from fibws.names import HUB_TOPICS
 from fibws.srv import fibws_msgs, rosapi
+from fibws.suggestions import suggestion
 
 LOOK_INTERVAL = 0.5
 """Seconds between two looks for new topics; rosbag looks once a second."""
@@ -56,7 +67,7 @@ class Topics:
         if self.excluded is not None and self.excluded.fullmatch(topic):
             return False
         if self.all:
-            return True
+            return topic not in HUB_TOPICS  # Nobody could play them.
         return self.are_patterns and any(re.fullmatch(each, topic) for each in self.names)
 
     @property
@@ -110,8 +121,10 @@ class RecordingNode:
         response = await node.call("/rosapi/get_time", rosapi.GetTime)
         self._began = response.time.to_nanoseconds()
         if not self._topics.are_patterns:
-            for name in self._topics.names:
-                self._subscribe(node.resolve(name))
+            names = [node.resolve(name) for name in self._topics.names]
+            await self._report_unpublished(names)
+            for name in names:
+                self._subscribe(name)
         self.recorder.start()
         watcher = asyncio.create_task(self._look_for_topics()) if self._topics.may_grow else None
         try:
@@ -137,6 +150,18 @@ class RecordingNode:
             self._announcer.send_while_open(self._announcer.encode(str(path)))
 
     # Topics
+
+    async def _report_unpublished(self, names: list[str]) -> None:
+        """Say which topics nobody publishes, as they may be misspelled."""
+        if not names:
+            return
+        response = await self._node.call("/rosapi/topics", rosapi.Topics)
+        types = dict(zip(response.topics, response.types, strict=True))
+        published = [topic for topic, type_ in types.items() if type_]
+        for name in names:
+            if name not in published:
+                text = "topic [%s] does not appear to be published yet%s"
+                self._node.log.warning(text, name, suggestion(name, published))
 
     async def _look_for_topics(self) -> None:
         """Subscribe to the topics that there are, and to those that appear."""
@@ -451,14 +476,30 @@ def command(
     )
     if quiet:
         node.log.setLevel(logging.WARNING)
-    run(_record(node, wanted, options, announces=publish))
+    run(_record(node, wanted, options, announces=publish, is_quiet=quiet))
 
 
 async def _record(
-    node: fibws.Node, topics: Topics, options: RecordingOptions, *, announces: bool
+    node: fibws.Node,
+    topics: Topics,
+    options: RecordingOptions,
+    *,
+    announces: bool,
+    is_quiet: bool,
 ) -> None:
     async with node:
         recording = RecordingNode(node, topics, options, announces=announces)
-        await recording.run()
-    if recording.recorder.state().fault:  # It has been logged.
+        try:
+            await recording.run()
+        finally:
+            state = recording.recorder.state()
+            if state.files and not is_quiet:
+                output.line(_summary(state))
+    if state.fault:  # It has been logged.
         sys.exit(1)
+
+
+def _summary(state: RecordingState) -> str:
+    """Return what was recorded: ``40 messages, 24.5 KB in out.mcap``."""
+    where = state.file if state.files == 1 else f"{state.files} bags, the last one {state.file}"
+    return f"{output.counted(state.messages, 'message')}, {size_text(state.bytes)} in {where}"

@@ -203,6 +203,35 @@ def test_two_signals_at_once_complete_the_bag(
     assert [each.topic for each in found] == ["/map"]
 
 
+def test_topic_that_nobody_publishes_is_told_and_the_end_says_what_was_recorded(
+    hub: HubThread, tmp_path: Path, publish: Publish
+) -> None:
+    publish("/scan", "std_msgs/Int32", {"data": 1})
+    path = tmp_path / "b.bag"
+    with recorder(hub.url, path, "/scann", "/scan") as recording:
+        wait_for_subscriber(hub.url, "/scan")
+        recording.wait_for("Recording to")
+        recording.end(signal.SIGINT)
+        expected = "topic [/scann] does not appear to be published yet; did you mean /scan?"
+        assert expected in recording.output
+        assert "[/scan] does not" not in recording.output
+        assert re.search(rf"\n1 message, \d\.\d KB in {path}\n", recording.output)
+
+
+@pytest.mark.parametrize("words", [("-a",), ("-a", "-q")])
+def test_all_topics_are_those_that_can_be_played(
+    run: Run, hub: HubThread, tmp_path: Path, publish: Publish, words: tuple[str, ...]
+) -> None:
+    publish("/scan", "std_msgs/Int32", {"data": 1})
+    path = tmp_path / "b.bag"
+    with recorder(hub.url, path, *words) as recording:
+        wait_for_subscriber(hub.url, "/scan")
+        topics = {each.topic for each in recording.end(signal.SIGINT)}
+        assert topics >= {"/scan"}
+        assert topics <= {"/scan", "/rosout"}
+        assert ("KB in" in recording.output) == ("-q" not in words)
+
+
 def wait_for_subscriber(url: str, topic: str) -> None:
     with HubClient("look", url) as client:
         while not client.call("/rosapi/subscribers", {"topic": topic})["subscribers"]:
