@@ -16,13 +16,16 @@ from typing import Any
 import click
 import pytest
 from hub_in_thread import HubThread, Publish, Run
+from mcap.reader import make_reader
 from node_in_thread import peer
 from patience import PATIENCE
+from rosbags.rosbag1 import Reader as Rosbag1Reader
 
 import fibws
 from fibws.bags import open_reader, open_writer
 from fibws.cli.bag import command as bag_commands
 from fibws.client.hub_client import HubClient
+from fibws.errors import BagError
 from fibws.msg.std_msgs import Int32
 
 from ..terminal import ROOT, Terminal
@@ -230,6 +233,69 @@ def test_all_topics_are_those_that_can_be_played(
         assert topics >= {"/scan"}
         assert topics <= {"/scan", "/rosout"}
         assert ("KB in" in recording.output) == ("-q" not in words)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "words", "end"),
+    [
+        ("bag", (), signal.SIGINT),
+        ("bag", (), signal.SIGTERM),
+        ("bag", ("-j",), signal.SIGINT),
+        ("bag", ("--lz4",), signal.SIGKILL),
+        ("mcap", (), signal.SIGINT),
+        ("mcap", (), signal.SIGKILL),
+        ("mcap", ("--lz4",), signal.SIGTERM),
+    ],
+)
+def test_what_is_recorded_can_be_read_by_all(
+    run: Run,
+    hub: HubThread,
+    client: HubClient,
+    tmp_path: Path,
+    suffix: str,
+    words: tuple[str, ...],
+    end: signal.Signals,
+) -> None:
+    """All messages are there, `check` finds no fault, and neither do other programs."""
+    path = tmp_path / f"b.{suffix}"
+    active = tmp_path / f"b.{suffix}.active"
+    client.send({"op": "advertise", "topic": "/n", "type": "std_msgs/Int32"})
+    client.call("/rosapi/get_time")
+    with recorder(hub.url, path, "-a", *words) as recording:
+        recording.wait_for("Subscribing to /n")
+        wait_for_subscriber(hub.url, "/n")
+        for number in range(200):
+            client.send({"op": "publish", "topic": "/n", "msg": {"data": number}})
+        client.call("/rosapi/get_time")
+        if end == signal.SIGKILL:
+            while len(numbers(active)) < 200:
+                assert recording.process.poll() is None
+            recording.process.kill()
+            recording.process.wait(PATIENCE)
+            assert run("bag", "reindex", "-q", str(active)).exit_code == 0
+            active.rename(path)
+        else:
+            recording.end(end)
+    result = run("bag", "check", str(path))
+    assert (result.exit_code, result.output) == (0, "Bag file does not need any migrations.\n")
+    assert numbers(path) == list(range(200))
+    if suffix == "bag":
+        with Rosbag1Reader(path) as bag:
+            found = [data for each, _, data in bag.messages() if each.topic == "/n"]
+    else:
+        with path.open("rb") as file:
+            messages = make_reader(file, validate_crcs=True).iter_messages(topics=["/n"])
+            found = [message.data for _, _, message in messages]
+    assert [int.from_bytes(data, "little") for data in found] == list(range(200))
+
+
+def numbers(path: Path) -> list[int]:
+    """Return the numbers of /n in a bag, which may be incomplete."""
+    try:
+        with open_reader(path, allow_unindexed=True) as bag:
+            return [int.from_bytes(data, "little") for _, _, data in bag.messages(["/n"])]
+    except (BagError, OSError):
+        return []
 
 
 def wait_for_subscriber(url: str, topic: str) -> None:
