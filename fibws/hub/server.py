@@ -638,7 +638,7 @@ class Hub:
             "refused": self._limits.refused,
             "queued_bytes": self._limits.queued_bytes(),
             "max_queued_bytes": self.settings.max_total_queued_bytes,
-            "held_bytes": self._account.total(),
+            "held_bytes": sum(self._account.held().values()),
             "max_held_bytes": self._account.bound.limit,
             "incoming_bytes": self._limits.incoming_bytes(),
             "max_incoming_bytes": self.settings.max_total_incoming_bytes,

@@ -11,7 +11,7 @@ import sys
 from collections import Counter
 from collections.abc import Collection, Iterator
 from functools import partial
-from typing import Protocol
+from typing import Any, Protocol
 
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import SendQueue
@@ -25,6 +25,8 @@ SPARE_FILES = 32
 clients with a text."""
 LAST_FILES = 8
 """File descriptors that no connection may take."""
+SMALL = 4 * KIB
+"""Bytes of a message that is small."""
 MOST_UNSENT = 64 * KIB
 """Bytes that a connection may still send that is closed for lack of memory."""
 TOO_MUCH_QUEUED = CloseReason(1013, "too many bytes wait for all clients; this one had the most")
@@ -188,7 +190,7 @@ class SharedLimits:
                     partial(_queued_bytes, each),
                     shorten=partial(_shorten, each),
                     end=partial(_end, each),
-                    shared=each.queue if each.queue.kept_bytes else None,
+                    shared=_SharedQueue(each),
                     is_stranger=each.is_stranger,
                 )
 
@@ -218,6 +220,29 @@ class SharedLimits:
 def _queued_bytes(connection: Limited) -> int:
     queue = connection.queue
     return queue.kept_bytes + queue.begun_bytes + connection.unsent_bytes
+
+
+class _SharedQueue:
+    """A queue whose large messages may be those of other queues, too.
+
+    Small ones count for each queue: there may be millions, which take long to compare.
+    """
+
+    def __init__(self, connection: Limited) -> None:
+        self._connection = connection
+
+    @property
+    def _has_large(self) -> bool:
+        queue = self._connection.queue
+        return queue.kept_bytes > SMALL * queue.kept_messages
+
+    @property
+    def own_bytes(self) -> int:
+        connection = self._connection
+        return connection.queue.own_bytes if self._has_large else _queued_bytes(connection)
+
+    def buffers(self) -> Iterator[Any]:
+        return self._connection.queue.buffers() if self._has_large else iter(())
 
 
 def _incoming_bytes(connection: Limited) -> int:
