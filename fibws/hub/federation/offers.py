@@ -165,8 +165,8 @@ class Offers:
                 announced[outward] = record
 
     def _node(self, name: str) -> NodeRecord | None:
-        node: Any = self.graph.nodes.get(name)
-        if not self._may_offer(name) or not self._is_node_visible(name, node):
+        node: Any = self._view.node(name)
+        if node is None or not self._may_offer(name) or not self._is_of_use(node):
             return None
         if isinstance(node, RemoteNode):
             path = (*node.record.path, self._hub)
@@ -181,11 +181,9 @@ class Offers:
             replaces=self._remote.ages.replaced_hub("nodes", name),
         )
 
-    def _is_node_visible(self, name: str, node: Any) -> bool:
-        """Return whether the other hubs may know a node, and have use for it."""
+    def _is_of_use(self, node: Any) -> bool:
+        """Return whether the other hubs have use for a node."""
         view = self.backplane.view
-        if not self._view.sees_node(name):
-            return False
         if not view.is_filtered and (not view.prefix or view.is_below):
             return True
         used = (
@@ -195,7 +193,7 @@ class Offers:
         return any(view.outward(topic) is not None and may(topic) for topic, may in used)
 
     def _topic(self, name: str) -> TopicRecord | None:
-        topic = self.graph.topics.get(name)
+        topic = self._view.topic(name)
         if topic is None or name in self.graph.reserved:
             self._note_users("topics", name, set())
             return None
@@ -255,7 +253,7 @@ class Offers:
             self._users.pop((kind, name), None)
 
     def _service(self, name: str) -> ServiceRecord | None:
-        service = self.graph.services.get(name)
+        service = self._view.service(name)
         self._note_users("services", name, set() if service is None else {service.node})
         if service is None or isinstance(service.server, InternalServer):
             return None
@@ -270,7 +268,7 @@ class Offers:
         )
 
     def _action(self, name: str) -> ActionRecord | None:
-        action = self.graph.actions.get(name)
+        action = self._view.action(name)
         self._note_users("actions", name, set() if action is None else {action.node})
         if action is None or action.type.codecs is None:
             return None

@@ -60,12 +60,14 @@ class Client:
     """One client: its name, the graph, and the way back to it.
 
     Attributes:
+        view: the graph as the client sees it.
         check_shared: raises `LimitReached` if the clients of the client's address or its principal
             have registered as many of something as they may.
     """
 
     node: str
     graph: Graph
+    view: GraphView
     queue: SendQueue
     clock: Clock
     settings: Settings
@@ -73,11 +75,6 @@ class Client:
     audit: Audit
     check_shared: Callable[[Registration], None]
     turns: Turns
-
-    @property
-    def view(self) -> GraphView:
-        """The graph as the client sees it."""
-        return self.graph.view(self.node)
 
     def resolve(self, spelling: str) -> str:
         """Return the global name that the client means; raise `InvalidName`."""

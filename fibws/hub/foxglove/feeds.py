@@ -290,8 +290,8 @@ class UndefinedFeed(Feed[str, tuple[str, str]]):
         super().close()
 
     def _can_be_asked(self, topic: Topic) -> bool:
-        nodes = self.client.graph.nodes
-        return any(isinstance(nodes.get(node), ExternalNode) for node in topic.sources)
+        view = self.client.view
+        return any(isinstance(view.node(each), ExternalNode) for each in view.publishers(topic))
 
     def _give_up(self, key: str) -> None:
         self._asked.add(key)
@@ -490,10 +490,10 @@ class GraphFeed(Feed[GraphKey, Users]):
 
 def _published(client: Client, name: str) -> Topic | None:
     """Return a topic that has a publisher and that the client may subscribe to."""
-    topic = client.view.topic(name)
-    if topic is None or not topic.sources or not client.is_allowed("subscribe", name):
-        return None
-    return topic
+    view = client.view
+    topic = view.topic(name)
+    is_published = topic is not None and view.publishers(topic)
+    return topic if is_published and client.is_allowed("subscribe", name) else None
 
 
 def _id(topic: str) -> str:

@@ -101,8 +101,9 @@ class Playback:
         }
         if not ours:
             return
+        view = self._client.view
         for name in ours:
-            if name in self._client.graph.services:
+            if view.service(name) is not None:
                 self._known.add(name)
             else:
                 self._known.discard(name)
@@ -179,14 +180,14 @@ class Playback:
 
     def _find(self, name: str) -> Topic | None:
         """Return the topic of a player's state, if the client may use that player."""
-        client = self._client
-        service = client.graph.services.get(name)
-        topic = client.graph.topics.get(name.removesuffix(SERVICE) + TOPIC)
+        client, view = self._client, self._client.view
+        service, topic = view.service(name), view.topic(name.removesuffix(SERVICE) + TOPIC)
         if service is None or topic is None or topic.type is None:
             return None
         is_player = service.type.name == CONTROL and topic.type.name == STATE
         is_allowed = client.is_allowed("call", name) and client.is_allowed("subscribe", topic.name)
-        return topic if is_player and is_allowed and service.node in topic.sources else None
+        is_its_own = service.node in view.publishers(topic)
+        return topic if is_player and is_allowed and is_its_own else None
 
     def _use(self, service: str) -> None:
         had_range = self.range is not None

@@ -90,7 +90,7 @@ class Calls:
         limit = client.settings.max_calls
         if len(self._waiting) >= limit:
             raise OperationError(f"too many calls of one client (limit {limit}, --max-calls)")
-        service = client.graph.services.get(entry.name)
+        service = client.view.service(entry.name)
         if service is None:
             raise CallFailed(f"Service {entry.name} does not exist", "unknown_service")
         type_ = service.type

@@ -222,6 +222,7 @@ class Session:
         self._client = client = Client(
             self.node,
             graph,
+            graph.view(self.node),
             opening.queue,
             foxglove.clock,
             foxglove.settings,

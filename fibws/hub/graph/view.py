@@ -7,6 +7,7 @@ remember to ask.
 from __future__ import annotations
 
 from collections.abc import Collection, Hashable, Iterable
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from fibws.errors import ParameterNotSet
@@ -19,6 +20,8 @@ from fibws.interfaces import folders
 
 if TYPE_CHECKING:
     from fibws.hub.graph.graph import Graph, Node
+
+_node_of = attrgetter("node")
 
 
 class GraphView:
@@ -120,11 +123,12 @@ class GraphView:
 
     def publishers(self, topic: Topic) -> Collection[str]:
         """Return the nodes that publish on a topic, in no order."""
-        return self._users(topic, topic.sources)
+        return self._shown(topic.sources) if self.hides_users(topic) else topic.sources
 
     def subscribers(self, topic: Topic) -> Collection[str]:
         """Return the nodes that subscribe to a topic, in no order."""
-        return self._users(topic, topic.subscribers())
+        nodes = topic.subscribers()
+        return self._shown(nodes) if self.hides_users(topic) else nodes
 
     def sources(self, topic: Topic) -> list[Source]:
         """Return the sources of a topic by their nodes' names."""
@@ -137,15 +141,14 @@ class GraphView:
         if self.hides_users(topic):
             seen = set(self.subscribers(topic))
             sinks = (each for each in sinks if each.node in seen)
-        return sorted(sinks, key=lambda sink: sink.node)
+        return sorted(sinks, key=_node_of)
 
     def conflicts(self, topic: Topic) -> list[Conflict]:
         """Return the ROS 1 nodes that use a topic with another type."""
-        return sorted(each for each in topic.conflicts if self.sees_user(topic, each.node))
+        found = topic.conflicts
+        return sorted(each for each in found if self.sees_user(topic, each.node)) if found else []
 
-    def _users(self, topic: Topic, nodes: Collection[str]) -> Collection[str]:
-        if not self.hides_users(topic):
-            return nodes
+    def _shown(self, nodes: Iterable[str]) -> list[str]:
         return [each for each in nodes if self.sees_node(each)]
 
     # Services and actions.
@@ -180,9 +183,7 @@ class GraphView:
 
     def nodes(self) -> list[str]:
         """Return the names of all nodes."""
-        if self._sees_all:
-            return sorted(self._graph.nodes)
-        return sorted(filter(self.sees_node, self._graph.nodes))
+        return sorted(self._shown(self._graph.nodes))
 
     def all_nodes(self) -> list[tuple[str, Node]]:
         """Return all nodes with their names, sorted by these."""
