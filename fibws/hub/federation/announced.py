@@ -109,8 +109,8 @@ class Announced:
 
     def _remove_all(self, home: PeerGraph) -> Iterator[None]:
         for kind, names in home.names.items():
-            while names:
-                self._remove(home, kind, next(iter(names)))
+            for name in list(names):
+                self._remove(home, kind, name)
                 yield
         self._lost.discard(home)
 

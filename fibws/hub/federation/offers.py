@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from itertools import repeat
 from time import perf_counter
@@ -89,7 +90,7 @@ class Offers:
         """The last records, by the names on the backplane."""
         self._users: dict[tuple[Kind, str], set[str]] = {}
         """The nodes of each topic, service and action, where only those make nodes visible."""
-        self._changed: dict[tuple[Kind, str], None] = {}
+        self._changed: OrderedDict[tuple[Kind, str], None] = OrderedDict()
         self._is_due = False
         self._is_closed = False
         self._make: dict[Kind, Callable[[str], Record | None]] = {
@@ -141,8 +142,7 @@ class Offers:
         until = perf_counter() + TURN
         changes: dict[str, dict[str, Any]] = {kind: {} for kind in KINDS}
         while self._changed and perf_counter() < until:
-            kind, name = next(iter(self._changed))
-            del self._changed[kind, name]
+            (kind, name), _ = self._changed.popitem(last=False)
             self._compare(kind, name, changes[kind])
         if any(changes.values()):
             self.backplane.announce(Announcement.model_construct(None, **changes))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator, Mapping
 from time import perf_counter
 
@@ -30,7 +30,8 @@ class Worklist:
     ) -> None:
         self._call_soon = call_soon
         self._handle = handle
-        self._waiting: dict[Kind, dict[str, None]] = {kind: {} for kind in handle}
+        # The first of a dict from which many were removed takes long to find.
+        self._waiting: dict[Kind, OrderedDict[str, None]] = {kind: OrderedDict() for kind in handle}
         self._steps: deque[Iterator[None]] = deque()
         self._is_due = False
 
@@ -75,8 +76,7 @@ class Worklist:
             return True
         for kind, names in self._waiting.items():
             if names:
-                name = next(iter(names))
-                del names[name]
+                name, _ = names.popitem(last=False)
                 try:
                     self._handle[kind](name)
                 except Exception:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 from abc import ABC, abstractmethod
+from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -50,7 +51,7 @@ class Feed(ABC, Generic[K, E]):
         self.client = client
         self.known: dict[K, E] = {}
         """What the client has been sent."""
-        self._pending: dict[K, None] = {}
+        self._pending: OrderedDict[K, None] = OrderedDict()
         """The entries that may have changed since."""
 
     @abstractmethod
@@ -92,8 +93,7 @@ class Feed(ABC, Generic[K, E]):
         size = 0
         until = self.client.clock.time() + TURN
         while self._pending and size < BATCH and self.client.clock.time() < until:
-            key = next(iter(self._pending))
-            del self._pending[key]
+            key, _ = self._pending.popitem(last=False)
             older, newer = self.known.get(key), self._view(key)
             if older == newer:
                 continue

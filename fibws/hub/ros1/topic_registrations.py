@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import OrderedDict
 from collections.abc import Callable, Container, Iterable, Iterator
 from functools import partial
 from itertools import chain
@@ -175,7 +176,7 @@ class TopicRegistrations:
         self._subscribers: dict[str, dict[str, Ros1Subscriber]] = {}
         self._types_in_conflict: dict[str, MessageType | None] = {}
         """By topic: the type that it had when nodes conflicted with it."""
-        self._dirty: dict[str, None] = {}
+        self._dirty: OrderedDict[str, None] = OrderedDict()
         """The topics whose publishers or subscribers have changed since they were updated."""
         self._is_update_due = False
         self._is_closed = False
@@ -446,8 +447,7 @@ class TopicRegistrations:
             for _ in range(len(self._dirty)):
                 if self._is_closed:
                     return
-                name = next(iter(self._dirty))
-                del self._dirty[name]
+                name, _ = self._dirty.popitem(last=False)
                 self._update_topic(name)
                 if perf_counter() > until:
                     return

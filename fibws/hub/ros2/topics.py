@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Protocol
@@ -291,7 +292,7 @@ class Ros2Topics:
         self._loop = loop
         self._max_latched = max_latched
         self._links: dict[str, Links] = {}
-        self._dirty: dict[str, None] = {}
+        self._dirty: OrderedDict[str, None] = OrderedDict()
         self._is_due = False
         self._is_closed = False
         self._warned: set[str] = set()
@@ -348,8 +349,7 @@ class Ros2Topics:
         until = time.perf_counter() + TURN
         self._is_due = False
         while self._dirty and not self._is_closed:
-            name = next(iter(self._dirty))
-            del self._dirty[name]
+            name, _ = self._dirty.popitem(last=False)
             self._settle(name)
             if self._dirty and time.perf_counter() > until:
                 if not self._is_due:
