@@ -6,7 +6,7 @@ import asyncio
 import logging
 import struct
 from collections import deque
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Iterator, Mapping
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -31,7 +31,6 @@ from fibws.hub.ros1.rosrpc import INSTANT, Address, ServiceConnection, ServiceCo
 from fibws.hub.ros1.tcpros import ANY, LENGTH, require
 from fibws.hub.ros1.topic_registrations import CLIENT
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Work
 from fibws.interfaces.json_text import json_of
 from fibws.interfaces.serialization import Serializer
 
@@ -461,7 +460,7 @@ class ServiceLinks:
             raise TcprosError(str(error)) from None
         return client
 
-    def withdraw_forbidden(self) -> Work:
+    def withdraw_forbidden(self) -> Iterator[None]:
         """End, one by one, the calls of ROS 1 clients that their rights do not allow any more."""
         for call in list(self.calls):
             if call in self.calls:
