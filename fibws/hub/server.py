@@ -591,6 +591,12 @@ class Hub:
                 self.ros1.set_principal(self._authentication.network("ros1"))
             if self.ros2 is not None:
                 self.ros2.set_principal(self._authentication.network("ros2"))
+            for join in self._joins:
+                join.check_rights()
+            if self._zenoh is not None and (
+                self._zenoh.principal != self._authentication.network("zenoh")
+            ):
+                logger.warning("The new section zenoh counts when the hub is started again.")
             closed = self._check_logins(self._authentication)
         changes += use_certificate()
         if closed:

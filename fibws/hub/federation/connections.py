@@ -270,6 +270,15 @@ class Join:
             imported=settings.join_import or ("/**",),
         )
         self._task: asyncio.Task[None] | None = None
+        self._wire: _OwnWire | None = None
+        """That of the present connection."""
+        self._rights: Principal | None = None
+        """Those of the other hub on that connection."""
+
+    def check_rights(self) -> None:
+        """Join again if the other hub has other rights here than it had when it was joined."""
+        if self._wire is not None and self._principal() != self._rights:
+            self._wire.close(RESTART)
 
     def report(self) -> dict[str, Any]:
         """Return what is wrong, as a fibws_msgs/HubLink."""
@@ -308,7 +317,8 @@ class Join:
         """Connect, and exchange records until the connection is lost; return why it was."""
         token = self._credentials.read()
         websocket = await self._open(token)
-        wire = _OwnWire(websocket)
+        self._wire = wire = _OwnWire(websocket)
+        self._rights = self._principal()
         link = _link(
             "join",
             wire,
@@ -317,7 +327,7 @@ class Join:
             asyncio.get_running_loop(),
             view=self._view,
             node="",
-            principal=self._principal(),
+            principal=self._rights,
             address=self.url,
             on_joined=self._on_joined,
         )
@@ -331,6 +341,7 @@ class Join:
             reason = end.fault
             return end
         finally:
+            self._wire = None
             link.closed(reason)
             for task in (*tasks, closing):
                 task.cancel()

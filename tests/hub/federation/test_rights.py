@@ -189,6 +189,31 @@ async def test_section_join_limits_the_hub_that_is_joined(start_hub: StartHub, p
         assert "/scan" not in cloud.graph.topics
 
 
+async def test_section_join_counts_as_soon_as_it_is_reloaded(
+    start_hub: StartHub, path: Path
+) -> None:
+    cloud = await start_hub(hub_name="cloud")
+    section = '[join]\nallow = {{publish = ["{}"], node = ["/**"]}}\n'
+    write = path.write_text
+    write(section.format("/**"))
+    robot = await start_hub(hub_name="robot", join=(cloud.url,), tokens=path)
+
+    def has(topic: str) -> bool:
+        return "/viewer" in getattr(robot.graph.topics.get(topic), "sources", ())
+
+    async with fibws.Node("viewer", hub=cloud.url) as viewer:
+        await viewer.advertise("/cmd_vel", String)
+        await until(lambda: has("/cmd_vel"), robot)
+        robot.reload()
+        assert has("/cmd_vel"), "nothing has changed"
+        write(section.format("/other"))
+        robot.reload()
+        await until(lambda: not has("/cmd_vel"), robot)
+        await viewer.advertise("/other", String)
+        await until(lambda: has("/other"), robot)
+        assert not has("/cmd_vel")
+
+
 async def test_nodes_are_announced_once_they_have_something_that_may_be_seen(
     start_hub: StartHub, path: Path
 ) -> None:
