@@ -11,10 +11,12 @@ import os
 import signal
 import sys
 import time
-from asyncio import AbstractEventLoop
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from asyncio import AbstractEventLoop
 
 REPEAT = 1.0
 """Seconds after the first signal in which others are the same request."""
