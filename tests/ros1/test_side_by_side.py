@@ -28,7 +28,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("talker.py", until="hello", count=3, lines=3),
     ),
     "a publisher that is told of subscribers": (
-        Part("notify_publisher.py", until="ready"),
+        Part("notify_publisher.py", until="ready", last="no friends"),
         Part("notified_listener.py", interrupted=False),
     ),
     "add two ints": (
