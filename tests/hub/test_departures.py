@@ -13,6 +13,7 @@ from unittest.mock import Mock
 import pytest
 
 from fibws.access.rights import Principal, Rights
+from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.websocket.endpoint import Endpoint, Work
 from fibws.hub.websocket.turns import Turns
@@ -314,3 +315,25 @@ def test_a_replaced_client_leaves_in_turns() -> None:
     assert older.closings == [REPLACED]
     newer.send("advertise", "/topic", type=STRING)
     assert newer.receive() == []
+
+
+@pytest.mark.parametrize("protocol", ["rosbridge", "foxglove"])
+def test_a_replaced_client_takes_no_rights_from_the_newer_one(protocol: str) -> None:
+    hub = HubWithTokens()
+    older = hub.client("/robot") if protocol == "rosbridge" else hub.foxglove_client("/robot")
+    newer = hub.client("/robot")
+    older.session.revoke()  # Its token has expired.
+    with pytest.raises(NotAllowed):
+        older.session.authorize(Principal("eve", Rights()))
+    finish(older.session.leave())
+    newer.send("advertise", "/topic", type=STRING)
+    assert newer.receive() == []
+    assert hub.graph.nodes["/robot"] is newer.session
+
+
+def test_the_last_client_of_a_name_loses_its_rights() -> None:
+    hub = HubWithTokens()
+    client = hub.client("/robot")
+    client.session.revoke()
+    client.send("advertise", "/topic", type=STRING)
+    assert client.receive_one("status")["level"] == "error"

@@ -18,6 +18,7 @@ import fibws
 from fibws.access.rights import RIGHTS, Principal, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Hub, Settings
+from fibws.hub.graph.graph import Node as GraphNode
 from fibws.msg.std_msgs import Int32
 from fibws.node import connection
 
@@ -302,8 +303,8 @@ async def test_web_token_is_renewed_at_a_real_hub(
     async with Hub(settings) as hub:
         authorize = hub.graph.authorize
 
-        def report(node: str, principal: Principal) -> None:
-            authorize(node, principal)
+        def report(node: GraphNode, name: str, principal: Principal) -> None:
+            authorize(node, name, principal)
             renewed.put_nowait(principal.expires)
 
         monkeypatch.setattr(hub.graph, "authorize", report)

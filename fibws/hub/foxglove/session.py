@@ -316,7 +316,7 @@ class Session:
     def authorize(self, principal: Principal) -> Work:
         """Use the rights of a principal from now on; see `Endpoint.authorize`."""
         graph = self._client.graph
-        graph.authorize(self.node, principal)
+        graph.authorize(self, self.node, principal)
         self._channels.changed(*graph.topics, *self._channels.known)
         self._undefined.changed(*graph.topics, *self._undefined.known)
         self._services.changed(*graph.services, *self._services.known)
@@ -333,7 +333,7 @@ class Session:
 
     def revoke(self) -> None:
         """Take all rights from the client, which is about to leave."""
-        self._client.graph.revoke(self.node)
+        self._client.graph.revoke(self, self.node)
 
     def leave(self) -> Work:
         """Take the client's node back, and return the steps that remove what it has registered.

@@ -344,16 +344,26 @@ class Graph:
             return None
         return action
 
-    def authorize(self, node: str, principal: Principal) -> None:
-        """Give a living node the rights of a principal; raises `NotAllowed` for its name."""
-        is_chosen = node not in self._unnamed
-        self.policy.enter(node, principal, is_chosen=is_chosen, is_taken=False)
+    def authorize(self, node: Node, name: str, principal: Principal) -> None:
+        """Give a living node the rights of a principal.
+
+        Raises:
+            NotAllowed: the principal may not have its name, or another node has it by now.
+        """
+        if self.nodes.get(name) is not node:
+            raise NotAllowed(name, "node", name, f"another client is {name} now")
+        is_chosen = name not in self._unnamed
+        self.policy.enter(name, principal, is_chosen=is_chosen, is_taken=False)
         self.revision += 1
 
-    def revoke(self, node: str) -> None:
-        """Take all rights from a node that is about to leave, as its token is gone."""
-        self.policy.leave(node)
-        self.revision += 1
+    def revoke(self, node: Node, name: str) -> None:
+        """Take all rights from a node that is about to leave, as its token is gone.
+
+        Nothing is taken from another one that has its name by now.
+        """
+        if self.nodes.get(name) is node:
+            self.policy.leave(name)
+            self.revision += 1
 
     def resolve(self, name: str, node: str) -> str:
         """Return the global name of a topic, a service, an action or a node that a node means.

@@ -425,7 +425,7 @@ class Session:
 
     def authorize(self, principal: Principal) -> Work:
         """Use the rights of a principal from now on; see `Endpoint.authorize`."""
-        self._client.graph.authorize(self.node, principal)
+        self._client.graph.authorize(self, self.node, principal)
         parts = (self._actions, self._goals, self._services, self._calls, self.topics)
         withdrawing = (part.withdraw_forbidden() for part in parts if part is not None)
         return withdraw_all(withdrawing, self._fail)
@@ -437,7 +437,7 @@ class Session:
 
     def revoke(self) -> None:
         """Take all rights from the client, which is about to leave."""
-        self._client.graph.revoke(self.node)
+        self._client.graph.revoke(self, self.node)
 
     def leave(self) -> Work:
         """Take the client's node back, and return the steps that remove what it has registered.
