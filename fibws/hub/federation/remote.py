@@ -70,7 +70,7 @@ class RemoteGraph:
         )
         self._announced = Announced(self._work.add)
         self.ages = Ages(hub.id, graph.now)
-        definitions = RemoteDefinitions(graph, self._definition_arrived)
+        self._definitions = definitions = RemoteDefinitions(graph, clock, self._definition_arrived)
         self._nodes = RemoteNodes(
             graph,
             hub,
@@ -102,6 +102,7 @@ class RemoteGraph:
     def lost(self, peer: Peer) -> None:
         """Detach everything of a hub that is not reached any more, unless it comes another way."""
         self._work.add_steps(self._announced.forget(self._homes.pop(peer)))
+        self._work.add_steps(self._definitions.forget(peer))
 
     def announced(self, peer: Peer, announcement: Announcement) -> None:
         """Take changes of what a hub has."""
