@@ -150,7 +150,7 @@ class Backplane(ABC):
 
     @abstractmethod
     def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
-        """Send a request.
+        """Send a request; one that must arrive passes all limits, or ends the connection.
 
         Args:
             on_reply: takes the replies, the first one maybe before this returns; if the hub is

@@ -181,7 +181,7 @@ class Calls:
         Args:
             caller: the node of this graph whose rights it has.
         """
-        if self._open.get(peer, 0) >= MOST_REQUESTS:
+        if self._open.get(peer, 0) >= MOST_REQUESTS and not request.must_arrive:
             text = f"too many requests wait for this hub (limit {MOST_REQUESTS})"
             reply(failure(text, "limit"))
             return _nothing

@@ -266,7 +266,8 @@ class Link(Backplane):
             on_reply(failure(f"hub {peer.hub.name} is lost", "server_lost"))
             return lambda: None
         fields = encode_fields({"op": request.op, **request.fields})
-        if len(request.body) + self._lanes.calls_weight > self._max_queued:
+        is_too_much = len(request.body) + self._lanes.calls_weight > self._max_queued
+        if is_too_much and not request.must_arrive:
             on_reply(failure(f"too much waits for hub {peer.hub.name}", "limit"))
             return lambda: None
         id_ = next(self._ids)

@@ -196,6 +196,11 @@ class Request:
     fields: Mapping[str, Any]
     body: bytes = b""
 
+    @property
+    def must_arrive(self) -> bool:
+        """Whether nobody would send it again: a link must carry it, or end."""
+        return self.op in ("cancel_goal", "older_node")
+
 
 @dataclass(frozen=True, slots=True)
 class Reply:

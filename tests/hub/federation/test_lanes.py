@@ -255,6 +255,25 @@ def test_calls_are_bounded(slow: SlowLink) -> None:
     assert not slow.wire.reasons
 
 
+@pytest.mark.parametrize("op", ["cancel_goal", "older_node"])
+def test_what_nobody_sends_again_passes_a_full_link_or_ends_it(slow: SlowLink, op: str) -> None:
+    peer = slow.link.peer
+    assert peer is not None
+    replies: list[Reply] = []
+    while not replies:
+        slow.link.request(peer, Request("call", {}, bytes(MIB)), replies.append)
+    answers: list[Reply] = []
+    slow.link.request(peer, Request(op, {}), answers.append)
+    assert not answers
+    assert op in str([body for kind, body in slow.records() if kind == link.REQUEST][-1])
+    for _ in range(4 * MAX_QUEUED // lanes.OVERHEAD):
+        slow.link.request(peer, Request(op, {}), answers.append)
+        if slow.wire.reasons:
+            break
+    assert slow.wire.reasons == [link.OVERFULL]
+    assert not answers
+
+
 def test_link_ends_if_other_records_pass_all_limits(slow: SlowLink) -> None:
     most = 4 * MAX_QUEUED // lanes.OVERHEAD
     for number in range(most):
