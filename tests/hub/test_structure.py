@@ -7,6 +7,7 @@ written by somebody who does not know that one client's list must not make other
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_args
@@ -110,6 +111,31 @@ def test_what_is_left_or_withdrawn_is_gone_through_by_generators(module: str) ->
         if name in names
     }
     assert found.keys() <= AT_ONCE.keys(), found
+
+
+FIRST = re.compile(r"next\(iter\((?:self\.)?(?:\w+\.)?(\w+)(?:\.items\(\)|\.values\(\))?\)")
+FEW = {
+    "_holding": "a topic's users, of which the first is named",
+    "sources": "a topic's users, of which the first is named",
+    "requests": "a client's subscriptions to one topic, of which the first is named",
+    "_idle": "connections to one service, at its end",
+    "pings": "an OrderedDict of `Rosnode._pings`",
+    "calls": "an OrderedDict of `Services._calls_of`",
+    "notes": "an OrderedDict of `NodeCalls._notes`",
+    "kept": "a `FrameQueue`",
+}
+"""What the first item may be taken of though it is no attribute with an `OrderedDict`, and why."""
+
+
+def test_queues_are_no_plain_dicts() -> None:
+    """The first of a dict from which many were removed takes long to find: O(n) each time."""
+    found = set()
+    for path in HUB.rglob("*.py"):
+        text = path.read_text("utf-8")
+        for name in FIRST.findall(text):
+            if name not in FEW and f"{name}: OrderedDict[" not in text:
+                found.add((path.name, name))
+    assert not found
 
 
 def test_table_has_no_function_that_is_gone() -> None:

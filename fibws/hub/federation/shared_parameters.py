@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 from bisect import bisect_left, insort
+from collections import OrderedDict
 from collections.abc import Callable, Collection
 
 from pydantic_core import from_json
@@ -57,7 +58,7 @@ class SharedParameters:
         """Parameters that the hub sets for itself, such as /run_id."""
         self._followed: set[str] = set()
         """The namespaces whose changes are recorded."""
-        self._deleted: dict[str, None] = {}
+        self._deleted: OrderedDict[str, None] = OrderedDict()
         self._is_applying = False
         """Whether a change of another hub is being made here."""
         graph.parameters.watch(self._parameter_changed)
@@ -197,8 +198,7 @@ class SharedParameters:
         if record.value is None:
             self._deleted[name] = None
             if len(self._deleted) > MOST_DELETED:
-                oldest = next(iter(self._deleted))
-                del self._deleted[oldest]
+                oldest, _ = self._deleted.popitem(last=False)
                 self._forget(oldest)
 
     def _forget(self, name: str) -> None:

@@ -7,6 +7,7 @@ which JavaScript does not tell from integers, and bytes.
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import OrderedDict
 from collections.abc import Callable, Generator, Iterable, Sequence
 from typing import Any
 
@@ -35,9 +36,9 @@ class ParameterAccess:
         self._watched: set[str] = set()
         self._sorted: list[str] = []
         """The same names, in which those below a namespace are neighbours."""
-        self._changed: dict[str, None] = {}
+        self._changed: OrderedDict[str, None] = OrderedDict()
         """The names that have changed since the client was last sent changes."""
-        self._pending: dict[str, None] = {}
+        self._pending: OrderedDict[str, None] = OrderedDict()
         """Those whose values are still to be sent."""
         self.answer_bytes = 0
         """The bytes of the values in an answer that is not complete yet."""
@@ -124,10 +125,13 @@ class ParameterAccess:
 
     def _report(self) -> None:
         """Send the parameters that have changed, once the client reads."""
-        changed, self._changed = self._changed, {}
-        for name in changed:
+        until = self._client.clock.time() + TURN
+        while self._changed and self._client.clock.time() < until:
+            name, _ = self._changed.popitem(last=False)
             found = self._watched.intersection((name, *_namespaces(name)))
             self._pending.update(dict.fromkeys((*sorted(found), *self._watched_below(name))))
+        if self._changed:
+            self._client.turns.wait(self._report)
         if self._pending:
             self._client.queue.reply_fresh(self._next_frame)
 
@@ -147,8 +151,7 @@ class ParameterAccess:
         size = 0
         until = self._client.clock.time() + TURN
         while self._pending and size < BATCH and self._client.clock.time() < until:
-            name = next(iter(self._pending))
-            del self._pending[name]
+            name, _ = self._pending.popitem(last=False)
             item = self._value(name)
             if item is not None:
                 items.append(item)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
 
 from fibws.hub.delivery.clock import Clock, Timer
@@ -20,7 +21,7 @@ class Turns:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._waiting: dict[Send, None] = {}
+        self._waiting: OrderedDict[Send, None] = OrderedDict()
         self._timer: Timer | None = None
 
     def wait(self, send: Send) -> None:

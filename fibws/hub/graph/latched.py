@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
 from typing import Protocol
 
@@ -41,7 +42,7 @@ class LatchQuota:
         self.node = node
         self.report = report
         self.used = 0
-        self.latched: dict[Latching, None] = {}
+        self.latched: OrderedDict[Latching, None] = OrderedDict()
         """The sources with a latched message, the oldest first."""
 
     @property

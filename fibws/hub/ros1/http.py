@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Coroutine, Iterable, Sequence
 from http import HTTPStatus
 from itertools import chain
@@ -413,7 +414,7 @@ class NodeCalls:
     ) -> None:
         self._failed = failed
         self._room = asyncio.Semaphore(MOST_CALLS)
-        self._notes: dict[str, dict[object, tuple[str, Sequence[object]]]] = {}
+        self._notes: dict[str, OrderedDict[object, tuple[str, Sequence[object]]]] = {}
         """By URI: the notifications that are to be sent, the newest of each key."""
         self._tasks: dict[str, asyncio.Task[None]] = {}
 
@@ -440,7 +441,7 @@ class NodeCalls:
         Args:
             key: of notifications with the same key, only the newest is sent.
         """
-        self._notes.setdefault(uri, {})[key] = (method, params)
+        self._notes.setdefault(uri, OrderedDict())[key] = (method, params)
         if uri not in self._tasks:
             self._tasks[uri] = asyncio.get_running_loop().create_task(self._notify(uri))
 

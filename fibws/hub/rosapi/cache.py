@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
@@ -37,7 +38,7 @@ class Views(Generic[T]):
     def __init__(self, graph: Graph, make: Callable[[str], T]) -> None:
         self._graph = graph
         self._make = make
-        self._views: dict[Hashable, tuple[int, T]] = {}
+        self._views: OrderedDict[Hashable, tuple[int, T]] = OrderedDict()
         """Each with its revision, the one that was used last at the end."""
 
     def get(self, caller: str) -> T:
@@ -48,7 +49,7 @@ class Views(Generic[T]):
             kept = (self._graph.revision, self._make(caller))
         self._views[view] = kept
         if len(self._views) > MOST_VIEWS:
-            del self._views[next(iter(self._views))]
+            self._views.popitem(last=False)
         return kept[1]
 
 
@@ -75,7 +76,7 @@ class ResponseCache:
         self._graph = graph
         self._max_bytes = max_bytes
         self._bytes = 0
-        self._responses: dict[tuple[Make, Hashable], CachedResponse] = {}
+        self._responses: OrderedDict[tuple[Make, Hashable], CachedResponse] = OrderedDict()
         """The one that was made last at the end."""
 
     def get(self, make: Make, caller: str) -> bytes:

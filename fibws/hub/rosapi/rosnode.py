@@ -5,6 +5,7 @@ They are /rosapi/ping_node, /rosapi/kill_node and /rosapi/unregister_node.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
@@ -47,7 +48,7 @@ class Rosnode:
         self._clients = clients
         self._clock = clock
         self._numbers = count(1)
-        self._pings: dict[Client, dict[bytes, Ping]] = {}
+        self._pings: dict[Client, OrderedDict[bytes, Ping]] = {}
         """Each client's pings by the data of their pongs, the oldest first."""
 
     def services(self) -> dict[str, tuple[str, Function]]:
@@ -78,7 +79,7 @@ class Rosnode:
         response = Deferred()
         response.on_cancel(partial(self._drop, client, data))
         timer = self._clock.call_later(PATIENCE, partial(self._give_up, client, data))
-        self._pings.setdefault(client, {})[data] = Ping(node, sent, timer, response)
+        self._pings.setdefault(client, OrderedDict())[data] = Ping(node, sent, timer, response)
         return response
 
     def kill(self, request: dict[str, Any], caller: str) -> Response | Deferred:
@@ -136,7 +137,7 @@ class Rosnode:
         """Respond to the pings that a client's pong answers."""
         now = self._graph.now()
         # A pong may stand for the pings before as well (RFC 6455, section 5.5.3).
-        while data in (pings := self._pings.get(client, {})):
+        while data in (pings := self._pings.get(client, OrderedDict())):
             first, ping = next(iter(pings.items()))
             text = f"{ping.node} has answered"
             seconds = max(0, now - ping.sent) / 1_000_000_000

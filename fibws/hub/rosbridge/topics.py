@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, count
@@ -81,7 +82,7 @@ class Topics:
         self._latch_quota: LatchQuota | None = None
         self._grace_ends = client.clock.time() + GRACE
         self._pending: PendingPublishes | None = None
-        self._refused: dict[str, RefusedAdvertise] = {}
+        self._refused: OrderedDict[str, RefusedAdvertise] = OrderedDict()
         """By the topics' global names, until they are advertised or unadvertised."""
         self.sources: dict[str, Source] = {}
         """By the spelling of the topic's name that the client used."""
@@ -161,7 +162,7 @@ class Topics:
         except InvalidName:
             return
         if len(self._refused) >= self._client.settings.max_advertisements:
-            del self._refused[next(iter(self._refused))]
+            self._refused.popitem(last=False)
         self._refused[topic] = RefusedAdvertise(text, code)
         if self._pending is not None:
             for request in self._pending.take(topic):
