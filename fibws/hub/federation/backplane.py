@@ -6,9 +6,10 @@ A backplane carries announcements, messages and requests, and knows no topics or
 
 from __future__ import annotations
 
+import logging
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, fields
 from typing import Protocol, TypeAlias
 
@@ -18,6 +19,8 @@ from fibws.hub.federation.records import Announcement, HubInfo, Message, Reply, 
 
 QUICKEST_GROWTH = 1.02
 """The growth, with each ping, of the time in which an answer counts as quick."""
+
+logger = logging.getLogger("fibws.hub")
 
 OnReply: TypeAlias = Callable[[Reply], object]
 Cancel: TypeAlias = Callable[[], None]
@@ -201,3 +204,16 @@ class Network(Protocol):
 
     def requested(self, peer: Peer, request: Request, reply: OnReply) -> Cancel:
         """Handle a request; return a function that abandons it."""
+
+    def finish(self, steps: Iterator[None]) -> None:
+        """Take some steps in turns: there may be many."""
+
+
+def call_all(functions: Iterator[Callable[[], object]]) -> Iterator[None]:
+    """Call functions, one with each step; whatever fails of this, the rest is done."""
+    for each in functions:
+        try:
+            each()
+        except Exception:
+            logger.exception("A request of a hub that is lost could not be ended.")
+        yield

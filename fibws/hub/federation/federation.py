@@ -197,9 +197,17 @@ class Federation:
             return
         offers.close()
         self.graph.leave(self._nodes.pop(backplane), backplane.node)
-        self._awaited = {each for each in self._awaited if each[0] is not backplane}
-        for number in self._outlets.end_all(backplane):
-            self._interest_changed(number)
+        self.finish(self._end_all(backplane))
+
+    def finish(self, steps: Iterator[None]) -> None:
+        """Take some steps in turns."""
+        self._remote.finish(steps)
+
+    def _end_all(self, backplane: Backplane) -> Iterator[None]:
+        """Send nothing more by a backplane, which is closed; a source with each step."""
+        for number in self._outlets.wanted_by(backplane):
+            self.interested(backplane, number, wanted=False)
+            yield
 
     def idle(self, backplane: Backplane) -> None:
         """Continue to announce changes."""

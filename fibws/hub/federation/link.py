@@ -26,8 +26,9 @@ from __future__ import annotations
 
 import logging
 import struct
-from collections import deque
-from collections.abc import Callable
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import count
 from typing import Annotated, Any, Protocol
 
@@ -36,7 +37,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fibws.access.rights import Principal
 from fibws.errors import FederationError, NotAllowed
 from fibws.hub.delivery.clock import Clock, Timer
-from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer
+from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer, call_all
 from fibws.hub.federation.lanes import CHUNK, OVERHEAD, Lanes
 from fibws.hub.federation.names import NameView, level_of
 from fibws.hub.federation.records import (
@@ -181,9 +182,9 @@ class Link(Backplane):
         self._skipped: set[str] = set()
         """The kinds of invalid records that were logged."""
         self._ids = count(1)
-        self._requests: dict[int, OnReply] = {}
+        self._requests: OrderedDict[int, OnReply] = OrderedDict()
         """Own requests that wait for their last reply."""
-        self._handled: dict[int, Cancel] = {}
+        self._handled: OrderedDict[int, Cancel] = OrderedDict()
         """The other hub's requests that wait for this one's last reply."""
         self._heard = clock.time()
         self._early: deque[tuple[int, bytes]] = deque()
@@ -624,8 +625,6 @@ class Link(Backplane):
             return
         self._is_closed = True
         self._timer.cancel()
-        requests, self._requests = self._requests, {}
-        handled, self._handled = self._handled, {}
         self._control.clear()
         self._lanes.clear()
         self._parts.clear()
@@ -635,12 +634,17 @@ class Link(Backplane):
         if self.peer.clock_offset is None:
             self._network.detach(self)
             return
-        for on_reply in requests.values():
-            on_reply(failure(f"hub {self.peer.hub.name} is lost: {reason}", "server_lost"))
-        for cancel in handled.values():
-            cancel()
+        lost = failure(f"hub {self.peer.hub.name} is lost: {reason}", "server_lost")
+        self._network.finish(call_all(self._ends(lost)))
         self._network.lost(self.peer, reason)
         self._network.detach(self)
+
+    def _ends(self, lost: Reply) -> Iterator[Callable[[], object]]:
+        """Yield what ends the requests that are open, of both hubs, the oldest first."""
+        while self._requests:
+            yield partial(self._requests.popitem(last=False)[1], lost)
+        while self._handled:
+            yield self._handled.popitem(last=False)[1]
 
 
 def unique_node(role: str, hub: HubInfo) -> str:

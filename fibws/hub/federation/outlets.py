@@ -93,12 +93,9 @@ class Outlets:
         if not found:
             self._wanted_by.pop(number, None)
 
-    def end_all(self, backplane: Backplane) -> list[int]:
-        """Send nothing more by a backplane; return the sources that it had asked for."""
-        numbers = [number for number, by in self._wanted_by.items() if backplane in by]
-        for number in numbers:
-            self.end(backplane, number)
-        return numbers
+    def wanted_by(self, backplane: Backplane) -> list[int]:
+        """Return the sources that a backplane has asked for."""
+        return [number for number, by in self._wanted_by.items() if backplane in by]
 
     def is_wanted(self, source: Source, without: Backplane) -> bool:
         """Return whether any other backplane has asked for the messages of a source."""

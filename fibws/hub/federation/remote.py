@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.federation.announced import Announced, PeerGraph
@@ -101,8 +101,12 @@ class RemoteGraph:
 
     def lost(self, peer: Peer) -> None:
         """Detach everything of a hub that is not reached any more, unless it comes another way."""
-        self._work.add_steps(self._announced.forget(self._homes.pop(peer)))
-        self._work.add_steps(self._definitions.forget(peer))
+        self.finish(self._announced.forget(self._homes.pop(peer)))
+        self.finish(self._definitions.forget(peer))
+
+    def finish(self, steps: Iterator[None]) -> None:
+        """Take some steps in turns, before names are settled."""
+        self._work.add_steps(steps)
 
     def announced(self, peer: Peer, announcement: Announcement) -> None:
         """Take changes of what a hub has."""

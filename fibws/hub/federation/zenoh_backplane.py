@@ -27,7 +27,7 @@ import logging
 import struct
 import time
 from functools import partial
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -36,7 +36,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from fibws.access.rights import Principal
 from fibws.errors import FederationError
-from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer
+from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer, call_all
 from fibws.hub.federation.names import NameView
 from fibws.hub.federation.records import (
     Announcement,
@@ -526,20 +526,35 @@ class ZenohBackplane(Backplane):
         self._early.pop(hub, None)
         self._delays.pop(hub, None)
         self._counters.pop(hub, None)
-        for id_, (of, on_reply, _) in list(self._requests.items()):
-            if of == hub:
-                del self._requests[id_]
-                on_reply(failure(f"the hub is lost: {reason}", "server_lost"))
-        for (of, id_of), cancel in list(self._handled.items()):
-            if of == hub:
-                del self._handled[of, id_of]
-                cancel()
+        lost = failure(f"the hub is lost: {reason}", "server_lost")
+        requests = [id_ for id_, (of, *_) in self._requests.items() if of == hub]
+        handled = [each for each in self._handled if each[0] == hub]
+        # It may be back, and subscribe again, before the steps are taken.
+        used = [(number, each) for number, each in self._publishers.items() if hub in each.users]
+        for _, publisher in used:
+            publisher.users.discard(hub)
+        ends = chain(
+            (partial(self._fail_request, id_, lost) for id_ in requests),
+            (partial(self._end_handled, each) for each in handled),
+            (partial(self._end_unused, *each) for each in used),
+        )
+        self._network.finish(call_all(ends))
         self._wanted = {each for each in self._wanted if each[0] != hub}
-        for number, publisher in self._publishers.items():
-            self._forget_user(number, publisher, hub)
         self._control.call(lambda: self._forget_subscribers(hub))
         if peer is not None:
             self._network.lost(peer, reason)
+
+    def _fail_request(self, id_: int, reply: Reply) -> None:
+        """End an own request, if it still waits."""
+        found = self._requests.pop(id_, None)
+        if found is not None:
+            found[1](reply)
+
+    def _end_handled(self, request: tuple[str, str]) -> None:
+        """Abandon a request of another hub, unless it has ended."""
+        cancel = self._handled.pop(request, None)
+        if cancel is not None:
+            cancel()
 
     def _forget_subscribers(self, hub: str) -> None:
         for key in [key for key in self._subscribers if key[0] == hub]:
@@ -619,8 +634,11 @@ class ZenohBackplane(Backplane):
         """Send a publisher's messages to a hub no more."""
         if hub in publisher.users:
             publisher.users.discard(hub)
-            if not publisher.users:
-                self._network.interested(self, number, wanted=False)
+            self._end_unused(number, publisher)
+
+    def _end_unused(self, number: int, publisher: _Publisher) -> None:
+        if not publisher.users:
+            self._network.interested(self, number, wanted=False)
 
     def _arrived(self, hub: str, number: int, head: bytes, data: bytes) -> None:
         peer = self._peers.get(hub)
@@ -687,9 +705,7 @@ class ZenohBackplane(Backplane):
 
     def _cancel(self, data: bytes) -> None:
         hub, _, id_ = data.decode("ascii", "replace").partition(" ")
-        cancel = self._handled.pop((hub, id_), None)
-        if cancel is not None:
-            cancel()
+        self._end_handled((hub, id_))
 
     def _replied(self, id_: int, head: bytes, body: bytes) -> None:
         found = self._requests.get(id_)
@@ -708,9 +724,7 @@ class ZenohBackplane(Backplane):
 
     def _ended(self, id_: int) -> None:
         """Fail a request whose query has ended without a last reply."""
-        found = self._requests.pop(id_, None)
-        if found is not None:
-            found[1](failure("the other hub did not answer", "server_lost"))
+        self._fail_request(id_, failure("the other hub did not answer", "server_lost"))
 
     # Health.
 

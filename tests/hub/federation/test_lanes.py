@@ -38,7 +38,11 @@ class SlowWire:
 
 
 class Network:
-    """The hub of a link, of which nothing matters here."""
+    """The hub of a link, of which little matters here."""
+
+    def __init__(self) -> None:
+        self.steps: list[Iterator[None]] = []
+        self.cancelled: list[str] = []
 
     def attach(self, backplane: object) -> None: ...
     def detach(self, backplane: object) -> None: ...
@@ -47,12 +51,16 @@ class Network:
     def lost(self, peer: Peer, reason: str) -> None: ...
     def announced(self, peer: Peer, announcement: Announcement) -> None: ...
     def interested(self, backplane: object, number: int, *, wanted: bool) -> None: ...
+    def finish(self, steps: Iterator[None]) -> None:
+        self.steps.append(steps)
+
     def is_flowing(self, peer: Peer, number: int) -> None: ...
     def received(self, peer: Peer, message: Message) -> None: ...
 
     def requested(self, peer: Peer, request: Request, reply: OnReply) -> Cancel:
-        reply(Reply({}, bytes(10)))
-        return lambda: None
+        if request.op != "wait":
+            reply(Reply({}, bytes(10)))
+        return lambda: self.cancelled.append(request.op)
 
 
 def record(kind: int, body: bytes) -> bytes:
@@ -64,11 +72,12 @@ class SlowLink:
 
     def __init__(self) -> None:
         self.wire = SlowWire()
+        self.network = Network()
         self.clock = FakeClock()
         self.link = link.Link(
             "accept",
             self.wire,
-            Network(),
+            self.network,
             HubInfo(id="a" * 16, name="this"),
             view=NameView(),
             node="/other",
@@ -334,3 +343,33 @@ def test_each_record_is_a_step() -> None:
     slow = SlowLink()
     data = 1000 * record(link.CANCEL, bytes(8))
     assert sum(1 for _ in slow.link.receive(data)) == 1000
+
+
+def test_requests_of_a_lost_link_end_one_by_one(slow: SlowLink) -> None:
+    peer = slow.link.peer
+    assert peer is not None
+    failed: list[int] = []
+
+    def fail(number: int) -> Cancel:
+        def reply(reply: Reply) -> None:
+            assert reply.fields["code"] == "server_lost"
+            failed.append(number)
+            if number == 1:
+                raise RuntimeError("a caller that fails keeps no other waiting")
+
+        return slow.link.request(peer, Request("call", {}), reply)
+
+    cancels = [fail(number) for number in range(4)]
+    for id_ in range(3):
+        fields = b'{"op":"wait"}'
+        slow.receive(link.REQUEST, struct.pack("<QI", id_, len(fields)) + fields)
+    slow.link.closed("the cable is cut")
+    assert not failed
+    assert not slow.network.cancelled
+    [steps] = slow.network.steps
+    next(steps)
+    assert failed == [0]
+    cancels[2]()  # Its caller has left meanwhile.
+    finish(steps)
+    assert failed == [0, 1, 3]
+    assert slow.network.cancelled == ["wait"] * 3
