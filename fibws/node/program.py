@@ -5,13 +5,20 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import Coroutine
+from collections.abc import Coroutine, Iterable
+from pathlib import Path
+from types import FrameType
 from typing import Any, TypeVar
 
 from fibws.errors import AccessDenied, HubUnreachable, NodeKilled, NodeReplaced
 from fibws.exit_signals import ExitSignals
 
 T = TypeVar("T")
+
+PATIENCE = 5.0
+"""Seconds in which a program's other tasks must end when it does."""
+MOST_NAMED = 5
+"""Tasks that do not end, and are named one by one."""
 
 
 def run(main: Coroutine[Any, Any, T]) -> T | None:
@@ -20,6 +27,11 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
     Ctrl-C and SIGTERM are the normal end of a node, as with rospy: they cancel ``main``, so that
     each ``async with fibws.Node(...)`` block leaves the graph, and the exit code is 0. A signal
     more than a second later ends the process at once; earlier ones repeat the first.
+
+    Tasks that are left when ``main`` ends, such as handlers, are cancelled. One that goes on all
+    the same, as it swallows ``asyncio.CancelledError``, is named on stderr after 5 seconds, with
+    the line that it waits in, and the program ends without it. ``main`` itself has as much time as
+    it wants; after a signal, what it waits for is named likewise.
 
     Args:
         main: the program. It may also start a `Hub`, or tasks of its own.
@@ -58,7 +70,7 @@ def run_until_signal(main: Coroutine[Any, Any, T]) -> T | None:
 
 async def _until_signal(main: Coroutine[Any, Any, T]) -> T | None:
     loop = asyncio.get_running_loop()
-    task = asyncio.ensure_future(main)
+    task, runner = asyncio.ensure_future(main), asyncio.current_task()
     is_stopped = False
 
     def stop(number: int) -> None:
@@ -68,6 +80,8 @@ async def _until_signal(main: Coroutine[Any, Any, T]) -> T | None:
             print(file=sys.stderr)  # The shell's prompt must not follow the terminal's ^C.
         signals.receive_directly()
         task.cancel()
+        hint = "is still ending; another Ctrl-C or SIGTERM ends the program at once"
+        loop.call_later(PATIENCE, lambda: _name_stubborn(asyncio.all_tasks() - {runner}, hint))
 
     signals = ExitSignals(stop)
     signals.install(loop)
@@ -78,4 +92,47 @@ async def _until_signal(main: Coroutine[Any, Any, T]) -> T | None:
             raise
         return None
     finally:
+        await _end_others()
         signals.remove(loop)
+
+
+async def _end_others() -> None:
+    """Cancel the tasks that are left, and leave those behind that do not end."""
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    if not tasks:
+        return
+    for task in tasks:
+        task.cancel()
+    _, stubborn = await asyncio.wait(tasks, timeout=PATIENCE)
+    _name_stubborn(stubborn, "did not end when it was cancelled, and is left behind")
+    for task in stubborn:
+        # asyncio.run would wait for it without end.
+        asyncio._unregister_task(task)
+        task._log_destroy_pending = False  # type: ignore[attr-defined]
+
+
+def _name_stubborn(tasks: Iterable[asyncio.Task[Any]], text: str) -> None:
+    """Write on stderr which tasks do not end, and where they wait."""
+    found = sorted(tasks, key=lambda task: task.get_name())
+    if sys.stderr is None:
+        return
+    for task in found[:MOST_NAMED]:
+        name = getattr(task.get_coro(), "__qualname__", "a task")
+        print(f"{name} ({_line_of(task)}) {text}", file=sys.stderr)
+    if len(found) > MOST_NAMED:
+        print(f"and {len(found) - MOST_NAMED} more tasks", file=sys.stderr)
+
+
+def _line_of(task: asyncio.Task[Any]) -> str:
+    """Return the file and the line that a task waits in: the innermost one outside asyncio."""
+    waiting: Any = task.get_coro()
+    innermost = "?"
+    while waiting is not None:
+        frame: FrameType | None = getattr(waiting, "cr_frame", getattr(waiting, "gi_frame", None))
+        if frame is not None and Path(frame.f_code.co_filename).parent != _ASYNCIO:
+            innermost = f"{frame.f_code.co_filename}:{frame.f_lineno}"
+        waiting = getattr(waiting, "cr_await", getattr(waiting, "gi_yieldfrom", None))
+    return innermost
+
+
+_ASYNCIO = Path(asyncio.__file__).parent

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,7 +15,10 @@ from contextlib import contextmanager
 import pytest
 
 import fibws
+from fibws.node import program
 from fibws.testing import HubThread
+
+from .stubborn import Stubborn
 
 TALKER = """
 import sys
@@ -117,8 +121,68 @@ def test_program_runs_in_another_thread() -> None:
     assert results == [8]
 
 
+@pytest.mark.parametrize("count", [1, program.MOST_NAMED + 2])
+def test_task_that_swallows_each_cancellation_is_named_and_left_behind(
+    count: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(program, "PATIENCE", 0.01)
+
+    async def main() -> int:
+        handlers = [Stubborn() for _ in range(count)]
+        main.tasks = [asyncio.ensure_future(each(None)) for each in handlers]  # type: ignore[attr-defined]
+        for each in handlers:
+            await each.begun.wait()
+        return 8
+
+    assert fibws.run(main()) == 8
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == min(count, program.MOST_NAMED + 1)
+    assert re.search(r"Stubborn\.__call__ \(.*stubborn\.py:\d+\)", lines[0])
+    if count > 1:
+        assert "2 more" in lines[-1]
+
+
+def test_what_a_program_waits_for_after_a_signal_is_named() -> None:
+    text = """
+import asyncio
+
+import fibws
+from fibws.node import program
+
+program.PATIENCE = 0.01
+
+
+async def park() -> None:
+    parked.set()
+    await asyncio.sleep(1000)
+
+
+async def main() -> None:
+    global parked
+    parked = asyncio.Event()
+    print("ready", flush=True)
+    try:
+        await asyncio.Event().wait()
+    finally:
+        await park()
+
+
+fibws.run(main())
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline() == "ready\n"
+        process.terminate()
+        named = process.stderr.readline()
+        process.kill()
+    assert "main" in named and "<string>:12" in named and "Ctrl-C" in named
+
+
 def test_second_signal_ends_a_program_that_does_not_end() -> None:
-    program = """
+    text = """
 import asyncio
 
 import fibws
@@ -139,7 +203,7 @@ async def main() -> None:
 fibws.run(main())
 """
     with subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", text], stdout=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
