@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import from_json, to_json
 
 from fibws.access.rights import Principal
 from fibws.errors import FederationError
@@ -45,11 +46,13 @@ from fibws.hub.federation.records import (
     Number,
     Reply,
     Request,
+    Skipped,
     decode_announcement,
     decode_fields,
     encode_announcement,
     encode_fields,
     failure,
+    fault,
 )
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.zenoh_session import (
@@ -192,6 +195,8 @@ class ZenohBackplane(Backplane):
         """Own requests by their ids: the hub, what takes replies, and what ends the query."""
         self._handled: dict[tuple[str, str], Cancel] = {}
         self._faults = 0
+        self._skipped: set[tuple[str, str]] = set()
+        """The kinds of invalid records that were logged, by hub."""
         self._is_open = False
         self._timer: asyncio.TimerHandle | None = None
 
@@ -497,9 +502,9 @@ class ZenohBackplane(Backplane):
         if hub not in self._alive or hub in self._peers:
             return
         try:
-            state = _State.model_validate_json(answers[0]) if answers else None
-        except ValidationError as error:
-            self._report(FederationError(f"invalid state: {error}"), hub)
+            state = _decode_state(answers[0], partial(self._skip, hub)) if answers else None
+        except FederationError as error:
+            self._report(error, hub)
             return
         if state is None or state.hub.id != hub:
             # Its token may arrive before the network knows that it can be asked.
@@ -526,6 +531,7 @@ class ZenohBackplane(Backplane):
         self._early.pop(hub, None)
         self._delays.pop(hub, None)
         self._counters.pop(hub, None)
+        self._skipped = {each for each in self._skipped if each[0] != hub}
         lost = failure(f"the hub is lost: {reason}", "server_lost")
         requests = [id_ for id_, (of, *_) in self._requests.items() if of == hub]
         handled = [each for each in self._handled if each[0] == hub]
@@ -582,7 +588,9 @@ class ZenohBackplane(Backplane):
             return
         self._counters[hub] = counter
         try:
-            self._network.announced(self._peers[hub], decode_announcement(data))
+            self._network.announced(
+                self._peers[hub], decode_announcement(data, partial(self._skip, hub))
+            )
         except FederationError as error:
             self._report(error, hub)
 
@@ -748,12 +756,43 @@ class ZenohBackplane(Backplane):
     def _count_dropped(self) -> None:
         self.dropped += 1
 
+    def _skip(self, hub: str, kind: str, text: str) -> None:
+        """Log that a record of a hub is left out; the first one of a kind."""
+        if (hub, kind) not in self._skipped:
+            self._skipped.add((hub, kind))
+            line = "Hub %s on zenoh: invalid record: %s; more like it are not logged."
+            logger.warning(line, hub, printable(text))
+
     def _report(self, error: Exception, hub: str) -> None:
         """Log what is wrong with the data of a hub; not each time."""
         self._faults += 1
         if is_power_of_ten(self._faults):
             text = "Hub %s on zenoh (%d faults so far): %s"
             logger.warning(text, hub or "?", self._faults, printable(str(error)))
+
+
+def _decode_state(data: bytes, skipped: Skipped) -> _State:
+    """Return everything that a hub announces, without what is invalid in it.
+
+    Raises:
+        FederationError: it is no state, or too much of it is invalid.
+    """
+    try:
+        return _State.model_validate_json(data)
+    except ValidationError:
+        pass  # A record may be at fault alone.
+    try:
+        found = from_json(data)
+        if not isinstance(found, dict):
+            raise FederationError("invalid state: expected an object")
+        announced = to_json(found.get("announcement"))
+        state = _State.model_validate_json(to_json({**found, "announcement": {}}))
+    except ValidationError as error:
+        raise FederationError(f"invalid state: {fault(error)}") from None
+    except ValueError as error:
+        raise FederationError(f"invalid state: {error}") from None
+    announcement = decode_announcement(announced, skipped)
+    return state.model_copy(update={"announcement": announcement})
 
 
 def _in_order() -> dict[str, Any]:
