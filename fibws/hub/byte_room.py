@@ -47,3 +47,28 @@ class ByteRoom:
     def forget(self, retry: Callable[[], object]) -> None:
         """Do not call a function that waits."""
         self._waiting.pop(retry, None)
+
+
+class Reservation:
+    """The room of one file on its way to a client."""
+
+    def __init__(self, room: ByteRoom) -> None:
+        self._room = room
+        self._size = 0
+        self._has_ended = False
+        self._lock = Lock()
+
+    def reserve(self, size: int) -> bool:
+        """Take room, in any thread; return whether there is enough, and somebody waits for it."""
+        with self._lock:
+            if self._has_ended or not self._room.take(size):
+                return False
+            self._size = size
+            return True
+
+    def end(self) -> None:
+        """Return the room: the file is sent, or not wanted any more."""
+        with self._lock:
+            self._has_ended = True
+            self._room.give_back(self._size)
+            self._size = 0

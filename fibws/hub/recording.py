@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import logging
 import time
+from collections import OrderedDict
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic_core import from_json
@@ -42,6 +44,8 @@ STATE = f"{NODE}/state"
 MOST_DEPARTED = 100
 """Publishers of a topic that have left and are remembered, as they may come back."""
 STATE_INTERVAL = 1.0
+MOST_FILES = 10_000
+"""Files of recordings whose names are kept, for downloads."""
 """Seconds between two messages of the state while something is recorded."""
 
 
@@ -176,6 +180,8 @@ class Recording:
         """The current recording, or the last one."""
         self._topics: dict[str, RecordedTopic] = {}
         self._is_recording = False
+        self._files: OrderedDict[str, Path] = OrderedDict()
+        """All files since the hub's start, by their names."""
         self._past = RecordingTotals()
         """Of the recordings that have ended."""
         self._starting: list[Callable[[], None]] = []
@@ -235,7 +241,7 @@ class Recording:
             ),
             self.graph.clock.now,
             logger,
-            on_file=lambda path: self._loop.call_soon_threadsafe(self._begun),
+            on_file=lambda path: self._loop.call_soon_threadsafe(self._file_begun, path),
             on_end=lambda: self._loop.call_soon_threadsafe(self._ended),
         )
         self._recorder = recorder
@@ -306,6 +312,16 @@ class Recording:
         for name in self._services():
             self.graph.remove_service(self.graph.services[name])
         self.graph.leave(self, NODE)
+
+    def find(self, name: str) -> Path | None:
+        """Return the path of a file of this hub's recordings by its name."""
+        return self._files.get(name)
+
+    def _file_begun(self, path: Path) -> None:
+        self._files[path.name] = path
+        if len(self._files) > MOST_FILES:
+            self._files.popitem(last=False)
+        self._begun()
 
     def _begun(self) -> None:
         """Tell those who wait for it that a file has begun, or that none can begin."""

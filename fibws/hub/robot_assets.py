@@ -18,7 +18,6 @@ from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from heapq import nsmallest
 from pathlib import Path
-from threading import Lock
 from typing import TypeAlias
 from urllib.parse import unquote
 
@@ -29,7 +28,7 @@ from websockets.http11 import Response
 from fibws.access.rights import Right
 from fibws.errors import AssetRefused, AuthenticationError
 from fibws.hub.access.authentication import Authentication
-from fibws.hub.byte_room import ByteRoom
+from fibws.hub.byte_room import ByteRoom, Reservation
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.package_folders import MANIFEST, PackageFolders, name_of
@@ -197,31 +196,6 @@ def _is_of(file: Path, package: str) -> bool:
     return False
 
 
-class _Download:
-    """One file on its way to a client."""
-
-    def __init__(self, room: ByteRoom) -> None:
-        self._room = room
-        self._size = 0
-        self._has_ended = False
-        self._lock = Lock()
-
-    def reserve(self, size: int) -> bool:
-        """Return whether there is room for the file, and somebody waits for it."""
-        with self._lock:
-            if self._has_ended or not self._room.take(size):
-                return False
-            self._size = size
-            return True
-
-    def end(self) -> None:
-        """Take note that the file is sent, or not wanted any more."""
-        with self._lock:
-            self._has_ended = True
-            self._room.give_back(self._size)
-            self._size = 0
-
-
 class AssetRoute:
     """``/assets/package/``.
 
@@ -264,7 +238,7 @@ class AssetRoute:
             found.headers["WWW-Authenticate"] = "Bearer"
             return _shared(found, origin)
         path = get.path.partition("?")[0].removeprefix(self.PATH)
-        download = _Download(self._room)
+        download = Reservation(self._room)
         make = partial(self._make, f"{SCHEME}{path}", named, get.headers, download)
         return DeferredResponse(make, self._threads.run, download.end)
 
@@ -277,7 +251,7 @@ class AssetRoute:
         return login.principal.rights.allows
 
     def _make(
-        self, uri: str, named: Collection[str], headers: Headers, download: _Download
+        self, uri: str, named: Collection[str], headers: Headers, download: Reservation
     ) -> Response:
         try:
             found = self._read(self._assets.resolve(uri, named), headers, download)
@@ -287,7 +261,7 @@ class AssetRoute:
             found = _refusal(http.HTTPStatus.NOT_FOUND, f"the hub cannot read it: {error.strerror}")
         return _shared(found, headers.get("Origin"))
 
-    def _read(self, path: Path, headers: Headers, download: _Download) -> Response:
+    def _read(self, path: Path, headers: Headers, download: Reservation) -> Response:
         with path.open("rb") as file:
             info = path.stat()
             if not stat.S_ISREG(info.st_mode):

@@ -43,6 +43,7 @@ from fibws.hub.memory import Account, Bound, Holding, Part
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
+from fibws.hub.recording_downloads import RecordingRoute
 from fibws.hub.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
 from fibws.hub.rosapi.clients import Client
 from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
@@ -268,6 +269,8 @@ class Hub:
         LoginRoutes(requests, self._authentication, refuse, self._logged_out)
         self._asset_room = room = ByteRoom(min(MOST_UNSENT, self._account.reserved))
         AssetRoute(requests, self.assets, self._authentication, self._readers, room)
+        if self.recording is not None:
+            RecordingRoute(requests, self.recording, self._authentication, self._readers, room)
         self._count_held()
         metrics = Metrics(
             self.graph,

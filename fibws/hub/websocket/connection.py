@@ -609,9 +609,19 @@ class Connection(asyncio.BufferedProtocol):
         while self._rest and self._transport.get_write_buffer_size() <= HIGH_WATER:
             self._transport.write(self._rest[:HIGH_WATER])
             self._rest = self._rest[HIGH_WATER:]
-        if not self._rest:
-            self._write_eof()
-            self._keepalive.closing(self._shared.loop.time())
+        if self._rest or (self._deferred is not None and self._deferred.read_on(self._go_on)):
+            return
+        self._write_eof()
+        self._keepalive.closing(self._shared.loop.time())
+
+    def _go_on(self, piece: bytes) -> None:
+        """Send the next piece of a file."""
+        if not piece:  # Only an end without the rest tells the client that this is not all.
+            self._transport.abort()
+        elif not self._transport.is_closing():
+            self._keepalive.sends(self._shared.loop.time())
+            self._rest = memoryview(piece)
+            self._write_rest()
 
     def _identify(self, request: Request) -> None:
         """Take the client's address from a trusted proxy, if it comes through one."""

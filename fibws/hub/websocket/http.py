@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
-from typing import TypeAlias
+from typing import BinaryIO, TypeAlias
 from urllib.parse import parse_qs
 
 from pydantic_core import to_json
@@ -31,7 +31,7 @@ from websockets.http11 import Request, Response
 from fibws import names
 from fibws.errors import InvalidName
 from fibws.hub.access.authentication import Certificate
-from fibws.hub.settings import Settings
+from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.proxies import PROTO, is_secure
 from fibws.origins import AllowedOrigins, Origin, OwnHosts, origin_of_url
 
@@ -51,6 +51,8 @@ CONTENT_TYPES = {
     "txt": "text/plain",
     "woff2": "font/woff2",
 }
+PIECE = 256 * KIB
+"""Bytes of a large file that are read at once."""
 COMPRESSED = {"jpeg", "jpg", "png", "woff2"}
 """Kinds of files that gzip cannot make smaller."""
 
@@ -108,6 +110,34 @@ class Get:
     certificate: Certificate | None = None
 
 
+class FileResponse(Response):
+    """A response whose body is a file, of which only a piece is in memory at a time.
+
+    Args:
+        file: open for reading; it is closed in the end.
+        size: bytes to send.
+    """
+
+    def __init__(self, headers: Headers, file: BinaryIO, size: int) -> None:
+        super().__init__(http.HTTPStatus.OK, http.HTTPStatus.OK.phrase, headers)
+        self._file = file
+        self.left = size
+        """Bytes that are still to be read."""
+
+    def read(self) -> bytes:
+        """Return the next piece, in any thread; nothing if the file is shorter than it was."""
+        try:
+            piece = self._file.read(min(PIECE, self.left))
+        except (OSError, ValueError):  # It may be closed meanwhile.
+            piece = b""
+        self.left -= len(piece)
+        return piece
+
+    def close(self) -> None:
+        """Close the file, in any thread."""
+        self._file.close()
+
+
 class DeferredResponse(Response):
     """A response that takes too long to make for the event loop; it is empty until `start` is done.
 
@@ -137,9 +167,32 @@ class DeferredResponse(Response):
         self._send = send
         self._run(self._work, self._done)
 
+    def read_on(self, take: Callable[[bytes], object]) -> bool:
+        """Read the next piece of a file, and give it to a function in the event loop.
+
+        Args:
+            take: gets nothing if the file cannot be read.
+
+        Returns:
+            Whether there is one.
+        """
+        made = self._made
+        if not isinstance(made, FileResponse) or not self.has_body or not made.left:
+            return False
+        pieces: list[bytes] = []
+
+        def done() -> None:
+            if self._send is not None:
+                take(pieces[0])
+
+        self._run(lambda: pieces.append(made.read()), done)
+        return True
+
     def end(self) -> None:
         """Forget the response."""
-        self._send = self._made = None
+        made, self._send, self._made = self._made, None, None
+        if isinstance(made, FileResponse):
+            self._run(made.close, lambda: None)
         self._ended()
 
     def _work(self) -> None:

@@ -62,6 +62,10 @@ class Keepalive:
         if not self._open:
             self._since = now
 
+    def sends(self, now: float) -> None:
+        """Take note that the next piece of a large file is there for a client without handshake."""
+        self._since = now
+
     def resumed(self) -> None:
         """Take note that the socket takes data again."""
         self._paused_since = None

@@ -39,6 +39,13 @@ def test_client_of_a_large_file_has_time_for_each_piece() -> None:
     assert keepalive.verdict(28.1, unsent=100) == "abort"
 
 
+def test_client_that_reads_a_large_file_at_once_has_time_for_each_piece() -> None:
+    keepalive = Keepalive(Settings(open_timeout=5), now=10)
+    keepalive.sends(14)
+    assert keepalive.verdict(18, unsent=0) is None
+    assert keepalive.verdict(19.1, unsent=0) == "abort"
+
+
 def test_client_is_pinged_in_every_interval() -> None:
     keepalive = opened()
     pinged = []

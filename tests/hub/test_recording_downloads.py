@@ -1,0 +1,188 @@
+"""Downloads of recordings: which files, for whom, and how they are sent."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import StartHub
+from patience import PATIENCE
+
+from fibws.bags import open_reader
+from fibws.hub import Hub
+from fibws.hub.recording_downloads import HELD
+from fibws.hub.websocket.http import PIECE
+
+from .raw_client import Gone, dialled, longest_turn
+from .test_robot_assets import get
+from .token_clients import entry
+
+
+async def record(hub: Hub) -> Path:
+    """Make a recording, and return its file."""
+    recording = hub.recording
+    assert recording is not None
+    await called(lambda done: _start(hub, done))
+    await called(recording.stop)
+    state = recording.state()
+    assert state is not None and not state.fault
+    return Path(state.file)
+
+
+def _start(hub: Hub, done: Callable[[], None]) -> None:
+    assert hub.recording is not None
+    hub.recording._starting.append(done)
+    hub.recording.start()
+
+
+async def called(begin: Callable[[Callable[[], None]], object]) -> None:
+    """Wait until a function calls what it is given."""
+    event = asyncio.Event()
+    begin(event.set)
+    await event.wait()
+
+
+@pytest.fixture
+async def hub(start_hub: StartHub, tmp_path: Path) -> Hub:
+    return await recorder(start_hub, tmp_path)
+
+
+async def recorder(start_hub: StartHub, folder: Path, **settings: Any) -> Hub:
+    return await start_hub(
+        record=folder / "bags", record_at_start=False, record_min_space=0, **settings
+    )
+
+
+async def test_recording_is_downloaded_as_it_is(hub: Hub, tmp_path: Path) -> None:
+    file = await record(hub)
+    status, headers, body = await get(hub, f"/recordings/{file.name}")
+    assert (status, body) == (200, file.read_bytes())
+    assert int(headers["content-length"]) == len(body)
+    assert headers["content-disposition"].startswith("attachment")
+    assert file.name in headers["content-disposition"]
+    assert headers["cross-origin-resource-policy"] == "same-origin"
+    copy = tmp_path / "copy.bag"
+    copy.write_bytes(body)
+    with open_reader(copy):
+        pass
+
+
+async def test_head_has_no_body(hub: Hub) -> None:
+    file = await record(hub)
+    status, headers, body = await get(hub, f"/recordings/{file.name}", method="HEAD")
+    assert (status, body) == (200, b"")
+    assert int(headers["content-length"]) == file.stat().st_size
+
+
+@pytest.mark.both_loops
+async def test_large_recording_arrives_whole_in_pieces(hub: Hub) -> None:
+    file = await record(hub)
+    data = os.urandom(40 * PIECE + 1)  # More than sockets buffer.
+    file.write_bytes(data)
+    async with longest_turn() as longest:
+        status, _, body = await get(hub, f"/recordings/{file.name}")
+    assert status == 200
+    assert body == data
+    assert longest() < 0.5
+    async with asyncio.timeout(PATIENCE):
+        while hub._connections:
+            await asyncio.sleep(0)
+    assert hub._asset_room.held == 0
+
+
+async def test_memory_of_a_client_that_does_not_read_is_bounded(hub: Hub) -> None:
+    file = await record(hub)
+    file.write_bytes(bytes(200 * PIECE))
+    async with dialled(hub.port) as client:
+        request = f"GET /recordings/{file.name} HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        await client.send(request.encode())
+        await client._until(b"\r\n\r\n")
+        assert hub._asset_room.held == HELD
+        [connection] = hub._connections
+        assert len(connection._rest) <= PIECE
+
+
+async def test_file_that_becomes_shorter_ends_the_connection(hub: Hub) -> None:
+    file = await record(hub)
+    file.write_bytes(bytes(200 * PIECE))
+    async with dialled(hub.port) as client:
+        request = f"GET /recordings/{file.name} HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        await client.send(request.encode())
+        await client._until(b"\r\n\r\n")
+        os.truncate(file, 10 * PIECE)
+        with pytest.raises(Gone):
+            await client._until(b"no such bytes")
+        assert len(client._read) < 200 * PIECE
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", "other.bag", "../secret", "..%2Fsecret", "%2e%2e/secret", "/etc/passwd", "a\0b", "bags"],
+)
+async def test_only_what_the_hub_has_recorded_is_sent(hub: Hub, tmp_path: Path, name: str) -> None:
+    file = await record(hub)
+    (tmp_path / "secret").write_text("secret")
+    (file.parent / "other.bag").write_text("of another recorder")
+    status, _, body = await get(hub, f"/recordings/{name}")
+    assert status in (400, 404)
+    assert b"secret" not in body and b"another" not in body
+
+
+async def test_file_that_is_being_written_is_not_sent(hub: Hub) -> None:
+    await called(lambda done: _start(hub, done))
+    assert hub.recording is not None
+    state = hub.recording.state()
+    assert state is not None
+    status, _, body = await get(hub, f"/recordings/{Path(state.file).name}")
+    assert (status, b"not complete" in body) == (404, True)
+
+
+async def test_link_in_place_of_a_recording_is_not_followed(hub: Hub, tmp_path: Path) -> None:
+    file = await record(hub)
+    secret = tmp_path / "secret"
+    secret.write_text("secret")
+    file.unlink()
+    file.symlink_to(secret)
+    status, _, body = await get(hub, f"/recordings/{file.name}")
+    assert status == 404
+    assert b"secret" not in body
+
+
+async def test_download_needs_the_right_admin(start_hub: StartHub, tmp_path: Path) -> None:
+    tokens = tmp_path / "tokens.toml"
+    tokens.write_text(
+        entry("boss", "admin = true") + entry("ann", 'allow = {subscribe = ["/**"]}'), "utf-8"
+    )
+    hub = await recorder(start_hub, tmp_path, tokens=tokens)
+    file = await record(hub)
+    path = f"/recordings/{file.name}"
+    assert (await get(hub, path))[0] == 401
+    assert (await get(hub, f"{path}?token=boss"))[0] == 401
+    assert (await get(hub, path, Authorization="Bearer wrong"))[0] == 401
+    assert (await get(hub, path, Authorization="Bearer ann"))[0] == 403
+    assert (await get(hub, "/recordings/none", Authorization="Bearer ann"))[0] == 403
+    status, _, body = await get(hub, path, Authorization="Bearer boss")
+    assert (status, body) == (200, file.read_bytes())
+
+
+async def test_pages_of_other_origins_get_nothing(hub: Hub) -> None:
+    file = await record(hub)
+    path = f"/recordings/{file.name}"
+    assert (await get(hub, path, Origin="http://evil.example"))[0] == 403
+    assert (await get(hub, path, Host="evil.example"))[0] == 403
+
+
+async def test_downloads_are_bounded(hub: Hub) -> None:
+    file = await record(hub)
+    room = hub._asset_room
+    assert room.take(room.size - HELD + 1)
+    status, headers, _ = await get(hub, f"/recordings/{file.name}")
+    assert (status, headers["retry-after"]) == (503, "1")
+
+
+async def test_hub_that_records_nothing_has_no_downloads(start_hub: StartHub) -> None:
+    assert (await get(await start_hub(), "/recordings/x.bag"))[0] == 404
