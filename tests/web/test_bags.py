@@ -45,6 +45,12 @@ async def test_header_starts_and_stops_the_recording(tmp_path: Path, open_page: 
         await expect(button).to_have_text("Record")
         saved = re.compile(r"^saved [\d_-]+\.bag · .+ · \d+ messages?$")
         await expect(page.locator(".bags-progress")).to_have_text(saved)
+        async with page.expect_download() as download:
+            await page.locator(".bags-progress a").click()
+        copy = tmp_path.parent / "copy.bag"
+        await (await download.value).save_as(copy)
+        [original] = tmp_path.iterdir()
+        assert copy.read_bytes() == original.read_bytes()
         await page.context.close()
     assert "/numbers" in recorded(tmp_path)
 

@@ -1,12 +1,13 @@
 /** The header's controls of bags: the hub's recording, and links to the bags that are played. */
 import "./bags.css";
 
-import { h, replace, setText } from "../dom";
+import { type Child, h, replace, setText } from "../dom";
 import { bytes, plural } from "../format";
 import type { Hub } from "../hub";
 import type { Graph, Model, Time } from "../model";
 import { route } from "../view";
 import { clockText } from "./clock_text";
+import { downloadUrl, nameOf } from "./download";
 import { PLAYBACK, RECORDER } from "./names";
 
 /** A message of fibws_msgs/RecordingState. */
@@ -70,7 +71,7 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
     button.title = isRecording ? "Stop recording all topics" : "Record all topics at the hub";
     box.classList.toggle("recording", isRecording);
     if (isRecording) setText(progress, progressText(state));
-    else if (hasEnded) setText(progress, savedText(state));
+    else if (hasEnded) replace(progress, ...saved(state, hub.url));
     progress.title = [state.file, plural(state.messages, "message")].join(", ");
     report(state.fault);
   };
@@ -101,11 +102,17 @@ function canRecord(graph: Graph | null): boolean {
   return graph?.services.some(({ name }) => name === `${RECORDER}/start`) ?? false;
 }
 
-/** What a recording has left: `saved 2026-11-27.bag · 20 MiB · 5000 messages`. */
-export function savedText({ file, files, bytes: size, messages }: RecordingState): string {
-  if (files === 0) return "";
-  const name = files > 1 ? plural(files, "file") : file.slice(file.lastIndexOf("/") + 1);
-  return [`saved ${name}`, bytes(size), plural(messages, "message")].join(" · ");
+/**
+ * What a recording has left: `saved 2026-11-27.bag · 20 MiB · 5000 messages`.
+ *
+ * The name is a link that downloads the file, of several the last one.
+ */
+function saved({ file, files, bytes: size, messages }: RecordingState, hub: string): Child[] {
+  if (files === 0) return [];
+  const name = nameOf(file);
+  const link = h("a", { href: downloadUrl(file, hub, location.href), download: name }, name);
+  const before = files > 1 ? `saved ${plural(files, "file")}, the last one ` : "saved ";
+  return [before, link, ["", bytes(size), plural(messages, "message")].join(" · ")];
 }
 
 /** How long and how much: `1:05 · 20 MiB`, and what was dropped. */
