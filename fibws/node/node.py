@@ -660,8 +660,10 @@ class Node:
         """Set the simulated time by /clock."""
         try:
             async with self.subscribe("/clock", "rosgraph_msgs/Clock", queue_size=1) as messages:
-                async for message in messages:
-                    self._clock.set(message.clock.to_nanoseconds())
+                # In the order in which the hub sent it among all messages.
+                messages.hand_to(lambda message: self._clock.set(message.clock.to_nanoseconds()))
+                async for _ in messages:
+                    pass
         except FibwsError as error:
             self.log.error("The time stands still: cannot subscribe to /clock: %s", error)
 

@@ -1,10 +1,7 @@
 """Coordinate frames and the transforms between them over time, as in tf2.
 
-buffer = Buffer()
-async with fibws.Node("robot") as node, asyncio.TaskGroup() as tasks:
-    tasks.create_task(TransformListener(node, buffer).run())
-    ...
-    camera = buffer.lookup("map", "camera").transform
+async with fibws.Node("robot") as node, TransformListener(node) as transforms:
+    camera = await transforms.wait("map", "camera", timeout=1)
 """
 
 from lazy_loader import attach_stub

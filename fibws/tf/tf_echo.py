@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from contextlib import suppress
 from math import degrees, inf
@@ -74,18 +73,17 @@ async def echo(
 
     Args:
         buffer: an empty buffer.
-        rate: how often, in Hz.
+        rate: how often, in Hz of the node's time.
         report: prints a text.
         moment: which transform.
         count: end after so many texts.
         precision: decimals of the numbers.
     """
-    listener = TransformListener(node, buffer)
-    listening = asyncio.create_task(listener.run())
-    try:
+    async with TransformListener(node, buffer) as listener:
         with suppress(TransformError):
             await listener.wait(target, source, timeout=PATIENCE)
-        while count > 0:
+        async for _ in node.rate(rate):
+            listener.check()
             try:
                 report(text_of(buffer.lookup(target, source, moment.stamp(node)), precision))
             except TransformError as error:
@@ -95,12 +93,8 @@ async def echo(
                     f"The current list of frames is:\n{buffer.listing()}"
                 )
             count -= 1
-            if count > 0:
-                await asyncio.wait({listening}, timeout=1 / rate)
-            if listening.done():
-                return listening.result()
-    finally:
-        listening.cancel()
+            if count <= 0:
+                break
 
 
 @click.command(context_settings=node_program.SETTINGS)

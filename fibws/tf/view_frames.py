@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import shutil
+from contextlib import suppress
 from pathlib import Path
 
 import click
@@ -21,11 +22,9 @@ SECONDS = 5.0
 async def listen(node: fibws.Node, duration: float) -> str:
     """Return the frames of some seconds as a graph for graphviz."""
     buffer = Buffer()
-    listening = asyncio.create_task(TransformListener(node, buffer, authorities=True).run())
-    done, _ = await asyncio.wait({listening}, timeout=duration)
-    for task in done:
-        task.result()
-    listening.cancel()
+    with suppress(TimeoutError):
+        async with asyncio.timeout(duration):
+            await TransformListener(node, buffer, authorities=True).run()
     return as_dot(buffer, node.now().to_nanoseconds() / 1e9)
 
 
