@@ -8,6 +8,10 @@ import time
 
 from fibws.node.session import Session
 
+CLOCK_QUEUE = 100
+"""Length of the queue of /clock: with 1, as in ROS, the hub would drop the times of messages that
+it sends together with later ones."""
+
 
 class Clock:
     """Tells the node's time, and waits for it (http://wiki.ros.org/Clock).

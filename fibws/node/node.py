@@ -20,7 +20,7 @@ from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg.rosgraph_msgs import Log
 from fibws.node.calls import Calls
 from fibws.node.checks import check_queue_size, check_timeout
-from fibws.node.clock import Clock, Rate
+from fibws.node.clock import CLOCK_QUEUE, Clock, Rate
 from fibws.node.connection import Connection
 from fibws.node.log import Console, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
@@ -659,7 +659,8 @@ class Node:
     async def _follow_clock(self) -> None:
         """Set the simulated time by /clock."""
         try:
-            async with self.subscribe("/clock", "rosgraph_msgs/Clock", queue_size=1) as messages:
+            clock = self.subscribe("/clock", "rosgraph_msgs/Clock", queue_size=CLOCK_QUEUE)
+            async with clock as messages:
                 # In the order in which the hub sent it among all messages.
                 messages.hand_to(lambda message: self._clock.set(message.clock.to_nanoseconds()))
                 async for _ in messages:

@@ -59,7 +59,8 @@ class PlayOptions:
         queue_size: of the publishers.
         delay: seconds to wait after the topics were advertised.
         waits_for_subscribers: whether to wait until each topic has a subscriber.
-        clock_rate: how often the time is published on /clock, in hertz; 0 for never.
+        clock_rate: how often the time is published on /clock besides before messages, in hertz; 0
+            for never.
         control_topic: the topic of `Playback.controlled`; empty for none.
         is_quiet: whether to print no progress.
     """
@@ -142,6 +143,8 @@ class Player:
         """The publishers of each topic that is played."""
         self._playback: Playback
         self._clock: fibws.Publisher[Any, ...] | None = None
+        self._time = -1
+        """The last time that was published on /clock, in nanoseconds."""
         self._state: fibws.Publisher[Any, ...]
 
     async def run(self) -> None:
@@ -162,7 +165,7 @@ class Player:
                 self._playback_options,
                 self._room,
                 on_change=self._publish_state,
-                on_step=self._publish_clock,
+                on_time=self._publish_time if self._options.clock_rate else lambda time: None,
                 on_skip=self._report_skip,
             )
             await self._advertise_own()
@@ -316,10 +319,15 @@ class Player:
     def _publish_state(self) -> None:
         self._state.send_while_open(self._state.encode(self._current_state()))
 
-    def _publish_clock(self) -> None:
-        if self._clock is not None:
-            now = Time.from_nanoseconds(self._playback.position)
-            self._clock.send_while_open(self._clock.encode(now))
+    def _publish_time(self, time: int) -> None:
+        """Publish a time on /clock, unless it is the last one that was published."""
+        if self._clock is not None and time != self._time:
+            self._publish_clock(time)
+
+    def _publish_clock(self, time: int) -> None:
+        assert self._clock is not None
+        self._time = time
+        self._clock.send_while_open(self._clock.encode(Time.from_nanoseconds(time)))
 
     def _report_skip(self, span: int) -> None:
         """Say that a span without messages is skipped, unless that is as long as was asked for."""
@@ -336,7 +344,7 @@ class Player:
         period = 1 / self._options.clock_rate
         due = loop.time()
         while True:
-            self._publish_clock()
+            self._publish_clock(self._playback.position)
             due = max(due + period, loop.time())
             await asyncio.sleep(due - loop.time())
 

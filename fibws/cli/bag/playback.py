@@ -150,7 +150,8 @@ class Playback:
         room: waits while messages are published faster than they can be sent, and lets other tasks
             run.
         on_change: called when the playback was paused, resumed, or changed in another way.
-        on_step: called before a single message is published during a pause.
+        on_time: called with the time of each message in nanoseconds, before it, and
+            with that of the playback at first and after a jump.
         on_skip: called with the nanoseconds of each span without messages that is skipped.
     """
 
@@ -161,7 +162,7 @@ class Playback:
         room: Callable[[], Awaitable[None]],
         *,
         on_change: Callable[[], object] = lambda: None,
-        on_step: Callable[[], object] = lambda: None,
+        on_time: Callable[[int], object] = lambda time: None,
         on_skip: Callable[[int], object] = lambda span: None,
     ) -> None:
         self.options = options
@@ -178,7 +179,7 @@ class Playback:
         self._bags = bags
         self._room = room
         self._on_change = on_change
-        self._on_step = on_step
+        self._on_time = on_time
         self._on_skip = on_skip
         self._clock = asyncio.get_running_loop().time
         self._position = options.start
@@ -274,6 +275,8 @@ class Playback:
 
     async def _play(self, time: int) -> None:
         latched = await self._bags.seek(time)
+        on_time = self._on_time
+        on_time(time)
         for target, data in latched:
             target.publish(data)
         self._next = time
@@ -285,6 +288,7 @@ class Playback:
                 self._next = received
                 if not self._is_due(received, target):
                     await self._due(received, target)
+                on_time(received)
                 target.publish(data)
                 left -= 1
                 if not left:
@@ -320,7 +324,6 @@ class Playback:
                 if self._steps:
                     self._steps -= 1
                     self._set_position(max(time, self._position))
-                    self._on_step()
                     return
                 await self._sleep(None)
                 continue

@@ -410,6 +410,58 @@ def test_clock_is_published_before_the_first_message(
     assert times[-1] <= START + SECOND // 50
 
 
+@pytest.mark.parametrize("words", [(), ("-r", "10"), ("-i",), ("-l",), ("-s", "0.01", "-l")])
+def test_no_message_is_ahead_of_the_clock(
+    hub: HubThread, tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    """Also where many messages come between two ticks, and when time goes back."""
+    messages = [(each / 1000, int32("/n", each)) for each in range(40)]
+    source = write(tmp_path / "a.bag", (0, int32("/map", 0, latching=True)), *messages)
+    early: list[tuple[str, int, int]] = []
+    count = 0
+
+    async def program() -> None:
+        nonlocal count
+        async with (
+            fibws.Node("robot", hub=hub.url, use_sim_time=True) as node,
+            asyncio.timeout(PATIENCE),
+        ):
+            done = asyncio.Event()
+            loop_ended = 80 if "-l" in words else 40
+
+            def take(message: Int32) -> None:
+                nonlocal count
+                time = START + message.data * SECOND // 1000
+                now = node.now().to_nanoseconds()
+                if now != time:
+                    early.append(("/n", message.data, now - time))
+                count += 1
+                if count >= loop_ended:
+                    done.set()
+
+            def take_map(message: Int32) -> None:
+                start = START + (SECOND // 100 if "-s" in words else 0)
+                if (now := node.now().to_nanoseconds()) != start:
+                    early.append(("/map", message.data, now - start))
+
+            node.subscribe("/n", Int32).hand_to(take)
+            node.subscribe("/map", Int32).hand_to(take_map)
+            await node.flush()
+            play = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-m", "fibws", "bag", "play", str(source), "--clock"),
+                *("-d", "0", "--wait-for-subscribers", "-q", *words),
+                env={**os.environ, "FIBWS_HUB": hub.url},
+                cwd=ROOT,
+            )
+            await done.wait()
+            if "-l" in words:
+                play.send_signal(signal.SIGINT)
+            await play.wait()
+
+    asyncio.run(program())
+    assert early == []
+
+
 def test_playback_is_controlled_by_services(hub: HubThread, bag: Path) -> None:
     async def program() -> None:
         received: asyncio.Queue[int] = asyncio.Queue()

@@ -345,9 +345,17 @@ def _use_simulated_time() -> None:
 
 
 async def _follow_clock(node: fibws.Node) -> None:
-    clock: fibws.Subscription[Any] = node.subscribe("/clock", "rosgraph_msgs/Clock", queue_size=1)
-    async for message in clock:
+    from fibws.node.clock import CLOCK_QUEUE
+
+    def take(message: Any) -> None:
         rostime.set_rostime(genpy.Time(message.clock.secs, message.clock.nsecs))
+
+    clock: fibws.Subscription[Any] = node.subscribe(
+        "/clock", "rosgraph_msgs/Clock", queue_size=CLOCK_QUEUE
+    )
+    clock.hand_to(take)  # In the order in which the hub sent it among all messages.
+    async for _ in clock:
+        pass
 
 
 def _ended(fault: Exception) -> None:
