@@ -39,6 +39,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("tf/robot.py", until="ready"),
         Part("tf/observer.py", interrupted=False),
     ),
+    "a transform that never comes": (Part("tf/waiting.py", until="ready"),),
     "a server of transforms": (
         Part("tf/robot.py", until="ready"),
         Part("tf/lookup_server.py", until="ready", errors=False),

@@ -103,6 +103,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "an arm's joints": (Part("arm.py", interrupted=False),),
     "services that call services": (Part("nested_services.py", interrupted=False),),
     "what follows a loop": (Part("counter.py", until="ready"),),
+    "what follows a sleep": (Part("stop_the_robot.py", until="ready"),),
     "a robot that ends itself": (Part("quitting_robot.py", interrupted=False),),
     "many topics, and any type": (Part("many_topics.py", interrupted=False),),
 }

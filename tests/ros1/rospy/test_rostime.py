@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import count
 
 import genpy
@@ -73,24 +73,49 @@ def test_negative_sleep_returns_at_once() -> None:
 
 
 @pytest.mark.usefixtures("wall")
-def test_shutdown_interrupts_a_sleep(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("sleep", [rostime.sleep, rostime.wallsleep])
+def test_shutdown_ends_a_sleep_without_an_exception(
+    monkeypatch: pytest.MonkeyPatch, sleep: Callable[[float], None]
+) -> None:
+    sleeper = threading.Thread(target=sleep, args=(3600,), daemon=True)
+    sleeper.start()
+    while not core.wakeup._sleepers:
+        pass
     monkeypatch.setattr(core, "_shutdown", True)
-    with pytest.raises(ROSInterruptException, match="ROS shutdown request"):
-        rostime.sleep(3600)
+    core.wakeup.wake_all()
+    sleeper.join(60)
+    assert not sleeper.is_alive()
+    late = threading.Thread(target=sleep, args=(3600,), daemon=True)
+    late.start()
+    late.join(60)
+    assert not late.is_alive()
+
+
+@pytest.mark.usefixtures("wall")
+@pytest.mark.parametrize("duration", [0.02, Duration(0, 20_000_000)])
+def test_sleep_of_a_thread_that_knows_of_shutdown_takes_its_duration(
+    monkeypatch: pytest.MonkeyPatch, duration: float | genpy.Duration
+) -> None:
+    monkeypatch.setattr(core, "_shutdown", True)
+    assert core.is_shutdown()
+    began = time.monotonic()
+    rostime.sleep(duration)
+    assert 0.02 <= time.monotonic() - began
+
+
+@pytest.mark.usefixtures("wall")
+def test_shutdown_interrupts_a_sleep_of_simulated_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(core, "_shutdown", True)
     rostime.set_rostime(genpy.Time(1))
     with pytest.raises(ROSInterruptException, match="ROS shutdown request"):
         rostime.sleep(3600)
 
 
-def test_wallsleep_needs_no_node_and_ends_with_shutdown(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_wallsleep_needs_no_node() -> None:
     began = time.monotonic()
     rostime.wallsleep(0.02)
     assert 0.02 <= time.monotonic() - began
     rostime.wallsleep(-1)
-    monkeypatch.setattr(core, "_shutdown", True)
-    rostime.wallsleep(3600)  # More than a test may take.
 
 
 class Sleeper(threading.Thread):

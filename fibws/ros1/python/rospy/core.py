@@ -29,6 +29,7 @@ __all__ = [
     "background",
     "get_caller_id",
     "get_node_uri",
+    "has_noticed_shutdown",
     "is_initialized",
     "is_shutdown",
     "is_shutdown_requested",
@@ -57,6 +58,7 @@ _lock = threading.RLock()
 _initialized = False
 _shutting_down = False
 _shutdown = False
+_thread = threading.local()
 _starters: list[Callable[[], object]] = []
 _client_hooks: list[Callable[[], object]] = []
 _early_hooks: list[Callable[[str], object]] = []
@@ -71,7 +73,17 @@ def is_initialized() -> bool:
 
 def is_shutdown() -> bool:
     """Return whether the node has ended."""
+    if _shutdown:
+        _thread.has_noticed = True
     return _shutdown
+
+
+def has_noticed_shutdown() -> bool:
+    """Return whether the node has ended, and this thread has learned that from `is_shutdown`.
+
+    A thread that waited for something until the node's end has learned it, too.
+    """
+    return _shutdown and getattr(_thread, "has_noticed", False)
 
 
 def is_shutdown_requested() -> bool:

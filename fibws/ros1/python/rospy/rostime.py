@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import time_ns
+import time
 from typing import overload
 
 import genpy
@@ -52,7 +52,7 @@ def get_rostime() -> Time:
         raise ROSInitException("time is not initialized. Have you called init_node()?")
     if _simulated is not None:
         return _simulated
-    return Time(*divmod(time_ns(), 1_000_000_000))
+    return Time(*divmod(time.time_ns(), 1_000_000_000))
 
 
 def get_time() -> float:
@@ -110,8 +110,15 @@ def seconds_of(duration: genpy.Duration | float | None) -> float | None:
 
 
 def wallsleep(duration: float) -> None:
-    """Sleep for seconds of wall time, or until the node ends."""
-    if duration > 0:
+    """Sleep for seconds of wall time, or until the node ends.
+
+    Once a thread has noticed the node's end, its sleeps last all of their time: the motors that a
+    script stops behind its loop may need it. Before, the end interrupts a sleep, even one that
+    begins later, so that a loop ends at once when Ctrl-C comes during its work.
+    """
+    if core.has_noticed_shutdown():
+        time.sleep(max(duration, 0))
+    else:
         core.wait_for_shutdown(duration)
 
 
@@ -121,16 +128,15 @@ def sleep(duration: genpy.Duration | float) -> None:
     Args:
         duration: a Duration, or seconds.
 
+    As in ROS, only simulated time raises at the node's end. At wall time a sleep ends early then,
+    see `wallsleep`, and what follows it runs.
+
     Raises:
-        ROSInterruptException: the node ends.
+        ROSInterruptException: the node ends, and time is simulated.
         ROSTimeMovedBackwardsException: simulated time went back to before the sleep.
     """
     if is_wallclock():
-        seconds = seconds_of(duration)
-        if seconds < 0:
-            return
-        if core.wait_for_shutdown(seconds):
-            raise ROSInterruptException("ROS shutdown request")
+        wallsleep(seconds_of(duration))
         return
     if not isinstance(duration, genpy.Duration):
         duration = genpy.Duration.from_sec(duration)

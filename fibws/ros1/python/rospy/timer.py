@@ -11,7 +11,7 @@ import genpy
 
 from rospy import core
 from rospy.exceptions import ROSInterruptException, ROSTimeMovedBackwardsException
-from rospy.rostime import Duration, Time, get_rostime, is_wallclock, sleep
+from rospy.rostime import Duration, Time, get_rostime, sleep
 
 __all__ = ["Rate", "Timer", "TimerEvent", "sleep"]
 
@@ -31,7 +31,6 @@ class Rate:
         self.last_time: genpy.Time = get_rostime()
         self.sleep_dur = Duration(0, int(1e9 / hz))
         self._reset = reset
-        self._was_interrupted = False
 
     def remaining(self) -> genpy.Duration:
         """Return the duration of a `sleep` now; negative if the loop is late."""
@@ -40,25 +39,18 @@ class Rate:
     def sleep(self) -> None:
         """Sleep until the period is over, or the node ends.
 
-        As in ROS, a loop that checks `is_shutdown` ends without an exception.
-
         Raises:
-            ROSInterruptException: it was called again after the node's end, or time is simulated.
+            ROSInterruptException: the node ends, and time is simulated.
             ROSTimeMovedBackwardsException: simulated time went back, and ``reset`` is false.
         """
         now = get_rostime()
         try:
-            # A late loop must notice the node's end, too.
-            sleep(max(self._remaining(now), Duration()))
+            sleep(self._remaining(now))
         except ROSTimeMovedBackwardsException:
             if not self._reset:
                 raise
             self.last_time = get_rostime()
             return
-        except ROSInterruptException:
-            if self._was_interrupted or not is_wallclock():
-                raise
-            self._was_interrupted = True
         self.last_time = self.last_time + self.sleep_dur
         if now - self.last_time > self.sleep_dur * 2:
             self.last_time = now

@@ -71,7 +71,7 @@ class Buffer(BufferCore, BufferInterface):
             ConnectivityException: the frames are in different trees.
             ExtrapolationException: the transform is not known at this time.
             InvalidArgumentException: a frame's name is empty or begins with ``/``.
-            ROSInterruptException: the node ends.
+            ROSInterruptException: the node ends, and time is simulated.
         """
         if timeout != rospy.Duration(0.0):
             self.can_transform(target_frame, source_frame, time, timeout)
@@ -147,14 +147,19 @@ class Buffer(BufferCore, BufferInterface):
         return found if whole else found[0]
 
     def _wait(self, condition: Callable[[], bool], timeout: Any) -> None:
-        """Wait until a condition holds that depends on the buffer, at most so long."""
+        """Wait until a condition holds that depends on the buffer, at most so long.
+
+        It ends with the node as `rospy.sleep` does.
+        """
+        wall = rospy.rostime.is_wallclock()
+        outlasts_node = wall and core.has_noticed_shutdown()
         start = rospy.Time.now()
         end = start + timeout
         checked = -1
 
         def ends() -> bool:
             nonlocal checked
-            if core.is_shutdown():
+            if core.is_shutdown() and not outlasts_node:
                 return True
             now = rospy.Time.now()
             if now >= end or now + JUMP < start:
@@ -165,8 +170,8 @@ class Buffer(BufferCore, BufferInterface):
             return condition()
 
         with self.waiting():
-            core.wakeup.wait(ends, timeout.to_sec() if rospy.rostime.is_wallclock() else None)
-        if core.is_shutdown():
+            core.wakeup.wait(ends, timeout.to_sec() if wall else None)
+        if core.is_shutdown() and not wall:
             raise rospy.ROSInterruptException("ROS shutdown request")
 
     @contextmanager

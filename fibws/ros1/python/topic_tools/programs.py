@@ -166,7 +166,8 @@ class Delay:
                     continue
                 due, message = self._waiting.popleft()
             rospy.sleep(due - rospy.Time.now())
-            self._output.publish(message)
+            if not rospy.is_shutdown():
+                self._output.publish(message)
 
 
 class Switch:
