@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from fibws.errors import InvalidName
 
@@ -19,6 +20,13 @@ HUB_TOPICS = frozenset(
 """The topics that only a hub may publish."""
 _LEGAL = re.compile(r"([A-Za-z]\w*|[~/]\w+)(/\w+)*", re.ASCII)
 _LEGAL_BASE = re.compile(r"[A-Za-z]\w*", re.ASCII)
+
+
+class Resolve(Protocol):
+    """`resolve` or `resolve_any`."""
+
+    def __call__(self, name: str, *, namespace: str = "/", node: str = "/") -> str:
+        """Return the global name for ``name``."""
 
 
 def is_legal(name: str) -> bool:
@@ -136,12 +144,22 @@ class Remapping:
     namespace: str | None = None
     parameters: Mapping[str, str] = field(default_factory=dict)
 
-    def apply(self, name: str, *, namespace: str, node: str) -> str:
-        """Resolve ``name``, then replace it if it was remapped."""
-        resolved = resolve(name, namespace=namespace, node=node)
+    def apply(
+        self, name: str, *, namespace: str, node: str, resolver: Resolve | None = None
+    ) -> str:
+        """Resolve ``name``, then replace it if it was remapped.
+
+        Args:
+            name: as the next ones, an argument of `resolve`.
+            namespace: another one.
+            node: another one.
+            resolver: resolves names; by default `resolve`, which takes legal ones only.
+        """
+        resolver = resolver or resolve
+        resolved = resolver(name, namespace=namespace, node=node)
         for source, target in self.names.items():
-            if resolve(source, namespace=namespace, node=node) == resolved:
-                return resolve(target, namespace=namespace, node=node)
+            if resolver(source, namespace=namespace, node=node) == resolved:
+                return resolver(target, namespace=namespace, node=node)
         return resolved
 
 

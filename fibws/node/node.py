@@ -51,16 +51,30 @@ class Identity:
     name: str
     namespace: str
     remapping: names.Remapping
+    resolve_unmapped: names.Resolve = names.resolve
+    """Resolves names and checks them."""
 
     @classmethod
     def choose(
-        cls, name: str, *, anonymous: bool, namespace: str | None, remapping: names.Remapping
+        cls,
+        name: str,
+        *,
+        anonymous: bool,
+        namespace: str | None,
+        remapping: names.Remapping,
+        resolve: names.Resolve = names.resolve,
     ) -> Self:
         """Return a node's identity by its arguments, the command line and $ROS_NAMESPACE.
 
-        The arguments are those of `Node`.
+        Args:
+            name: as the next ones, an argument of `Node`.
+            anonymous: another one.
+            namespace: another one.
+            remapping: another one.
+            resolve: `names.resolve`, or `names.resolve_any` if names need not be legal.
         """
-        names.check_base(name)
+        if resolve is names.resolve or "/" in name:
+            names.check_base(name)
         if remapping.node_name is not None:
             name = remapping.node_name
         elif anonymous:
@@ -68,11 +82,13 @@ class Identity:
         namespace = names.check_namespace(
             remapping.namespace or namespace or os.environ.get("ROS_NAMESPACE", "/")
         )
-        return cls(names.resolve(name, namespace=namespace), namespace, remapping)
+        return cls(resolve(name, namespace=namespace), namespace, remapping, resolve)
 
     def resolve(self, name: str) -> str:
         """Return the global name that ``name`` stands for, remappings included."""
-        return self.remapping.apply(name, namespace=self.namespace, node=self.name)
+        return self.remapping.apply(
+            name, namespace=self.namespace, node=self.name, resolver=self.resolve_unmapped
+        )
 
 
 class Node:
@@ -125,6 +141,9 @@ class Node:
             positive number.
     """
 
+    _needs_legal_names = True
+    """Whether names must be legal in ROS; rospy only warns about others."""
+
     def __init__(
         self,
         name: str,
@@ -145,7 +164,11 @@ class Node:
         max_message_size: int | None = None,
     ) -> None:
         self._identity = Identity.choose(
-            name, anonymous=anonymous, namespace=namespace, remapping=remapping
+            name,
+            anonymous=anonymous,
+            namespace=namespace,
+            remapping=remapping,
+            resolve=names.resolve if self._needs_legal_names else names.resolve_any,
         )
         environment = os.environ
         self._hub = hub_address.hub_url(hub)

@@ -105,6 +105,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "what follows a loop": (Part("counter.py", until="ready"),),
     "what follows a sleep": (Part("stop_the_robot.py", until="ready"),),
     "a robot that ends itself": (Part("quitting_robot.py", interrupted=False),),
+    "names that are not legal": (Part("odd_names.py", interrupted=False),),
     "many topics, and any type": (Part("many_topics.py", interrupted=False),),
 }
 

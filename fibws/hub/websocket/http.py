@@ -506,14 +506,15 @@ def node_name(path: str) -> str | None:
     """Return the global node name in the query of a URL, as in ``/?node=/talker``.
 
     Raises:
-        InvalidName: it is not a legal graph name.
+        InvalidName: it cannot be a name: it is private, empty, or not UTF-8, or has whitespace.
     """
-    values = parse_qs(path.partition("?")[2], keep_blank_values=True).get("node")
+    query = path.partition("?")[2]
+    values = parse_qs(query, keep_blank_values=True, errors="surrogateescape").get("node")
     if not values:
         return None
     if values[0].startswith("~"):
         raise InvalidName(values[0], "a node's own name cannot be private")
-    return names.resolve(values[0])
+    return names.resolve_any(values[0])
 
 
 def response(

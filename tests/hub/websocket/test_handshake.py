@@ -192,7 +192,7 @@ class TestHandshake:
             await client.send(twice)
             assert (await client.response())[0] == 400
 
-    @pytest.mark.parametrize("name", ["", "9", "/a//b", "~x", "/a%00", "/%E4", "x" * 2000])
+    @pytest.mark.parametrize("name", ["", "/", "~x", "/a%00", "/%E4", "x" * 2000])
     async def test_bad_node_name_is_refused_with_the_reason(self, hub: Hub, name: str) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake(f"/?node={name}"))

@@ -164,7 +164,7 @@ def test_websocket_may_open_at_any_path(path: str) -> None:
     assert connect(path, origin=None) == 101
 
 
-@pytest.mark.parametrize("path", ["/?node=", "/?node=~a", "/?node=a%20b", "/?node=1"])
+@pytest.mark.parametrize("path", ["/?node=", "/?node=~a", "/?node=a%20b", "/?node=%FF"])
 def test_invalid_node_name_is_refused(path: str) -> None:
     assert connect(path, origin=None) == 400
 
@@ -180,6 +180,9 @@ def test_invalid_node_name_is_refused(path: str) -> None:
         ("/any/path?token=x&node=robot/arm", "/robot/arm"),
         ("/?node=%2Frobot%2Farm", "/robot/arm"),
         ("//[?node=talker", "/talker"),
+        ("/?node=my-node", "/my-node"),
+        ("/?node=1", "/1"),
+        ("/?node=/a//%C3%BC", "/a/\u00fc"),
     ],
 )
 def test_node_name_is_read_from_the_query(path: str, name: str | None) -> None:

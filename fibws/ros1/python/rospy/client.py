@@ -142,7 +142,10 @@ def init_node(
     def node() -> fibws.Node:
         import fibws
 
-        return fibws.Node(
+        class Node(fibws.Node):
+            _needs_legal_names = False
+
+        return Node(
             name,
             namespace=namespace,
             log=logger,
@@ -280,25 +283,31 @@ def _node_name(name: str, anonymous: bool) -> str:
     from fibws.names import anonymous as anonymous_name
     from fibws.names import check_base
 
-    if remapped := names.get_mappings().get("__name"):
-        return check_base(remapped)
+    remapped = names.get_mappings().get("__name")
+    name = remapped or name
+    if "/" in name:
+        check_base(name)
     if not is_legal_base_name(name):
-        name = _legal_name(name)
-    if anonymous:
+        name = _possible_name(name)
+    if anonymous and not remapped:
         name = anonymous_name(name, pid=os.getpid(), random=os.urandom(8))
-    return check_base(name)
+    return name
 
 
-def _legal_name(name: str) -> str:
-    """Return a legal substitute for a name; ROS only warns about it, but the hub refuses it."""
-    legal = re.sub(r"\W", "_", name, flags=re.ASCII)
-    legal = legal if legal[0].isalpha() else f"node_{legal.lstrip('_')}"
+def _possible_name(name: str) -> str:
+    """Warn about a name that is not legal, and return one that the hub accepts.
+
+    It refuses whitespace and control characters, and # in the node's services.
+    """
+    possible = re.sub(r"^~|[\s#]", "_", name)
+    possible = "".join(each if each.isprintable() else "_" for each in possible)
+    changed = f" The node's name is '{possible}'." if possible != name else ""
     warnings.warn(
-        f"'{name}' is not a legal ROS base name. This may cause problems with other ROS tools. "
-        f"The node's name is '{legal}'.",
+        f"'{name}' is not a legal ROS base name. This may cause problems with other ROS tools."
+        + changed,
         stacklevel=4,
     )
-    return legal
+    return possible
 
 
 def _logger(log_level: int | None) -> logging.Logger:
