@@ -8,6 +8,8 @@ from typing import Any, TypeAlias
 
 from fibws.errors import ParameterError, ParameterNotSet, ServiceError
 
+UNSET = {"$unset": []}
+"""The default for `Parameters.get`, a value that no parameter has; NaN is null."""
 ROOT = "/"
 """The namespace of all parameters."""
 
@@ -31,27 +33,32 @@ class Parameters:
     def get(self, name: str) -> Any:
         """Return the value of a parameter, or a namespace as a dict.
 
+        NaN is None; bytes and dates are dicts, as the hub keeps them.
+
         Raises:
             ParameterNotSet: the parameter is not set.
         """
         service = "/rosapi/get_param"
-        text = self._ask(service, {"name": name, "default": "null"})["value"]
+        text = self._ask(service, {"name": name, "default": json.dumps(UNSET)})["value"]
         try:
             value = json.loads(text)
         except ValueError:
             fault = f"{service} returned {text[:40]!r}, which is invalid JSON: this may be another"
             raise ServiceError(service, f"{fault} kind of hub") from None
-        if value is None:  # No parameter has this value.
+        if value == UNSET:
             raise ParameterNotSet(name)
         return value
 
     def set(self, name: str, value: Any) -> None:
         """Set a parameter; a dict replaces a namespace.
 
+        Args:
+            value: a JSON value; numbers may be infinite, or NaN.
+
         Raises:
-            TypeError, ValueError: the value is not a JSON value.
+            TypeError: the value is not a JSON value.
         """
-        self.set_json(name, json.dumps(value, ensure_ascii=False, allow_nan=False))
+        self.set_json(name, json.dumps(value, ensure_ascii=False))
 
     def set_json(self, name: str, text: str) -> None:
         """Set a parameter to a value in JSON."""

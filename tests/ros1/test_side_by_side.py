@@ -43,6 +43,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("faulty_client.py", interrupted=False),
     ),
     "parameters": (Part("param_talker.py", interrupted=False),),
+    "parameters of all kinds": (Part("param_kinds.py", interrupted=False),),
     "remapping": (
         Part(
             "remapped.py",

@@ -73,6 +73,9 @@ class ParameterServices:
     def set(self, request: dict[str, Any], caller: str) -> Response:
         """Set a parameter to the value of a JSON text.
 
+        As for Python, and so for rosbridge_suite, NaN, Infinity and -Infinity are values.
+        ``{"$binary": "<base64>"}`` stands for bytes, and ``{"$date": ...}`` for a date.
+
         Raises:
             OperationError: the text is not JSON, or the policy forbids it.
             ParameterError: the value cannot be a parameter's, or there is no room.
@@ -81,7 +84,7 @@ class ParameterServices:
         if len(text) > most:  # Decoding it first would only take time.
             raise ParametersFull(request["name"], len(text), most)
         try:
-            value = from_json(text, allow_inf_nan=False)
+            value = from_json(text)
         except ValueError as error:
             raise OperationError(
                 "Due to the type flexibility of the ROS parameter server, the value argument to "

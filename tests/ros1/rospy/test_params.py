@@ -33,7 +33,7 @@ PROGRAM = """
     show(rospy.set_param, "x", None)
     show(rospy.set_param, "x", [None])
     show(rospy.set_param, "x", {1: 2})
-    show(rospy.set_param, "x", float("nan"))
+    show(rospy.set_param, "x", object())
     show(rospy.set_param, "/", 5)
     show(rospy.set_param, "servo/1/id", 4)
     show(rospy.get_param, "servo")
@@ -61,7 +61,7 @@ KeyError /
 TypeError
 TypeError
 TypeError
-ValueError
+TypeError
 ROSException
 None
 {'1': {'id': 4}}

@@ -8,6 +8,7 @@ from typing import Any
 
 from fibws.client.parameters import Parameters
 from fibws.errors import FibwsError, HubUnreachable, ParameterNotSet, ServiceError
+from rosgraph import parameter_values
 from rosgraph.names import GLOBALNS, get_ros_namespace, ns_join, resolve_name
 
 
@@ -90,7 +91,7 @@ class Master:
         """Return the value of a parameter, or a namespace as a dict."""
         name = self._global(key)
         try:
-            return self._parameters.get(name)
+            return parameter_values.native(self._parameters.get(name))
         except ParameterNotSet:
             raise MasterError(f"Parameter [{name}] is not set") from None
         except ServiceError as error:
@@ -98,7 +99,7 @@ class Master:
 
     def setParam(self, key: str, value: Any) -> int:
         """Set a parameter; return 0."""
-        self._parameters.set(self._global(key), value)
+        self._parameters.set(self._global(key), parameter_values.marked(value))
         return 0
 
     def hasParam(self, key: str) -> bool:

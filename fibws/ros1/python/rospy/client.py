@@ -249,7 +249,7 @@ def set_param(param_name: str, param_value: Any) -> None:
     """Set a parameter; a dict replaces a namespace.
 
     Raises:
-        TypeError, ValueError: the value is not a JSON value, or contains None.
+        TypeError: a parameter cannot have this value, such as None.
         ROSException: the hub refuses.
     """
     names.warn_unless_legal(param_name, stacklevel=3)

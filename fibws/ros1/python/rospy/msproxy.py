@@ -58,7 +58,6 @@ class MasterProxy:
             raise KeyError(key) from None
 
     def __setitem__(self, key: str, val: Any) -> None:
-        _check(val)
         try:
             self.target.setParam(names.resolve_name(key), val)
         except MasterFailure as error:
@@ -111,17 +110,3 @@ class _Master(Master):
                 raise MasterFailure(error.text) from None
             fields: dict[str, Any] = response.to_dict()
             return fields
-
-
-def _check(value: Any) -> None:
-    """Raise TypeError for values that `json` can write although parameters cannot have them."""
-    if value is None:
-        raise TypeError("a parameter cannot be None; delete_param() makes it unset")
-    if isinstance(value, dict):
-        for key, each in value.items():
-            if not isinstance(key, str):
-                raise TypeError(f"keys of a parameter's dict must be strings, got {key!r}")
-            _check(each)
-    elif isinstance(value, list | tuple):
-        for each in value:
-            _check(each)
