@@ -139,8 +139,10 @@ def slerp(first: Quaternion, second: Quaternion, ratio: float) -> Quaternion:
 
 
 def link_of(parent: str, transform: Transform) -> Link:
-    """Return a transform in a parent as a flat tuple."""
-    return (parent, *transform.translation, *transform.rotation)
+    """Return a transform in a parent as a flat tuple of floats; it may have numbers of numpy."""
+    x, y, z = map(float, transform.translation)
+    qx, qy, qz, qw = map(float, transform.rotation)
+    return (parent, x, y, z, qx, qy, qz, qw)
 
 
 def transform_of(link: Link) -> Transform:

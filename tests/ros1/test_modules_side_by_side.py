@@ -39,6 +39,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("tf/robot.py", until="ready"),
         Part("tf/observer.py", interrupted=False),
     ),
+    "transforms of numpy's numbers": (Part("tf/floats.py", interrupted=False),),
     "a transform that never comes": (Part("tf/waiting.py", until="ready"),),
     "a server of transforms": (
         Part("tf/robot.py", until="ready"),
