@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from fibws.errors import ParameterError, ParameterNotSet, ServiceError
 
-UNSET = {"$unset": []}
+UNSET: dict[str, Any] = {"$unset": []}
 """The default for `Parameters.get`, a value that no parameter has; NaN is null."""
 ROOT = "/"
 """The namespace of all parameters."""

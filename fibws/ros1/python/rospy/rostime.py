@@ -136,7 +136,10 @@ def sleep(duration: genpy.Duration | float) -> None:
         ROSTimeMovedBackwardsException: simulated time went back to before the sleep.
     """
     if is_wallclock():
-        wallsleep(seconds_of(duration))
+        seconds = seconds_of(duration)
+        if seconds < 0:
+            return
+        wallsleep(seconds)
         return
     if not isinstance(duration, genpy.Duration):
         duration = genpy.Duration.from_sec(duration)
