@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from fibws.errors import InvalidTypeName, UnknownPackage, UnknownType
-from fibws.interfaces import full_text, md5sum
+from fibws.interfaces import builtin, full_text, md5sum
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.folders import STANDARD as STANDARD
 from fibws.interfaces.folders import Folders, Kind
@@ -60,6 +60,15 @@ class Definitions(ABC):
     def has_floats(self, definition: MessageDefinition) -> bool:
         """Whether messages may hold floats; as `size`."""
         return self.size(definition).has_floats
+
+    def has_sequenced_header(self, definition: MessageDefinition) -> bool:
+        """Whether rospy numbers these messages: they begin with a header that begins with ``seq``.
+
+        A Header of ROS 2 has no ``seq``. Raises as `message` does.
+        """
+        return definition.has_header and [
+            (field.name, field.full_type) for field in self.message(builtin.HEADER).fields[:1]
+        ] == [("seq", "uint32")]
 
     def service(self, name: str) -> ServiceDefinition:
         """The service of that name; raises as `message` does."""

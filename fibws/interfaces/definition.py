@@ -114,8 +114,8 @@ class MessageDefinition:
         return f"{self.package}/{self.name}"
 
     @property
-    def has_sequenced_header(self) -> bool:
-        """Whether rospy numbers these messages: the first field is ``Header header``."""
+    def has_header(self) -> bool:
+        """Whether the first field is ``Header header``, where ROS expects a stamp."""
         first = self.fields[0] if self.fields else None
         return first == Field("header", builtin.HEADER)
 

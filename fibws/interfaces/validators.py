@@ -104,7 +104,7 @@ class _Schemas:
             else _with_default(field, scalar_schema(field, lenient=self._lenient, rounded=False))
             for field in definition.fields
         }
-        if definition.type == builtin.HEADER:
+        if definition.type == builtin.HEADER and Field("stamp", "time") in definition.fields:
             fields["stamp"] = self._stamp
         return core_schema.typed_dict_schema(
             {
@@ -198,7 +198,7 @@ class MessageValidator:
     ) -> None:
         self.definition = definition
         self.type = definition.type
-        self.has_sequenced_header = definition.has_sequenced_header
+        self.has_sequenced_header = interfaces.has_sequenced_header(definition)
         self._interfaces = interfaces
         self._validate = SchemaValidator(schemas.message(definition)).validate_python
         self._lenient: _Schemas | Callable[[object], dict[str, Any]] | None = lenient

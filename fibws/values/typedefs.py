@@ -147,6 +147,11 @@ class Typedefs:
         """Return whether messages of a type begin with a header, where ROS expects a stamp."""
         return [field[:2] for field in self._fields.get(type_, [])[:1]] == [("header", HEADER)]
 
+    def has_sequenced_header(self, type_: str) -> bool:
+        """Return whether that header begins with ``seq``; a Header of ROS 2 has none."""
+        first = self._fields.get(HEADER, [])[:1]
+        return self.has_header(type_) and [field.name for field in first] == ["seq"]
+
     def default(self, field: Field) -> Any:
         """Return the default of a field."""
         if field.length is not None:

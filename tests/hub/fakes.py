@@ -129,13 +129,18 @@ class FakeHub:
     """A graph, and clients that have no sockets."""
 
     def __init__(
-        self, *, policy: Policy | None = None, clock: FakeClock | None = None, **settings: Any
+        self,
+        *,
+        policy: Policy | None = None,
+        clock: FakeClock | None = None,
+        interfaces: Interfaces = STANDARD,
+        **settings: Any,
     ) -> None:
         self.settings = Settings(**settings)
         self.clock = clock or FakeClock()
         self.flusher = Flusher(self.clock.call_soon)
         self.graph = Graph(
-            STANDARD,
+            interfaces,
             lambda: NANOSECONDS,
             strict_types=self.settings.strict_types,
             policy=policy,

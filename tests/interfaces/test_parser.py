@@ -159,7 +159,7 @@ def test_action_has_three_parts_and_seven_messages() -> None:
         "CountFeedback",
     ]
     assert action.messages()[1].fields[2] == Field("goal", "my_msgs/CountGoal")
-    assert action.messages()[1].has_sequenced_header
+    assert action.messages()[1].has_header
 
 
 @pytest.mark.parametrize(

@@ -84,6 +84,8 @@ def test_header_is_the_first_field(client: HubClient) -> None:
     assert typedefs.has_header("geometry_msgs/PoseStamped")
     assert not typedefs.has_header("geometry_msgs/Point")
     assert not typedefs.has_header("unknown_msgs/Type")
+    assert typedefs.has_sequenced_header("nav_msgs/Path")
+    assert not typedefs.has_sequenced_header("geometry_msgs/Point")
 
 
 @pytest.mark.parametrize("typedefs", [5, [5], [{"type": "x"}], [{}]])

@@ -158,9 +158,9 @@ def bw(client: HubClient, topic: str, window: int, count: int | None, as_json: b
     report(client, show, count)
 
 
-_SERIALIZED_STAMP = struct.Struct("<III")
-"""The begin of a message with a header: sequence number, seconds, nanoseconds."""
-_JSON_STAMP = re.compile(rb'\{"header":\{"seq":\d+,"stamp":\{"secs":(\d+),"nsecs":(\d+)\}')
+_SERIALIZED_STAMP = struct.Struct("<II")
+"""A stamp in a header: seconds, nanoseconds."""
+_JSON_STAMP = re.compile(rb'\{"header":\{(?:"seq":\d+,)?"stamp":\{"secs":(\d+),"nsecs":(\d+)\}')
 """The same in JSON as fibws writes it; the rest may be an image, so it is not parsed."""
 
 
@@ -174,6 +174,8 @@ class Delay:
     def __init__(self, window: int = MAX_WINDOW) -> None:
         self.type: str | None = None
         """The topic's type, if known: serialized messages of another one are ignored."""
+        self.has_seq = True
+        """Whether headers begin with a sequence number; those of ROS 2 do not."""
         self._delays = Window(window)
         self._is_reported = True
 
@@ -183,7 +185,7 @@ class Delay:
         if message.type is None:
             stamp = json_stamp(message.data)
         elif self.type in (None, message.type):
-            stamp = serialized_stamp(message.data)
+            stamp = serialized_stamp(message.data, has_seq=self.has_seq)
         else:
             stamp = None
         if stamp is not None:
@@ -205,14 +207,15 @@ class Delay:
         return self._delays.summary(), len(self._delays)
 
 
-def serialized_stamp(message: bytes | memoryview) -> int | None:
+def serialized_stamp(message: bytes | memoryview, *, has_seq: bool = True) -> int | None:
     """Return the stamp of a serialized message that begins with a header, in nanoseconds.
 
     Return None if the message is too short for a header.
     """
-    if len(message) < _SERIALIZED_STAMP.size:
+    place = 4 if has_seq else 0
+    if len(message) < place + _SERIALIZED_STAMP.size:
         return None
-    _, secs, nsecs = _SERIALIZED_STAMP.unpack_from(message)
+    secs, nsecs = _SERIALIZED_STAMP.unpack_from(message, place)
     return int(secs) * 10**9 + int(nsecs)
 
 
@@ -243,6 +246,7 @@ def delay(client: HubClient, topic: str, window: int, count: int | None, as_json
             f"msg does not have header: {found.type} does not begin with a std_msgs/Header"
         )
     measured.type = found.type
+    measured.has_seq = found.typedefs.has_sequenced_header(found.type)
     if not as_json:
         output.line(f"subscribed to [{name}]")
     has_begun = False

@@ -215,6 +215,7 @@ def test_bytes_of_json_are_counted_with_a_plain_rosbridge_server(run: Run) -> No
     "message",
     [
         b'{"header":{"seq":1,"stamp":{"secs":2,"nsecs":3},"frame_id":""},"point":null}',
+        b'{"header":{"stamp":{"secs":2,"nsecs":3},"frame_id":""},"point":null}',
         b'{"point":null,"header":{"stamp":{"nsecs":3,"secs":2}}}',
     ],
 )
@@ -231,6 +232,8 @@ def test_stamp_is_read_from_a_serialized_header() -> None:
     message = struct.pack("<IIII", 1, 2, 3, 0)
     assert serialized_stamp(memoryview(message)) == 2_000_000_003
     assert serialized_stamp(message[:11]) is None
+    assert serialized_stamp(memoryview(message)[4:], has_seq=False) == 2_000_000_003
+    assert serialized_stamp(message[:7], has_seq=False) is None
 
 
 def test_serialized_messages_of_another_type_are_ignored() -> None:

@@ -6,6 +6,7 @@ from io import BytesIO
 from typing import Any
 
 import pytest
+from genpy.dynamic import generate_dynamic
 from genpy.message import DeserializationError, get_message_class
 from rospy.exceptions import ROSException
 from rospy.msg import (
@@ -20,6 +21,13 @@ from std_msgs.msg import Empty, Int32, String
 Point: Any = get_message_class("geometry_msgs/Point")
 PointStamped: Any = get_message_class("geometry_msgs/PointStamped")
 Pose: Any = get_message_class("geometry_msgs/Pose")
+ROS2_POINT_STAMPED = f"""std_msgs/Header header
+float64 x
+{"=" * 80}
+MSG: std_msgs/Header
+time stamp
+string frame_id
+"""
 Quaternion: Any = get_message_class("geometry_msgs/Quaternion")
 
 
@@ -110,3 +118,13 @@ def test_messages_follow_their_lengths() -> None:
         deserialize_messages(buffer, found, PointStamped)
     deserialize_messages(BytesIO(), found, PointStamped)
     assert len(found) == 1
+
+
+def test_header_without_seq_is_not_numbered() -> None:
+    stamped = generate_dynamic("own/Stamped", ROS2_POINT_STAMPED)["own/Stamped"]
+    assert stamped._has_header
+    message = stamped()
+    message.header.frame_id = None
+    buffer = BytesIO()
+    serialize_message(buffer, 7, message)
+    assert buffer.getvalue() == b"\x15\0\0\0" + bytes(8) + b"\x01\0\0\x000" + bytes(8)

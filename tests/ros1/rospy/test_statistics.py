@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
+from genpy.dynamic import generate_dynamic
 from geometry_msgs.msg import PointStamped
 from rospy import Time
 from rospy.statistics import LENGTH_FIELD, Settings, Window
@@ -53,6 +54,17 @@ def test_window_adapts_to_the_rate_of_messages() -> None:
     assert not window.is_complete(Time(4))
     assert window.is_complete(Time.from_sec(4.1))
     assert window.is_complete(Time(1)), "time has jumped back"
+
+
+def test_header_without_seq_has_an_age_and_no_losses() -> None:
+    text = f"Header header\n{'=' * 80}\nMSG: std_msgs/Header\ntime stamp\nstring frame_id\n"
+    message = generate_dynamic("own/Stamped", text)["own/Stamped"]()
+    window = Window(Time(0))
+    window.add(message, 12, Time(5))
+    window.add(message, 12, Time(5))
+    found = window.result(Time(5), SETTINGS)
+    assert (found["delivered_msgs"], found["dropped_msgs"]) == (2, 0)
+    assert found["stamp_age_mean"].to_sec() == 5.0
 
 
 def test_messages_without_a_header_have_no_age() -> None:

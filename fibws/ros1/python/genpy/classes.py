@@ -113,7 +113,7 @@ def make_class(
         "_slot_types": [field.ros1_type for field in definition.fields],
         "_type": definition.type,
         "_md5sum": _md5(definition, interfaces),
-        "_has_header": definition.has_sequenced_header,
+        "_has_header": definition.has_header,
         "_full_text": write_message(definition, interfaces.message),
         "_members": members,
         "_definition": definition,

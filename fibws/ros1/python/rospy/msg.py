@@ -134,6 +134,14 @@ def serialized(message: Message) -> bytes:
     return buffer.getvalue()
 
 
+def number_header(header: Any, seq: int) -> None:
+    """Set a header's sequence number; that of ROS 2 has none."""
+    if hasattr(header, "seq"):
+        header.seq = seq
+    if header.frame_id is None:
+        header.frame_id = "0"
+
+
 def serialize_message(b: BinaryIO, seq: int, msg: Message) -> None:
     """Append a message to a buffer, after its length, as TCPROS does.
 
@@ -146,9 +154,7 @@ def serialize_message(b: BinaryIO, seq: int, msg: Message) -> None:
         genpy.SerializationError: a value does not fit its field.
     """
     if msg._has_header:
-        msg.header.seq = seq
-        if msg.header.frame_id is None:
-            msg.header.frame_id = "0"
+        number_header(msg.header, seq)
     data = serialized(msg)
     b.write(_LENGTH.pack(len(data)) + data)
 

@@ -14,7 +14,7 @@ from fibws.errors import MessageTooLarge
 from rospy import core
 from rospy.callback_queue import CallbackQueue, call
 from rospy.exceptions import ROSException, ROSInterruptException, ROSSerializationException
-from rospy.msg import Message
+from rospy.msg import Message, number_header
 from rospy.names import ANYTYPE
 from rospy.outgoing_queue import OutgoingQueue
 
@@ -171,10 +171,7 @@ class Publication:
                 return
         self._seq += 1
         if getattr(message, "_has_header", False):
-            header = message.header
-            header.seq = self._seq
-            if header.frame_id is None:
-                header.frame_id = "0"
+            number_header(message.header, self._seq)
 
     async def _register(self) -> None:
         if self._type is None:

@@ -173,9 +173,10 @@ class Window:
             return
         header = message.header
         self._ages.add((now - header.stamp).to_sec())
-        if self._seq is not None and header.seq > self._seq:
-            self._dropped += header.seq - self._seq - 1
-        self._seq = header.seq
+        seq: int | None = getattr(header, "seq", None)  # ROS 2's has none.
+        if self._seq is not None and seq is not None and seq > self._seq:
+            self._dropped += seq - self._seq - 1
+        self._seq = seq
 
     def is_complete(self, now: Time) -> bool:
         """Return whether the result is to be published; after a jump back in time it is, too."""

@@ -45,6 +45,10 @@ class _Received(Message):
 
     @classmethod
     def _make_codec(cls, interfaces: Definitions, style: ObjectStyle) -> ClassCodec[Any]:
+        if not interfaces.has_sequenced_header(
+            interfaces.message("geometry_msgs/TransformStamped")
+        ):
+            return super()._make_codec(interfaces, style)
         return _SamplesCodec(cls, interfaces, style)
 
 
