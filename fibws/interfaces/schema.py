@@ -112,11 +112,11 @@ def rounded_columns(
 def time_schema(
     kind: str, base: Stamp, now: Stamp | None, *, lenient: bool
 ) -> core_schema.CoreSchema:
-    """The schema of ``time`` or ``duration``: an object of secs and nsecs.
+    """The schema of ``time`` or ``duration``: an object of secs and nsecs, or null.
 
     Args:
         kind: ``time`` or ``duration``.
-        base: returns the values of the object's missing parts.
+        base: returns the values of the object's missing parts, which are both for null.
         now: returns the value of the word "now"; None if that word is invalid.
         lenient: as in `scalar_schema`.
     """
@@ -125,6 +125,8 @@ def time_schema(
     def complete(value: object) -> dict[str, int]:
         if now is not None and isinstance(value, str) and value == "now":
             return now()
+        if value is None:
+            return base()
         given: dict[str, int] = partial.validate_python(value)
         return base() | given
 

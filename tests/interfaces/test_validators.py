@@ -233,6 +233,7 @@ def test_many_errors_are_only_counted() -> None:
         ("string<=3[] x", ["abc"], ["abc"]),
         ("wstring x", "abc", "abc"),
         ("time[] x", ["now", {}], [NOW, ZERO]),
+        ("time[] x", [None, "now"], [ZERO, NOW]),
     ],
 )
 def test_arrays_within_their_bounds_are_accepted(line: str, given: object, data: object) -> None:
@@ -451,6 +452,27 @@ def test_missing_header_gets_the_current_time() -> None:
     header = {"seq": 0, "stamp": NOW, "frame_id": ""}
     assert validate("geometry_msgs/PointStamped", {})["header"] == header
     assert VALIDATORS.of("geometry_msgs/PointStamped").validate({})["header"] == header
+
+
+def test_null_time_is_one_that_is_not_given() -> None:
+    stamped = {"header": {"seq": 7, "stamp": None, "frame_id": "m"}}
+    header = {"seq": 7, "stamp": NOW, "frame_id": "m"}
+    assert validate("geometry_msgs/PointStamped", stamped)["header"] == header
+    for name in ("Time", "Duration"):
+        assert validate(f"std_msgs/{name}", {"data": None}) == {"data": ZERO}
+
+
+@pytest.mark.parametrize(
+    ("name", "msg", "text"),
+    [
+        ("std_msgs/Header", {"seq": None}, "uint32 for field seq, but got a NoneType"),
+        ("std_msgs/Time", {"data": {"secs": None}}, "data.secs, but got a NoneType"),
+        ("std_msgs/String", {"data": None}, "string for field data, but got a NoneType"),
+        ("geometry_msgs/PointStamped", {"header": None}, "header, but got a NoneType"),
+    ],
+)
+def test_other_nulls_are_refused(name: str, msg: object, text: str) -> None:
+    assert fault(name, msg).endswith(text)
 
 
 def test_seconds_and_nanoseconds_of_a_stamp_are_consistent() -> None:

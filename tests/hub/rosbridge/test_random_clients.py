@@ -16,7 +16,7 @@ from hypothesis.stateful import (
 )
 from random_inputs import times
 
-from ..fakes import Client, FakeHub
+from ..fakes import STANDARD, Client, FakeHub
 from .client_group import ClientGroup
 
 LIMITS = {"max_calls": 5, "max_goals": 5, "max_advertisements": 2, "max_queued_bytes": 3000}
@@ -39,7 +39,7 @@ class RandomClients(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.hub = FakeHub(policy=None, clock=None, **LIMITS)
+        self.hub = FakeHub(policy=None, clock=None, interfaces=STANDARD, **LIMITS)
         self.group = ClientGroup(self.hub)
 
     @rule(target=clients, node=NODES)
