@@ -79,13 +79,23 @@ def line(text: str = "", *, colour: str | None = None, bold: bool = False) -> No
     click.echo(text, color=True)
 
 
+_CONSTANTS = {"Infinity": "1e999", "NaN": "null"}
+_CONSTANT = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"|Infinity|NaN')
+
+
 def as_json(value: object) -> None:
-    """Print a value as one line of JSON."""
+    """Print a value as one line of JSON.
+
+    JSON has no infinity and no NaN: infinity is a number that no float can hold, as in the hub's
+    JSON, which parsers read as infinity; NaN is null.
+    """
     import json  # 3 ms, which help does not need.
 
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     if not can_show(text):
         text = json.dumps(value, separators=(",", ":"))
+    if "Infinity" in text or "NaN" in text:
+        text = _CONSTANT.sub(lambda found: _CONSTANTS.get(found[0], found[0]), text)
     # In JSON they are all in strings, where this is an equal spelling.
     text = _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
     click.echo(text, color=True)

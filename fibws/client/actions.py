@@ -119,7 +119,7 @@ class TopicGoal(Goal):
         now = time.time_ns()
         self._id = goal_id(self._client.node, 1, now)
         for topic in (STATUS, FEEDBACK, RESULT):
-            self._send_topic(topic, op="subscribe", type=topic.type_of(type_))
+            self._send_topic(topic, op="subscribe", type=topic.type_of(type_), headers=True)
         for topic in (CANCEL, GOAL):
             self._send_topic(topic, op="advertise", type=topic.type_of(type_))
         secs, nsecs = divmod(now, 10**9)

@@ -160,8 +160,12 @@ class HubClient:
         return self._operations.popleft()
 
     def subscribe(self, topic: str, *, queue_length: int = QUEUE_LENGTH) -> None:
-        """Subscribe to a topic of any type; `messages` returns what is received."""
-        self.send({"op": "subscribe", "topic": topic, "queue_length": queue_length})
+        """Subscribe to a topic of any type; `messages` returns what is received.
+
+        With headers, the hub writes infinity as a number, and not as null like NaN.
+        """
+        request = {"op": "subscribe", "topic": topic, "queue_length": queue_length}
+        self.send({**request, "headers": True})
 
     def subscribe_raw(
         self, topic: str, on_message: OnMessage, *, queue_length: int = QUEUE_LENGTH

@@ -517,7 +517,7 @@ class Session:
 
 def text_frame(operation: Operation) -> bytes:
     """Return an operation as a WebSocket frame with the zero key."""
-    return client_frame(TEXT, encode(operation))
+    return client_frame(TEXT, encode(operation, exact=True))
 
 
 def subject(operation: Operation) -> str:

@@ -13,7 +13,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from fibws.interfaces.json_text import exact_json_of
 from fibws.interfaces.json_text import json_of as json_of
+from fibws.interfaces.json_text import plain_json as plain_json
 from fibws.protocol.headers import Headers, HubHeader
 from fibws.protocol.serialized import MOST_PUBLISHERS
 
@@ -409,20 +411,25 @@ def legal_id(id_: object) -> Id:
     return id_ if isinstance(id_, int | float) else None
 
 
-def encode(operation: Operation) -> bytes:
-    """Return an operation as JSON text, ``op`` first, without the fields that are None."""
+def encode(operation: Operation, *, exact: bool = False) -> bytes:
+    """Return an operation as JSON text, ``op`` first, without the fields that are None.
+
+    Args:
+        exact: as in `encode_fields`.
+    """
     fields = operation.__dict__
-    return encode_fields({"op": fields["op"], **fields})
+    return encode_fields({"op": fields["op"], **fields}, exact=exact)
 
 
-def encode_fields(fields: dict[str, Any], **texts: bytes) -> bytes:
+def encode_fields(fields: dict[str, Any], *, exact: bool = False, **texts: bytes) -> bytes:
     """Return an operation's fields as JSON text, without those that are None.
 
     Args:
+        exact: whether infinity is a number, as `exact_json_of` writes it, and not null.
         texts: fields that are JSON text already.
     """
     known = {name: value for name, value in fields.items() if value is not None}
-    text = json_of(known)
+    text = exact_json_of(known) if exact else json_of(known)
     for name, value in texts.items():
         text = b'%b,"%b":%b}' % (text[:-1], name.encode(), value)
     return text

@@ -6,6 +6,7 @@ import io
 import json
 import sys
 from collections.abc import Callable
+from math import inf, nan
 from typing import TypeAlias
 
 import click
@@ -54,6 +55,15 @@ def stdout(monkeypatch: pytest.MonkeyPatch) -> Stdout:
         return stream
 
     return stdout
+
+
+def test_infinity_in_json_is_a_number_and_nan_is_null(stdout: Stdout) -> None:
+    pipe = stdout()
+    output.as_json({"NaN": [inf, -inf, nan, -0.0, 2**63], "x": 'say "Infinity", \\" NaN'})
+    line = pipe.text()
+    text = r'"say \"Infinity\", \\\" NaN"'
+    assert line == f'{{"NaN":[1e999,-1e999,null,-0.0,9223372036854775808],"x":{text}}}\n'
+    assert json.loads(line)["NaN"] == [inf, -inf, None, 0, 2**63]
 
 
 @pytest.mark.parametrize("is_terminal", [True, False])

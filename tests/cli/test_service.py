@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from math import inf, nan
 
 import pytest
 from hub_in_thread import HubThread, Run
@@ -14,6 +15,11 @@ from node_in_thread import Peer, peer
 import fibws
 from fibws.client.hub_client import HubClient
 from fibws.errors import FibwsError
+from fibws.srv.control_msgs import (
+    QueryTrajectoryState,
+    QueryTrajectoryStateRequest,
+    QueryTrajectoryStateResponse,
+)
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 from fibws.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse
 
@@ -31,6 +37,10 @@ async def serve(node: fibws.Node) -> None:
         await asyncio.Event().wait()
         raise AssertionError
 
+    def joints(request: QueryTrajectoryStateRequest) -> QueryTrajectoryStateResponse:
+        return QueryTrajectoryStateResponse(position=[inf, -inf, nan])
+
+    await node.service("/joints", QueryTrajectoryState, joints)
     await node.service("/math/add", AddTwoInts, add)
     await node.service("/fail", SetBool, fail)
     await node.service("/hang", SetBool, hang)
@@ -129,6 +139,12 @@ def test_call_can_print_the_request_too(run: Run) -> None:
 
 def test_call_prints_json(run: Run) -> None:
     assert run("service", "call", "--json", "math/add", "1", "2").output == '{"sum":3}\n'
+
+
+def test_call_prints_infinity_and_nan(run: Run) -> None:
+    arguments = ["service", "call", "/joints", "0"]
+    assert "position: [inf, -inf, nan]\n" in run(*arguments).output
+    assert '"position":[1e999,-1e999,null]' in run(*arguments, "--json").output
 
 
 def test_call_reads_arguments_from_a_pipe(run: Run) -> None:

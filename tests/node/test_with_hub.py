@@ -21,13 +21,15 @@ import fibws
 from fibws.errors import CallRefused, ServiceError
 from fibws.hub import Hub, Settings
 from fibws.msg.fibws_msgs import PublisherInfo, SubscriptionStatistics
-from fibws.msg.geometry_msgs import TransformStamped, Twist, Vector3
+from fibws.msg.geometry_msgs import Point, Pose, PoseStamped, TransformStamped, Twist, Vector3
+from fibws.msg.nav_msgs import Path as NavPath
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, Int32, String
 from fibws.msg.tf import tfMessage
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.srv.fibws_msgs import GetGraph, GetStatistics, KillNode, PingNode
+from fibws.srv.nav_msgs import GetPlan, GetPlanRequest, GetPlanResponse
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest
 from fibws.srv.std_srvs import Trigger
 
@@ -277,6 +279,20 @@ async def test_node_calls_a_service_of_another(real_hub: Hub) -> None:
         named = await client.call("/add", "rospy_tutorials/AddTwoInts", AddTwoInts.Request(3, 4))
         assert named.sum == 7
         assert await server.call("add", AddTwoInts) == AddTwoInts.Response(0)
+
+
+async def test_infinity_and_nan_arrive_in_requests_and_responses(real_hub: Hub) -> None:
+    def plan(request: GetPlanRequest) -> GetPlanResponse:
+        return GetPlanResponse(NavPath(poses=[request.start, request.goal]))
+
+    url = real_hub.url
+    sent = Point(math.inf, -math.inf, math.nan)
+    async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
+        await server.service("plan", GetPlan, plan)
+        await client.wait_for_service("plan", timeout=60)
+        request = GetPlanRequest(goal=PoseStamped(pose=Pose(position=sent)))
+        found = (await client.call("plan", GetPlan, request)).plan.poses[1].pose.position
+        assert repr(found) == repr(sent)
 
 
 async def test_many_calls_are_handled_concurrently(real_hub: Hub) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
@@ -188,18 +187,7 @@ def _up_to_date(client: HubClient, found: FoundTopic, message: dict[str, Any]) -
 
 
 def _json(value: Any, found: FoundTopic, now: int) -> None:
-    output.as_json(_without_nan(value))
-
-
-def _without_nan(value: Any) -> Any:
-    """Return a value with null for what JSON lacks: NaN and infinity, which only bags have here."""
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    if isinstance(value, list):
-        return [_without_nan(each) for each in value]
-    if isinstance(value, dict):
-        return {name: _without_nan(each) for name, each in value.items()}
-    return value
+    output.as_json(value)
 
 
 def _yaml(*, clear: bool, noarr: bool, nostr: bool, width: int | None, offset: bool) -> Show:

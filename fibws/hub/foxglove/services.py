@@ -21,6 +21,7 @@ from fibws.hub.graph.service import Call
 from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import INTERNAL_ERROR, shortened
 from fibws.hub.websocket.endpoint import Removals, Work
+from fibws.interfaces.json_text import plain_json
 from fibws.interfaces.serialization import Serializer
 from fibws.protocol.value_limits import check_json
 
@@ -116,8 +117,9 @@ class Calls:
     def _succeeded(self, call: Call, values: bytes) -> None:
         waiting = self._pop(call)
         try:
-            data = values
-            if waiting.encoding != JSON:
+            if waiting.encoding == JSON:
+                data = plain_json(values)
+            else:
                 response = from_json(values) if call.response is None else call.response
                 data = waiting.response.serialize(response)
         except Exception as fault:  # It is no fault of the server's.

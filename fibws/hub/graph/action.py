@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from fibws.errors import NotAllowed
 from fibws.hub.graph.types import ActionType
 from fibws.interfaces import base64text
-from fibws.interfaces.json_text import json_of
+from fibws.interfaces.json_text import exact_json_of, json_of
 
 CANCEL_SUFFIX = "/_action/cancel_goal"
 """The suffix of an action's name in the name of the service that cancels its goals."""
@@ -55,10 +55,13 @@ class ActionClient(Protocol):
     """Sent a goal."""
 
     def feedback(self, goal: Goal, values: bytes) -> None:
-        """Take a goal's feedback, as JSON."""
+        """Take a goal's feedback, as JSON in which infinity is as in `exact_json_of`."""
 
     def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
-        """Take a goal's end: its result, or the reason if there is a ``code``; both are JSON."""
+        """Take a goal's end: its result, or the reason if there is a ``code``.
+
+        Both are JSON, in which infinity is as in `exact_json_of`.
+        """
 
 
 class Goals(dict[bytes, "Goal"]):
@@ -127,11 +130,11 @@ class Goal:
 
     def feedback(self, values: object) -> None:
         """Pass the server's feedback to the client; raises `InvalidMessage`."""
-        self._client.feedback(self, json_of(self.action.type.feedback(values)))
+        self._client.feedback(self, exact_json_of(self.action.type.feedback(values)))
 
     def finish(self, status: Ros2GoalStatus, values: object) -> None:
         """End with the server's result; if that raises `InvalidMessage`, the goal goes on."""
-        self._end(status, json_of(self.action.type.result(values)), None)
+        self._end(status, exact_json_of(self.action.type.result(values)), None)
 
     def fail(
         self,

@@ -16,7 +16,7 @@ from typing import Any, Protocol, TypeAlias
 from fibws.errors import CallFailed, FibwsError, NotAllowed
 from fibws.hub.graph.totals import CallTotals
 from fibws.hub.graph.types import ServiceType
-from fibws.interfaces.json_text import json_of
+from fibws.interfaces.json_text import exact_json_of
 
 logger = logging.getLogger("fibws.hub")
 
@@ -115,7 +115,7 @@ class Call:
     Args:
         args: the request: an object, or a list of its fields in order.
         caller: the calling node.
-        succeeded: takes the response as JSON.
+        succeeded: takes the response as JSON, in which infinity is as in `exact_json_of`.
         failed: takes the error's text and code (see `CallFailed`).
         headers: the connection header that the caller sends with the request.
         totals: counts how the call ends.
@@ -192,10 +192,10 @@ class Call:
             InvalidMessage: it does not fit the type; the call still waits for a response.
         """
         self.response = self.service.type.response(values)
-        self.respond_json(json_of(self.response))
+        self.respond_json(exact_json_of(self.response))
 
     def respond_json(self, text: bytes) -> None:
-        """Take the response as JSON."""
+        """Take the response as JSON, in which infinity is as in `exact_json_of`."""
         if self._close():
             if self._totals is not None:
                 self._totals.responded(self.service.name, self._started)

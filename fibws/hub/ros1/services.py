@@ -31,7 +31,7 @@ from fibws.hub.ros1.rosrpc import INSTANT, Address, ServiceConnection, ServiceCo
 from fibws.hub.ros1.tcpros import ANY, LENGTH, require
 from fibws.hub.ros1.topic_registrations import CLIENT
 from fibws.hub.settings import Settings
-from fibws.interfaces.json_text import json_of
+from fibws.interfaces.json_text import exact_json_of
 from fibws.interfaces.serialization import Serializer
 
 T = TypeVar("T")
@@ -498,7 +498,7 @@ class ServiceLinks:
 
 
 def _to_json(serializer: Serializer, data: bytes) -> bytes:
-    return json_of(read_values(serializer, data))
+    return exact_json_of(read_values(serializer, data))
 
 
 def _serialized_response(

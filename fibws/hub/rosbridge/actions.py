@@ -94,12 +94,12 @@ class Goals:
         """Send the client feedback, if it wants any."""
         request, lane = self._sent[goal]
         if request.feedback:
-            text = _text(request, {"op": "action_feedback"}, values)
+            text = _text(request, {"op": "action_feedback"}, self._client.json(values))
             self._client.queue.put(self._client.frames(text, request.fragment_size), lane)
 
     def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
         """Send the client a goal's end."""
-        self._respond(self._pop(goal), status, values, code)
+        self._respond(self._pop(goal), status, self._client.json(values), code)
 
     def withdraw_forbidden(self) -> Work:
         """Cancel, one by one, the goals that the client's rights do not allow any more."""
@@ -218,7 +218,7 @@ class Actions:
             args=goal.request,
             feedback=True,
         )
-        if self._client.forward_request(encode(request)):
+        if self._client.forward_request(encode(request, exact=self._client.serialized)):
             self._goals[goal.id] = (goal, spelling)
             self._goals_of.setdefault(action.name, {})[goal.id] = goal
         else:

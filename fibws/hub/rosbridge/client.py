@@ -18,7 +18,7 @@ from fibws.hub.rosbridge.statuses import Statuses
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Registration
-from fibws.protocol.operations import Id
+from fibws.protocol.operations import Id, plain_json
 
 if TYPE_CHECKING:
     from fibws.hub.rosbridge.services import Services
@@ -100,6 +100,14 @@ class Client:
             return False
         self.queue.reply(text_frame(text))
         return True
+
+    def json(self, text: bytes) -> bytes:
+        """Return values in JSON as the client reads it: rosbridge's clients get null for infinity.
+
+        Args:
+            text: the values, in which infinity is as in `exact_json_of`.
+        """
+        return text if self.serialized else plain_json(text)
 
     def code(self, code: str | None) -> str | None:
         """Return an error's code if the client is sent those."""

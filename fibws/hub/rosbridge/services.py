@@ -125,7 +125,7 @@ class Calls:
         waiting = self._waiting.pop(call)
         call.response = None  # The call may stay in the heap, where a large response need not.
         header = {"callerid": call.service.node} if waiting.headers else None
-        self._respond(waiting, values, header=header)
+        self._respond(waiting, self._client.json(values), header=header)
 
     def _failed(self, call: Call, text: str, code: str) -> None:
         self._fail(self._waiting.pop(call), text, code)
@@ -292,7 +292,7 @@ class Services:
         }
         if served.headers:
             fields["header"] = self._client.graph.header(call.caller, call.headers or {})
-        if self._client.forward_request(encode_fields(fields)):
+        if self._client.forward_request(encode_fields(fields, exact=self._client.serialized)):
             self._calls[call.id] = call
             self._calls_of.setdefault(call.service.name, OrderedDict())[call.id] = call
         else:

@@ -21,7 +21,8 @@ from running_programs import Start
 
 from fibws.bags import open_writer
 from fibws.client.hub_client import HubClient
-from fibws.interfaces import Interfaces
+from fibws.interfaces import Interfaces, Validators
+from fibws.interfaces.serialization import Serializers
 
 CURVE = {"layout": {"dim": [], "data_offset": 0}, "data": [1, 2, 3]}
 
@@ -48,6 +49,47 @@ def test_options_change_the_output(
 ) -> None:
     publish("/curve", "std_msgs/Int32MultiArray", CURVE)
     assert run("topic", "echo", "-n", "1", *options).output == printed
+
+
+@pytest.mark.parametrize(
+    ("type_", "message", "yaml", "row", "json_"),
+    [
+        ("Float64", '{"data":1e999}', "data: inf", "inf", "1e999"),
+        ("Float64", '{"data":-1e999}', "data: -inf", "-inf", "-1e999"),
+        ("Float32", '{"data":-1e999}', "data: -inf", "-inf", "-1e999"),
+        ("Float64", '{"data":null}', "data: nan", "nan", "null"),
+        ("Float64", '{"data":-0.0}', "data: -0.0", "-0.0", "-0.0"),
+        ("Float64", '{"data":5e-324}', "data: 5e-324", "5e-324", "5e-324"),
+        ("Int64", f'{{"data":{-(2**63)}}}', f"data: {-(2**63)}", f"{-(2**63)}", f"{-(2**63)}"),
+        ("UInt64", f'{{"data":{2**64 - 1}}}', f"data: {2**64 - 1}", f"{2**64 - 1}", f"{2**64 - 1}"),
+    ],
+)
+def test_numbers_are_printed_as_they_were_sent(
+    run: Run,
+    publish: Publish,
+    tmp_path: Path,
+    type_: str,
+    message: str,
+    yaml: str,
+    row: str,
+    json_: str,
+) -> None:
+    type_ = f"std_msgs/{type_}"
+    publish("/x", type_, json.loads(message))
+    serialized = (
+        Serializers(Interfaces())
+        .of(type_)
+        .serialize(Validators(Interfaces(), lambda: 0).of(type_).validate(json.loads(message)))
+    )
+    path = tmp_path / "it.bag"
+    with open_writer(path) as writer:
+        text = Interfaces().full_text(type_)
+        writer.write(writer.connection("/x", type_, Interfaces().md5(type_), text), 1, serialized)
+    for source in ([], ["-b", str(path)]):
+        arguments = ["topic", "echo", *source, "-n", "1", "/x"]
+        assert run(*arguments).output == f"{yaml}\n---\n"
+        assert run(*arguments, "-p").output.splitlines()[1].split(",")[1] == row
+        assert run(*arguments, "--json").output == f'{{"data":{json_}}}\n'
 
 
 @pytest.mark.parametrize("name", ["/a-b", "/übung/x.y"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any, assert_type
@@ -15,6 +16,7 @@ from fibws.action import action_class
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub import Hub, Settings
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
+from fibws.msg.control_msgs import GripperCommandResult
 from fibws.msg.std_msgs import String
 from fibws.node.actions.actions import Over
 
@@ -165,6 +167,27 @@ async def test_type_may_be_a_name_and_goal_a_dict(
     await fibonacci.wait_for_server(timeout=60)
     goal = await fibonacci.send({"order": 8})
     assert (await goal.result(timeout=60)).sequence == [8]
+
+
+@both_kinds
+async def test_infinity_and_nan_arrive_in_goal_feedback_and_result(
+    server: fibws.Node, client: fibws.Node, over: Over
+) -> None:
+    async def execute(goal: fibws.ServerGoal[Any, Any, Any]) -> Any:
+        command = goal.request.command
+        await goal.publish_feedback({"position": command.position, "effort": command.max_effort})
+        return GripperCommandResult(position=command.position, effort=command.max_effort)
+
+    await server.action_server("grip", "control_msgs/GripperCommand", execute, over=over)
+    gripper = client.action_client("grip", "control_msgs/GripperCommand", over=over)
+    await gripper.wait_for_server(timeout=60)
+    for sent in ((math.inf, -math.inf), (math.nan, -0.0)):
+        command = {"position": sent[0], "max_effort": sent[1]}
+        goal = await gripper.send({"command": command})
+        feedback = await anext(goal.feedback())
+        result = await goal.result(timeout=60)
+        for each in (feedback, result):
+            assert repr((each.position, each.effort)) == repr(sent)
 
 
 @both_kinds
