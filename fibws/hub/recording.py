@@ -131,7 +131,8 @@ class RecordedTopic:
         type_ = publication.type
         type_.check_known()
         if self._definition[0] is not type_:
-            text = self._recording.graph.definitions.full_text(type_.name)
+            # The definitions of the graph may be others than those of the hub's own topics.
+            text = type_.codecs.definitions.full_text(type_.name) if type_.codecs else ""
             self._definition = type_, text
         header = from_json(publication.header)
         return Origin(

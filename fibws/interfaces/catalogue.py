@@ -128,7 +128,7 @@ class Interfaces(Definitions):
 
     Args:
         folders: the user's own; each holds packages side by side, or is one. Of two packages of
-            one name the later one counts, and each of them before the standard one.
+            one name the later one counts; its types hide those of the standard one.
 
     Raises:
         InterfaceError: there is no such folder.
@@ -148,6 +148,11 @@ class Interfaces(Definitions):
         """
         if self._folders.add(folder):
             self._clear()
+
+    @property
+    def is_standard(self) -> bool:
+        """Whether there are no folders of the user."""
+        return self._folders.is_standard
 
     def packages(self) -> list[str]:
         """The names of all packages, sorted."""

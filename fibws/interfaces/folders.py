@@ -32,21 +32,40 @@ SIMILAR = 0.85
 
 
 class Package:
-    """The definition files of one package, listed on first use."""
+    """The definition files of one package, listed on first use.
 
-    __slots__ = ("_files", "folder", "name")
+    Attributes:
+        standard: the standard package of the same name, whose types it hides one by one.
+    """
+
+    __slots__ = ("_files", "folder", "name", "standard")
 
     def __init__(self, name: str, folder: Path) -> None:
         self.name = name
         self.folder = folder
+        self.standard: Package | None = None
         self._files: dict[Kind, dict[str, Path]] = {}
 
     def files(self, kind: Kind) -> dict[str, Path]:
         """Return the files of one kind by the names of their types."""
         if kind not in self._files:
-            paths = sorted((self.folder / kind).glob(f"*.{kind}"))
-            self._files[kind] = {path.stem: path for path in paths if _is_name(path.stem)}
+            own = self._own_files(kind)
+            self._files[kind] = own if self.standard is None else self._hidden(kind) | own
         return self._files[kind]
+
+    def _own_files(self, kind: Kind) -> dict[str, Path]:
+        paths = sorted((self.folder / kind).glob(f"*.{kind}"))
+        return {path.stem: path for path in paths if _is_name(path.stem)}
+
+    def _hidden(self, kind: Kind) -> dict[str, Path]:
+        """The files of the standard package; messages hide the action that they are made of."""
+        assert self.standard is not None
+        files = self.standard.files(kind)
+        if kind != "action":
+            return files
+        messages = self._own_files("msg")
+        made = {name: [f"{name}{suffix}" for suffix in ACTION_SUFFIXES] for name in files}
+        return {name: files[name] for name in files if messages.keys().isdisjoint(made[name])}
 
 
 def find_packages(folder: Path) -> Iterator[Package]:
@@ -71,7 +90,8 @@ def _is_name(text: str) -> bool:
 class Folders:
     """The definitions in the packages of several folders, each parsed on first use.
 
-    Of packages with the same name, only the one in the folder that was added last counts.
+    Of the user's packages with the same name, only the one in the folder that was added last
+    counts. It hides the standard package type by type.
     """
 
     def __init__(self) -> None:
@@ -127,14 +147,26 @@ class Folders:
         """The packages by name."""
         if not self._packages:
             # Assigned at once: in rospy's programs several threads call this.
-            self._packages = {
-                found.name: found for folder in self._folders for found in find_packages(folder)
-            }
+            standard, *users = (
+                {found.name: found for found in find_packages(folder)} for folder in self._folders
+            )
+            packages = dict(standard)
+            for found in users:
+                packages |= found
+            for name, package in packages.items():
+                if package is not standard.get(name):
+                    package.standard = standard.get(name)
+            self._packages = packages
         return self._packages
+
+    @property
+    def is_standard(self) -> bool:
+        """Whether there are no folders of the user."""
+        return len(self._folders) == 1
 
     def is_users(self, package: str) -> bool:
         """Whether the package is in one of the user's folders."""
-        if len(self._folders) == 1:
+        if self.is_standard:
             return False  # without a look at the folder of the standard packages
         found = self.packages().get(package)
         return found is not None and found.folder.parent != STANDARD

@@ -20,7 +20,7 @@ from fibws.hub.recording import NODE, STATE
 from fibws.hub.server import RECORDING_TIMEOUT
 from fibws.msg.fibws_msgs import PlaybackState, RecordingState
 from fibws.msg.geometry_msgs import PointStamped
-from fibws.msg.rosgraph_msgs import Clock
+from fibws.msg.rosgraph_msgs import Clock, Log
 from fibws.msg.std_msgs import Int32, String
 from fibws.names import HUB_TOPICS
 from fibws.srv.fibws_msgs import GetRecording
@@ -81,6 +81,29 @@ async def test_all_topics_are_recorded_from_their_first_message(tmp_path: Path) 
     with open_reader(path) as bag:
         assert [data for _, _, data in bag.messages(["/map"])] == [b"\x04\0\0\0here"]
         assert bag.connections[-1].definition.startswith("Header header")
+
+
+async def test_log_is_recorded_with_its_own_definition(tmp_path: Path) -> None:
+    header = tmp_path / "share" / "std_msgs" / "msg" / "Header.msg"
+    header.parent.mkdir(parents=True)
+    header.write_text("builtin_interfaces/Time stamp\nstring frame_id\n")
+    bags = tmp_path / "bags"
+    async with (
+        Hub(settings(bags, interfaces=[tmp_path / "share"])) as hub,
+        fibws.Node("talker", hub=hub.url) as node,
+    ):
+        lines = node.subscribe("/rosout", Log)
+        node.log.error("too fast")
+        async with asyncio.timeout(PATIENCE):
+            while (await anext(lines)).msg != "too fast":
+                pass
+    [path] = files(bags)
+    with open_reader(path) as bag:
+        texts = [each.definition for each in bag.connections if each.topic == "/rosout"]
+        assert texts
+        assert all("uint32 seq" in text for text in texts)
+        found = [data for _, _, data in bag.messages(["/rosout"])]
+        assert any(b"too fast" in data for data in found)
 
 
 async def test_nothing_is_recorded_before_simulated_time_begins(tmp_path: Path) -> None:

@@ -145,7 +145,7 @@ def test_folder_may_be_one_package(tmp_path: Path) -> None:
     assert interfaces.message("my_msgs/CountGoal").fields == (Field("to", "int32"),)
 
 
-def test_users_package_replaces_the_standard_one(tmp_path: Path) -> None:
+def test_users_types_hide_the_standard_ones_one_by_one(tmp_path: Path) -> None:
     write(tmp_path, std_msgs__msg__Int32="int64 data")
     interfaces = Interfaces()
     assert not interfaces.is_users("std_msgs")
@@ -154,7 +154,23 @@ def test_users_package_replaces_the_standard_one(tmp_path: Path) -> None:
     interfaces.add_folder(tmp_path)
     assert interfaces.is_users("std_msgs")
     assert interfaces.message("std_msgs/Int32").fields[0].type == "int64"
-    assert interfaces.messages("std_msgs") == ["std_msgs/Int32"]
+    assert interfaces.messages("std_msgs") == Interfaces().messages("std_msgs")
+    assert interfaces.message("std_msgs/Header").fields[0].name == "seq"
+
+
+def test_last_of_the_users_packages_of_one_name_counts(tmp_path: Path) -> None:
+    write(tmp_path / "a", my_msgs__msg__One="int8 x", my_msgs__msg__Two="int8 x")
+    write(tmp_path / "b", my_msgs__msg__One="int16 x")
+    interfaces = Interfaces([tmp_path / "a", tmp_path / "b"])
+    assert interfaces.messages("my_msgs") == ["my_msgs/One"]
+    assert interfaces.message("my_msgs/One").fields[0].type == "int16"
+
+
+def test_users_message_hides_the_one_that_is_made_of_a_standard_action(tmp_path: Path) -> None:
+    write(tmp_path, actionlib_tutorials__msg__FibonacciGoal="int64 order")
+    interfaces = Interfaces([tmp_path])
+    assert interfaces.message("actionlib_tutorials/FibonacciGoal").fields[0].type == "int64"
+    assert interfaces.message("actionlib_tutorials/AveragingGoal").fields[0].type == "int32"
 
 
 def test_missing_folder_is_an_error(tmp_path: Path) -> None:

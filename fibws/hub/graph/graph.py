@@ -550,7 +550,9 @@ class Graph:
         name = Interfaces.canonical(type_)
         present = topic.type
         if present is None or not topic.held:
-            wanted = self._types.message(name, definition, node)
+            is_own = node in self.internal
+            types = self._types
+            wanted = types.own_message(name) if is_own else types.message(name, definition, node)
         elif present.name != name:
             if not self._is_alike(present, name, definition, node):
                 raise TypeConflict(topic.name, name, present.name, topic.holder())
@@ -720,7 +722,7 @@ class Graph:
 
     def serve_internally(self, name: str, type_: str, node: str, function: Function) -> None:
         """Let the hub itself serve a service, as one of its own nodes."""
-        self._serve(Service(name, self._types.service(type_), InternalServer(node, function)))
+        self._serve(Service(name, self._types.own_service(type_), InternalServer(node, function)))
 
     def _serve(self, service: Service) -> Service:
         older = self._service(service.name)

@@ -412,6 +412,8 @@ class Types:
         self._now = now
         self._strict = strict
         self._installed = Codecs(interfaces, now)
+        self._own = self._installed if interfaces.is_standard else Codecs(Interfaces(), now)
+        """The standard types, which the hub's own topics and services have."""
         self._brought: dict[ClientDefinition, Codecs] = {}
         """The codecs of the definitions that are held."""
 
@@ -448,6 +450,25 @@ class Types:
             fault = self._fault(error)
         relayed = _relayed(name)
         return ActionType(name, relayed, relayed, relayed, fault=fault)
+
+    def own_message(self, name: str) -> MessageType:
+        """Return the type of one of the hub's own topics, which is the standard one.
+
+        If that of the folders is the same, it is that object.
+        """
+        return self._own_codecs(lambda definitions: definitions.md5(name)).message(name)
+
+    def own_service(self, name: str) -> ServiceType:
+        """Return the type of one of the hub's own services; as `own_message`."""
+        return self._own_codecs(lambda definitions: definitions.service_md5(name)).service(name)
+
+    def _own_codecs(self, md5: Callable[[Definitions], str]) -> Codecs:
+        try:
+            if md5(self._installed.definitions) == md5(self._own.definitions):
+                return self._installed
+        except InterfaceError:  # of the user's definition
+            pass
+        return self._own
 
     def without_definition(self, type_: MessageType) -> MessageType:
         """Return a type without the definition that a client brought."""
