@@ -13,7 +13,8 @@ from fibws.hub.websocket import self_signed
 from fibws.origins import AllowedOrigins, OwnHosts
 
 ALL_IPV4 = "0.0.0.0"
-ALL_IPV6 = "::"
+ALL = ("::", "")
+"""Hosts that stand for all addresses of IPv4 and IPv6."""
 
 
 def announcement(settings: Settings, url: str, master_uri: str = "") -> str:
@@ -69,10 +70,9 @@ def addresses_for_others(host: str) -> list[str]:
     They are as URLs spell them, and empty if it listens on this machine only. IPv6 addresses that
     are valid on one link only are left out, since browsers do not take them.
     """
-    if host in (ALL_IPV4, ALL_IPV6, ""):
-        versions = {ALL_IPV4: {4}, ALL_IPV6: {6}}.get(host, {4, 6})
+    if host in (ALL_IPV4, *ALL):
         found = map(ipaddress.ip_address, machine_addresses())
-        return [_in_url(each) for each in found if each.version in versions]
+        return [_in_url(each) for each in found if each.version == 4 or host in ALL]
     try:
         address = ipaddress.ip_address(host)
     except ValueError:

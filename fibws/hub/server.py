@@ -25,7 +25,7 @@ from fibws.errors import FibwsError, HubError, InterfaceError, NotAllowed
 from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
-from fibws.hub.announcement import machine_addresses
+from fibws.hub.announcement import ALL, ALL_IPV4, machine_addresses
 from fibws.hub.audit import Audit, Identity
 from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
@@ -83,6 +83,8 @@ DRAIN_RATE = 100.0
 """Clients that are closed in a second before the hub ends, if there is time enough."""
 DRAIN_INTERVAL = 0.05
 """Seconds between two groups of clients that are closed."""
+PORT_TRIES = 20
+"""How many ports are tried until one is free for IPv4 and IPv6."""
 BACKLOG = 1024
 """Connections that may wait to be accepted: a thousand may come at once."""
 ACCEPTED_AT_ONCE = 32
@@ -687,17 +689,23 @@ class Hub:
     async def _bind(self, loop: asyncio.AbstractEventLoop) -> asyncio.Server:
         """Take the port; connections wait until the hub is complete."""
         host, port = self.settings.host, self.settings.port
-        try:
-            return await loop.create_server(
-                lambda: Connection(self._shared),
-                host,
-                port,
-                backlog=ACCEPTED_AT_ONCE,
-                start_serving=False,
-                **self._tls_arguments(),
-            )
-        except OSError as error:
-            raise HubError(_why_not(host, port, error)) from error
+        # With port 0, asyncio would take another port for each family.
+        are_both = host in ALL
+        for _ in range(PORT_TRIES):
+            try:
+                return await loop.create_server(
+                    lambda: Connection(self._shared),
+                    None if are_both else host,
+                    port or (_free_port() if are_both else 0),
+                    backlog=ACCEPTED_AT_ONCE,
+                    start_serving=False,
+                    **self._tls_arguments(),
+                )
+            except OSError as error:
+                fault = error
+                if port or error.errno != errno.EADDRINUSE:
+                    break
+        raise HubError(_why_not(host, port, fault)) from fault
 
     def _tls_arguments(self) -> dict[str, Any]:
         """Return the arguments of the event loop's create_server."""
@@ -850,7 +858,15 @@ def _refuse_origin(audit: Audit, reason: str, address: str) -> None:
 
 def _reached_at(host: str) -> str:
     """Return the address by which programs on this machine reach a hub that listens there."""
-    return {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+    return "127.0.0.1" if host in (ALL_IPV4, *ALL) else host
+
+
+def _free_port() -> int:
+    """Return a port that is free, at least for IPv4."""
+    with socket.socket() as probe:
+        probe.bind(("", 0))
+        port: int = probe.getsockname()[1]
+        return port
 
 
 def _max_unwritten(settings: Settings) -> int:

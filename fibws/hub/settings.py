@@ -51,7 +51,8 @@ class Settings:
     """
 
     host: str = _setting(
-        "127.0.0.1", "Address to listen on; 0.0.0.0 accepts connections from other machines."
+        "127.0.0.1",
+        "Address to listen on; 0.0.0.0 accepts connections from other machines, :: also by IPv6.",
     )
     port: int = _setting(9090, "Port to listen on; 0 chooses a free one.")
     cert: Path | None = _setting(
@@ -287,6 +288,9 @@ class Settings:
         30.0, "Seconds for which a client may stop reading before it is disconnected."
     )
     max_message_size: int = _setting(64 * MIB, "Bytes that one incoming message may have.")
+    max_request_head: int = _setting(
+        64 * KIB, "Bytes that a request's line and headers may have, cookies included."
+    )
     ping_interval: float = _setting(20.0, "Seconds between two pings; 0 sends none.")
     ping_timeout: float = _setting(20.0, "Seconds in which a client must answer a ping.")
     open_timeout: float = _setting(10.0, "Seconds in which a client must finish its handshake.")
@@ -310,6 +314,8 @@ class Settings:
         return any((self.tokens, self.jwt_key, self.client_ca))
 
     def __post_init__(self) -> None:
+        # As in URLs: [::1].
+        object.__setattr__(self, "host", re.sub(r"^\[(.*:.*)\]$", r"\1", self.host))
         self._check_numbers()
         self._check_texts()
         if self.log_format not in LOG_FORMATS:

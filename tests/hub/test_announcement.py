@@ -40,7 +40,7 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> None:
         ("::1", []),
         ("localhost", []),
         ("0.0.0.0", [VPN, LAN]),
-        ("::", [f"[{V6}]"]),
+        ("::", [VPN, LAN, f"[{V6}]"]),
         ("", [VPN, LAN, f"[{V6}]"]),
         (LAN, [LAN]),
         (V6, [f"[{V6}]"]),

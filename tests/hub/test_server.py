@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import json
 import resource
+import socket
 from contextlib import AsyncExitStack
 from pathlib import Path
 
 import pytest
 from conftest import StartHub
+from websockets.asyncio.client import connect
 
 from fibws.errors import HubError, InterfaceError
-from fibws.hub import Hub, Settings
+from fibws.hub import Hub, Settings, server
 
 from .raw_client import (
     CLOSE,
@@ -38,13 +40,49 @@ class TestListening:
         assert hub.url == f"ws://127.0.0.1:{hub.port}"
 
     @pytest.mark.parametrize(
-        ("host", "shown"), [("0.0.0.0", "127.0.0.1"), ("::1", "[::1]"), ("::", "[::1]")]
+        ("host", "shown"),
+        [
+            ("0.0.0.0", "127.0.0.1"),
+            ("::1", "[::1]"),
+            ("[::1]", "[::1]"),
+            ("::", "127.0.0.1"),
+            ("[::]", "127.0.0.1"),
+            ("", "127.0.0.1"),
+        ],
     )
     async def test_url_is_reachable_from_this_machine(
         self, start_hub: StartHub, host: str, shown: str
     ) -> None:
         hub = await start_hub(host=host)
         assert hub.url == f"ws://{shown}:{hub.port}"
+        async with connect(hub.url):
+            pass
+
+    @pytest.mark.parametrize("host", ["::", "[::]", ""])
+    async def test_both_families_have_one_port(self, start_hub: StartHub, host: str) -> None:
+        hub = await start_hub(host=host, port=0)
+        for address in ("127.0.0.1", "[::1]", "localhost"):
+            async with connect(f"ws://{address}:{hub.port}"):
+                pass
+        names = [client.address for client in hub._connections]
+        assert not any("ffff" in name for name in names)
+
+    async def test_port_that_one_family_lacks_is_not_chosen(
+        self, start_hub: StartHub, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        with socket.socket(socket.AF_INET6) as taken:
+            taken.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+            taken.bind(("::", 0))
+            taken.listen()
+            port = taken.getsockname()[1]
+            free = server._free_port
+            ports = iter([port, port])
+            monkeypatch.setattr(server, "_free_port", lambda: next(ports, None) or free())
+            hub = await start_hub(host="::", port=0)
+            assert hub.port != port
+            with pytest.raises(HubError, match=f"Port {port} on :: is in use"):
+                async with Hub(Settings(host="::", port=port)):
+                    pass
 
     @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0", "::1"])
     async def test_parameters_contain_the_address_of_the_hub(

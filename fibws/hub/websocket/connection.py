@@ -51,6 +51,11 @@ from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
 from fibws.hub.websocket.proxies import TrustedProxies
 from fibws.hub.websocket.quotas import ClientQuotas
+from fibws.hub.websocket.request_head import (
+    HandshakeProtocol,
+    drop_empty_subprotocols,
+    too_long,
+)
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import certificate_of
 from fibws.hub.websocket.turns import TURN, Turns
@@ -77,8 +82,6 @@ HIGH_WATER = 64 * KIB
 """Bytes in a transport's buffer at which its client counts as slow."""
 TLS_RECORD = b"\x16\x03"
 """The first bytes from a client that speaks TLS; no HTTP request holds them."""
-LONGEST_HEAD = 64 * KIB
-"""Bytes after which a request's head is not read on."""
 LONG_HEAD = 4 * KIB
 """Bytes of a request's head that is longer than those of most clients."""
 DROPPING_PAUSE = 0.01
@@ -164,8 +167,9 @@ class Connection(asyncio.BufferedProtocol):
 
     def __init__(self, shared: Shared) -> None:
         self._shared = shared
-        self._protocol = ServerProtocol(
-            select_subprotocol=shared.endpoints.select,
+        self._protocol: ServerProtocol = HandshakeProtocol(
+            shared.endpoints,
+            limit=shared.settings.max_request_head,
             max_size=min(STRANGER_BYTES, shared.settings.max_message_size),
             logger=_library_logger,
         )
@@ -407,11 +411,13 @@ class Connection(asyncio.BufferedProtocol):
             self._protocol.send_response(text_response(http.HTTPStatus.BAD_REQUEST, text))
             self._send()
             return
-        is_endless = self.bytes_received > LONGEST_HEAD + len(data)
+        limit = self._shared.settings.max_request_head
+        is_endless = self.bytes_received > limit + len(data)
         if is_endless and not self._protocol.eof_sent:
-            text = f"The request's head is too long (limit {LONGEST_HEAD} bytes)"
+            text = too_long(limit)
+            self._shared.audit.refused("limit", text, ip=self.address)
             status = http.HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE
-            self._protocol.send_response(text_response(status, text))
+            self._protocol.send_response(text_response(status, text.capitalize()))
             self._send()
             return
         seen = self._head + data
@@ -574,6 +580,7 @@ class Connection(asyncio.BufferedProtocol):
         self._reader.accept()
 
     def _accept(self, request: Request) -> Response:
+        drop_empty_subprotocols(request)
         response = self._protocol.accept(request)
         response.headers[SIZE_HEADER] = str(self._shared.settings.max_message_size)
         if self._shared.is_simulated():
@@ -593,6 +600,15 @@ class Connection(asyncio.BufferedProtocol):
         response = text_response(http.HTTPStatus.TOO_MANY_REQUESTS, refusal)
         response.headers["Retry-After"] = "1"
         return response
+
+    def _refuse_invalid(self) -> None:
+        """Log why the library has refused a request, or respond if it has not."""
+        assert isinstance(self._protocol, HandshakeProtocol)
+        response = self._protocol.response_to_invalid()
+        if response is not None:  # Before the end, which the library has asked for.
+            self._transport.write(response.serialize())
+        elif (refusal := self._protocol.refusal()) is not None:
+            self._shared.audit.refused("limit", refusal, ip=self.address)
 
     def _respond(self, response: Response) -> None:
         """Send a response that took long to make, and whose body may be large, piece by piece."""
@@ -645,7 +661,10 @@ class Connection(asyncio.BufferedProtocol):
         """Pass data to the library, and process its events."""
         if self._protocol.state is State.CLOSED:
             return
+        is_handshake = self._protocol.handshake_exc is None
         self._protocol.receive_data(data)
+        if is_handshake and self._protocol.handshake_exc is not None:
+            self._refuse_invalid()
         for event in self._protocol.events_received():
             if isinstance(event, Request):
                 self._on_request(event)

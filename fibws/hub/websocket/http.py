@@ -306,7 +306,10 @@ class HttpRequests:
                 return text_response(http.HTTPStatus.BAD_REQUEST, "Invalid header Host")
             if self._base and (elsewhere := self._enter_base(request)) is not None:
                 return elsewhere
-            if request.headers.get("Upgrade", "").lower() != "websocket":
+            upgrade = request.headers.get("Upgrade", "").lower()
+            if not upgrade and "Sec-WebSocket-Key" in request.headers:
+                return _respond_without_upgrade()
+            if upgrade != "websocket":
                 get = Get(request.headers, request.path, address, certificate)
                 return self._respond_to_plain(request.method, get)
             if self._closed:
@@ -543,6 +546,17 @@ def response(
 def text_response(status: http.HTTPStatus, text: str) -> Response:
     """Return a response of one sentence, which is given without its full stop."""
     return response(status, "text/plain", f"{text}.\n".encode())
+
+
+def _respond_without_upgrade() -> Response:
+    """Respond to a WebSocket's handshake that a proxy has made a plain request."""
+    fault = (
+        "This WebSocket handshake has no header Upgrade. A proxy before the hub must pass on "
+        "the headers Upgrade and Connection"
+    )
+    found = text_response(http.HTTPStatus.UPGRADE_REQUIRED, fault)
+    found.headers["Upgrade"] = "websocket"
+    return found
 
 
 def _respond_not_built(get: Get) -> Response:

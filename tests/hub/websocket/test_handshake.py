@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import socket
 
 import pytest
 from conftest import StartHub
@@ -10,7 +11,7 @@ from websockets.asyncio.client import connect
 from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFactory
 
 from fibws.hub import Hub
-from fibws.hub.settings import MIB
+from fibws.hub.settings import KIB, MIB
 
 from ..raw_client import (
     PATIENT,
@@ -100,21 +101,54 @@ class TestHandshake:
     @pytest.mark.parametrize(
         "garbage",
         [
-            b"\x16\x02\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)) + b"\n",
             b"\r\n\r\n",
-            b"\n\n\n\n",
             b"GET\r\n\r\n",
             b"GET / HTTP/2.0\r\n\r\n",
             b"GET /\xff HTTP/1.1\r\n\r\n",
             b"GET / HTTP/1.1\r\nno colon\r\n\r\n",
-            b"POST / HTTP/1.1\r\nContent-Length: 2\r\n\r\nhi",
-            b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n2\r\nhi\r\n0\r\n\r\n",
         ],
         ids=lambda garbage: repr(garbage[:12]),
     )
-    async def test_invalid_request_ends_the_connection(self, hub: Hub, garbage: bytes) -> None:
+    async def test_invalid_request_is_answered(self, hub: Hub, garbage: bytes) -> None:
         async with dialled(hub.port) as client:
             await client.send(garbage)
+            status, headers, body = await client.response()
+        assert (status, headers["connection"]) == (400, "close")
+        assert body.startswith(b"Invalid HTTP request")
+
+    @pytest.mark.parametrize(
+        "garbage",
+        [
+            b"\x16\x02\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)) + b"\n",
+            b"\n\n\n\n",
+        ],
+        ids=["TLS of another version", "lines without returns"],
+    )
+    async def test_other_protocols_end_the_connection(self, hub: Hub, garbage: bytes) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(garbage)
+            assert await client.to_the_end() == b""
+
+    @pytest.mark.parametrize(
+        "request_",
+        [
+            b"POST / HTTP/1.1\r\nContent-Length: 2\r\n\r\nhi",
+            b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n2\r\nhi\r\n0\r\n\r\n",
+        ],
+    )
+    async def test_request_with_a_body_is_refused_with_the_reason(
+        self, hub: Hub, request_: bytes
+    ) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(request_)
+            status, _, body = await client.response()
+        assert status == 400
+        assert b"without a body" in body
+
+    async def test_client_that_leaves_before_its_request_gets_no_response(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(b"GET / HTTP/1.1\r\nX: ")
+            client.socket.shutdown(socket.SHUT_WR)
             assert await client.to_the_end() == b""
 
     @pytest.mark.parametrize(
@@ -126,16 +160,37 @@ class TestHandshake:
         ],
     )
     async def test_oversized_request_is_refused_before_its_end(
-        self, hub: Hub, request_: bytes, status: int
+        self,
+        start_hub: StartHub,
+        request_: bytes,
+        status: int,
+        caplog: pytest.LogCaptureFixture,
     ) -> None:
+        hub = await start_hub(max_request_head=8 * KIB)
         async with dialled(hub.port) as client:
             await client.send(request_)
             assert (await client.response())[0] == status
+        assert "Refused 127.0.0.1: " in caplog.text
+
+    async def test_oversized_request_names_the_setting(self, start_hub: StartHub) -> None:
+        hub = await start_hub(max_request_head=8 * KIB)
+        for request_ in (b"GET / HTTP/1.1\r\nX: " + b"x" * 9000, handshake("/?" + "x" * 9000)):
+            async with dialled(hub.port) as client:
+                await client.send(request_)
+                body = (await client.response())[2]
+            assert b"--max-request-head" in body
+
+    async def test_many_cookies_of_other_servers_do_no_harm(self, hub: Hub) -> None:
+        cookies = "; ".join(f"session{each}={'x' * 3500}" for each in range(16))
+        async with connected(hub.port, f"/?token={'t' * 4000}", Cookie=cookies) as client:
+            await client.is_processed()
+        status, _, _ = await _http(hub, "GET", "/healthz", Cookie=cookies)
+        assert status == 200
 
     async def test_endless_refused_request_is_not_kept(self, start_hub: StartHub) -> None:
         hub = await start_hub(close_timeout=PATIENT)
         async with dialled(hub.port) as client:
-            await client.send(b"GET /" + b"x" * 9000)
+            await client.send(b"GET /" + b"x" * 70_000)
             await client.response()
             for _ in range(64):
                 await client.send(bytes(MIB // 4))
@@ -159,6 +214,22 @@ class TestHandshake:
         async with dialled(hub.port) as client:
             await client.send(handshake("/healthz", **headers))
             assert (await client.response())[0] == status
+
+    @pytest.mark.parametrize("name", ["", " ", "\t"])
+    async def test_empty_subprotocol_is_none(self, hub: Hub, name: str) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake(Sec_WebSocket_Protocol=name))
+            status, headers, _ = await client.response()
+        assert status == 101
+        assert "sec-websocket-protocol" not in headers
+
+    async def test_proxy_that_drops_upgrade_is_named(self, hub: Hub) -> None:
+        request_ = handshake().replace(b"Upgrade: websocket\r\n", b"")
+        async with dialled(hub.port) as client:
+            await client.send(request_.replace(b"Connection: Upgrade", b"Connection: close"))
+            status, headers, body = await client.response()
+        assert (status, headers["upgrade"]) == (426, "websocket")
+        assert b"proxy" in body
 
     async def test_unknown_origin_is_refused_with_the_remedy(self, hub: Hub) -> None:
         async with dialled(hub.port) as client:
@@ -261,9 +332,13 @@ class TestPlainHttp:
             await until(lambda: not hub._connections)
 
 
-async def _http(hub: Hub, method: str, path: str) -> tuple[int, dict[str, str], bytes]:
+async def _http(
+    hub: Hub, method: str, path: str, **headers: str
+) -> tuple[int, dict[str, str], bytes]:
+    lines = [f"{name}: {value}" for name, value in {"Host": "localhost", **headers}.items()]
+    request_ = "\r\n".join([f"{method} {path} HTTP/1.1", *lines, "", ""])
     async with dialled(hub.port) as client:
-        await client.send(f"{method} {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+        await client.send(request_.encode())
         return await client.response()
 
 
