@@ -198,7 +198,7 @@ PURE = modules(
     "ros1/launch/xml_element.py",
     *("hub/settings.py", "hub/log_text.py", "hub/audit.py", "hub/websocket/keepalive.py"),
     "hub/websocket/quotas.py",
-    *(f"hub/ros2/{name}.py" for name in ("cdr", "key_layout", "type_hashes", "types")),
+    *(f"hub/ros2/{name}.py" for name in ("key_layout", "type_hashes", "types")),
     *(
         f"tf/{name}.py"
         for name in (

@@ -6,9 +6,11 @@
     reader ─> messages in the order of time, for both
     compression ─> of chunks, with bounds
     reindex ─> a bag with an index from what is left of one
-    files ─> the right class for a file
+    rosbag2 ─> folders of .mcap files, as one bag
+    ros2_messages, on transformed_reader ─> messages in CDR as those of ROS 1, and back
+    files ─> the right class for a file or a folder
 
-Messages stay serialized: nothing here knows their types. It uses no clock and no tasks.
+Messages stay serialized: only ros2_messages knows their types. It uses no clock and no tasks.
 """
 
 from fibws.bags.connection import ChunkInfo, Connection

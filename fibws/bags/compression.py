@@ -93,6 +93,15 @@ def decompress(data: bytes, method: str, size: int, place: str) -> bytes:
     return found
 
 
+def decompress_all(data: bytes, method: str, place: str) -> bytes:
+    """Return uncompressed data whose size is not known; raise as `decompress`."""
+    limit = max(MAX_SIZE, MAX_RATIO * len(data))
+    found, fault = _decompress(data, method, limit + 1, place)
+    if fault or len(found) > limit:
+        raise BagFormatError(f"{place}: {fault or f'more than {limit} bytes uncompressed'}")
+    return found
+
+
 def decompress_start(data: bytes, method: str, place: str) -> bytes:
     """Return the uncompressed start of data that was cut off; empty if nothing can be read."""
     if method == "none":

@@ -7,18 +7,18 @@ from typing import TypeAlias
 
 from fibws.bags.bag_reader import BagReader
 from fibws.bags.bag_writer import CHUNK_SIZE, BagWriter
-from fibws.bags.mcap_files import MAGIC, McapReader, McapWriter
+from fibws.bags.mcap_files import MAGIC, McapWriter
 from fibws.bags.reader import Reader
+from fibws.bags.rosbag2 import MCAP_SUFFIX, is_zstd, open_file, open_folder
 
 Writer: TypeAlias = BagWriter | McapWriter
 
-MCAP_SUFFIX = ".mcap"
-
 
 def open_reader(path: str | os.PathLike[str], *, allow_unindexed: bool = False) -> Reader:
-    """Open a bag for reading.
+    """Open a bag for reading: a file, or a folder of rosbag2.
 
     Args:
+        path: a .bag or .mcap file, also one that zstd has compressed as a whole, or a folder.
         allow_unindexed: whether a bag without an index is read as a whole to make one.
 
     Raises:
@@ -28,29 +28,40 @@ def open_reader(path: str | os.PathLike[str], *, allow_unindexed: bool = False) 
         OSError: it cannot be read.
     """
     path = os.fspath(path)
-    if is_mcap(path):
-        return McapReader(path, allow_unindexed=allow_unindexed)
+    if os.path.isdir(path):
+        return open_folder(path, allow_unindexed=allow_unindexed)
+    if is_mcap(path) or is_zstd(path):
+        return open_file(path, allow_unindexed=allow_unindexed)
     return BagReader(path, allow_unindexed=allow_unindexed)
 
 
 def open_writer(
-    path: str | os.PathLike[str], compression: str = "none", chunk_size: int = CHUNK_SIZE
+    path: str | os.PathLike[str],
+    compression: str = "none",
+    chunk_size: int = CHUNK_SIZE,
+    *,
+    profile: str = "ros1",
+    name: str | os.PathLike[str] = "",
 ) -> Writer:
     """Open a bag for writing: an MCAP file if the name ends in .mcap or .mcap.active.
 
     Args:
         compression: ``none``, ``lz4``, or ``bz2`` for .bag, ``zstd`` for .mcap.
         chunk_size: how many bytes, uncompressed, end a chunk.
+        profile: of an MCAP file; see `McapWriter`.
+        name: names the file in errors, if it is written under another name.
 
     Raises:
         BagError: an invalid compression.
         UnsupportedBag: a package is not installed.
         OSError: the file cannot be written.
     """
-    path = os.fspath(path)
+    path, name = os.fspath(path), os.fspath(name)
     if path.removesuffix(".active").endswith(MCAP_SUFFIX):
-        return McapWriter(path, compression, chunk_size)
-    return BagWriter(path, compression, chunk_size)
+        return McapWriter(path, compression, chunk_size, profile=profile, name=name)
+    writer = BagWriter(path, compression, chunk_size)
+    writer.path = name or path
+    return writer
 
 
 def is_mcap(path: str) -> bool:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from io import BufferedWriter, BytesIO
 from itertools import chain
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, BinaryIO, Self
 
 from fibws.bags import compression
 from fibws.bags.bag_format import RecordFile
@@ -64,7 +64,8 @@ class McapWriter:
         path: the file; one that exists is replaced.
         compression: ``none``, ``lz4`` or ``zstd``.
         chunk_size: how many bytes, uncompressed, end a chunk.
-        profile: what messages the file has.
+        profile: what messages the file has: ``ros1``, ``ros2``, or empty for several kinds.
+        name: names the file in errors, if it is written under another name.
 
     Raises:
         BagError: an invalid compression.
@@ -79,16 +80,18 @@ class McapWriter:
         chunk_size: int = CHUNK_SIZE,
         *,
         profile: str = "ros1",
+        name: str = "",
     ) -> None:
+        name = name or path
         if compression not in METHODS:
             raise BagError(
-                f"{path}: compression {compression!r} does not exist in MCAP, expected "
+                f"{name}: compression {compression!r} does not exist in MCAP, expected "
                 f"{', '.join(METHODS)}"
             )
-        _import_mcap(path)
+        _import_mcap(name)
         from mcap.writer import CompressionType, Writer
 
-        self.path = path
+        self.path = name
         self.compression = compression
         self.chunk_size = chunk_size
         self.connections: list[Connection] = []
@@ -362,6 +365,7 @@ class McapReader(Reader):
     Args:
         path: the file.
         allow_unindexed: whether a file without a summary is read as a whole to make one.
+        file: an open file to read instead, in binary mode, which is closed with the reader.
 
     Raises:
         BagFormatError: it is damaged, or not a .mcap file.
@@ -372,10 +376,12 @@ class McapReader(Reader):
 
     version = "MCAP0"
 
-    def __init__(self, path: str, *, allow_unindexed: bool = False) -> None:
+    def __init__(
+        self, path: str, *, allow_unindexed: bool = False, file: BinaryIO | None = None
+    ) -> None:
         _import_mcap(path)
         self.path = path
-        opened = open(path, "rb")
+        opened = file or open(path, "rb")
         try:
             self.file = RecordFile(opened, path)
             self._runs: dict[int, int] = {}

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import IO, NamedTuple, Self, TypeAlias
 
 from fibws.bags.compression import MAX_RATIO
@@ -26,6 +26,8 @@ MAX_GAP = 10 * YEAR
 
 Message: TypeAlias = tuple[Connection, int, bytes]
 """A message: its connection, its time in ns and its serialized data."""
+LocatedMessage: TypeAlias = tuple[Connection, int, bytes, tuple[int, int]]
+"""A message with its place: the position of its chunk, and that in the uncompressed chunk."""
 
 
 class ChunkMessages(NamedTuple):
@@ -61,6 +63,10 @@ class Reader(ABC):
     is_indexed: bool
     mended: Sequence[Connection] = ()
     """The connections whose type the file does not say; see `with_known_types`."""
+    not_converted: Mapping[int, str] = MappingProxyType({})
+    """Why connections are not in the encoding that was asked for, by their ids."""
+    differences: Sequence[str] = ()
+    """How types that were converted differ from those of the same names in ROS 1."""
 
     @property
     @abstractmethod
@@ -177,7 +183,7 @@ class Reader(ABC):
         end: int | None = None,
         *,
         connections: Collection[Connection] | None = None,
-    ) -> Iterator[tuple[Connection, int, bytes, tuple[int, int]]]:
+    ) -> Iterator[LocatedMessage]:
         """Do the same as `messages`, and yield the place of each message in the file, too.
 
         That is the position of its chunk, and that of its record in the uncompressed chunk.
@@ -212,7 +218,7 @@ class Reader(ABC):
         wanted: dict[int, Connection],
         start: int,
         end: int | None,
-    ) -> Iterator[tuple[Connection, int, bytes, tuple[int, int]]]:
+    ) -> Iterator[LocatedMessage]:
         """Read chunks, which are sorted from the last to the first, while their times overlap."""
         with _Memory(self.path, max(MAX_FILE, MAX_RATIO * self.size)) as memory:
             cursors: list[tuple[int, int, _Cursor]] = []

@@ -7,6 +7,7 @@
     Interfaces ─ full_text ─> the text of a type with its nested types, as clients send it
     Interfaces ─ validators, with schema ─> dicts from JSON, complete and valid
     Interfaces ─ serialization, with serialization_code ─> ROS 1's bytes for dicts and objects
+    Interfaces ─ cdr, with ros2_definitions ─> ROS 1's bytes as ROS 2's, and back
     Interfaces ─ cbor, json_text, long_integers ─> valid dicts as CBOR and JSON
     Interfaces ─ generator, with class_source ─> Python classes in fibws.msg, .srv and .action
     generator ─ generated_modules ─> files of the standard packages' classes

@@ -11,16 +11,15 @@ Definitions are those of ROS 1: here they are described as ROS 2 has them. A hea
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from hashlib import sha256
 from typing import Any, Final, TypeAlias
 
 from fibws.errors import Ros2Error
 from fibws.interfaces import builtin
 from fibws.interfaces.definition import Field, MessageDefinition, ServiceDefinition
+from fibws.interfaces.ros2_definitions import Find, ros2_fields
 
-Find: TypeAlias = Callable[[str], MessageDefinition]
-"""Returns the definition of a message by its name; raises `InterfaceError`."""
 Description: TypeAlias = dict[str, Any]
 
 TYPE_IDS: Final = {
@@ -98,14 +97,6 @@ def service_hash(definition: ServiceDefinition, find: Find) -> str:
         ),
     )
     return _hash(name, described)
-
-
-def ros2_fields(definition: MessageDefinition) -> tuple[Field, ...]:
-    """Return the fields that a message has in ROS 2: a header has no ``seq``."""
-    fields = definition.fields
-    if definition.type == builtin.HEADER and fields[:1] == (Field("seq", "uint32"),):
-        return fields[1:]
-    return fields
 
 
 def _hash(name: str, described: dict[str, Description]) -> str:

@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
 from fibws.errors import FibwsError, Ros2Error
-from fibws.hub.ros2.cdr import Converter, Converters
 from fibws.hub.ros2.key_layout import NO_HASH
 from fibws.hub.ros2.type_hashes import message_hash, service_hash
 from fibws.interfaces.catalogue import Definitions
+from fibws.interfaces.cdr import Converter, Converters
 
 T = TypeVar("T")
 

@@ -15,8 +15,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from work import executed_lines
 
 from fibws.errors import InterfaceError, InvalidMessage
-from fibws.hub.ros2.cdr import Converters
 from fibws.interfaces import Interfaces, base64text, builtin
+from fibws.interfaces.cdr import Converters
 from fibws.interfaces.definition import Field, MessageDefinition
 from fibws.interfaces.serialization import Serializers
 

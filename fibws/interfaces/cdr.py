@@ -30,9 +30,9 @@ from struct import error as StructError
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from fibws.errors import InvalidMessage, Ros2Error
-from fibws.hub.ros2.type_hashes import Find, ros2_fields
 from fibws.interfaces import builtin
 from fibws.interfaces.definition import Field, MessageDefinition
+from fibws.interfaces.ros2_definitions import Find, ros2_fields
 from fibws.interfaces.serialization_code import LETTERS, MOST_WITHOUT_BYTES
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
@@ -46,6 +46,8 @@ VIEWED: Final = 4096
 """Bytes of a message from which on slices are not copied twice."""
 MOST_ELEMENTS: Final = MOST_WITHOUT_BYTES
 """Elements without bytes in an array."""
+MOST_FIXED_ELEMENTS: Final = 2**8
+"""Elements without bytes in the fixed arrays of a message: in CDR, each has one."""
 
 _SIZES: Final = {name: Struct(f"<{letter}").size for name, letter in LETTERS.items()}
 _INLINED: Final = 40
@@ -108,6 +110,7 @@ class Converter:
     Attributes:
         pieces: what it consists of.
         least: the fewest bytes of it in ROS 1's serialization; in CDR it has 1 at least.
+        without_bytes: how many elements its fixed arrays have that have no bytes in ROS 1.
 
     Raises:
         InterfaceError: a type in it is unknown.
@@ -125,7 +128,12 @@ class Converter:
             self.pieces.append(_Skip(0, 1))
         for field in fields:
             self._add(field)
+        if not self.pieces:  # Hostile counts of it would cost time without bytes.
+            raise Ros2Error(f"{self.type}: a message without bytes cannot be converted")
         self.least = sum(map(self._least, self.pieces))
+        self.without_bytes = sum(map(self._without_bytes, self.pieces))
+        if self.without_bytes > MOST_FIXED_ELEMENTS:
+            raise Ros2Error(f"{self.type}: more than {MOST_FIXED_ELEMENTS} elements without fields")
 
     def to_cdr(self, data: Buffer) -> bytes:
         """Return a valid message of ROS 1 as CDR, with its header.
@@ -208,9 +216,11 @@ class Converter:
             element = nested.chunk
         else:
             element = _element(field.type)
+        if count == 0:
+            return
         if element is None or count is None:
             self.pieces.append(field)
-        elif count:
+        else:
             self._add_piece(_Chunk(count * element.size, element.align))
 
     def _add_piece(self, piece: _Piece) -> None:
@@ -230,6 +240,13 @@ class Converter:
             return 4
         count = 1 if piece.array is None else piece.fixed_size
         return count * (4 if piece.type == "string" else self.converters.of(piece.type).least)
+
+    def _without_bytes(self, piece: _Piece) -> int:
+        if not isinstance(piece, Field) or not piece.is_nested:
+            return 0
+        nested = self.converters.of(piece.type)
+        count = 1 if piece.array is None else piece.fixed_size
+        return count * (nested.without_bytes if nested.least else max(1, nested.without_bytes))
 
 
 def _element(type_: str) -> _Chunk | None:
@@ -455,6 +472,9 @@ class _FromCdr(_Code):
         if targets:
             self.add(f"{targets}= {unpacks}[a](data, o)")
         self.add(f"o += {sizes}[a]")
+        if not targets:
+            self.add("if o > len(data):")
+            self.add("    raise ValueError")
         for name, is_string in self.lengths:
             if is_string:  # Without the NUL; some writers leave it out of empty strings.
                 self.add(f"n = {name}")

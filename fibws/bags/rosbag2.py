@@ -1,0 +1,260 @@
+"""Folders that rosbag2 has recorded: .mcap files with a metadata.yaml, maybe compressed by zstd.
+
+The files are read as one bag. A folder whose recorder has ended before it wrote metadata.yaml is
+read, too.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import ExitStack
+from dataclasses import replace
+from tempfile import TemporaryFile
+from typing import Any, BinaryIO, NamedTuple, cast
+
+from fibws.bags import compression
+from fibws.bags.connection import ChunkInfo, Connection
+from fibws.bags.mcap_files import McapReader
+from fibws.bags.reader import MAX_FILE, ChunkMessages, Reader
+from fibws.bags.transformed_reader import TransformedReader
+from fibws.errors import BagError, BagFormatError, UnsupportedBag
+
+METADATA = "metadata.yaml"
+MAX_METADATA = 16 * 2**20
+"""Maximum size of metadata.yaml, in bytes."""
+MCAP_SUFFIX = ".mcap"
+ZSTD_SUFFIX = ".mcap.zstd"
+ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_STEP = 2**20
+
+
+def open_folder(path: str, *, allow_unindexed: bool = False) -> Reader:
+    """Open a folder of rosbag2 for reading; raise as `fibws.bags.open_reader`."""
+    metadata = _read_metadata(path)
+    names = metadata.files or _listed(path)
+    if not names:
+        raise BagFormatError(f"{path}: a folder without .mcap files")
+    with ExitStack() as stack:
+        readers = []
+        for name in names:
+            place = os.path.join(path, name)
+            reader = open_mcap(place, allow_unindexed=allow_unindexed)
+            readers.append(stack.enter_context(reader))
+        stack.pop_all()
+    found = readers[0] if len(readers) == 1 else CombinedReader(path, readers)
+    return UnpackingReader(found) if metadata.has_compressed_messages else found
+
+
+def open_file(path: str, *, allow_unindexed: bool = False) -> Reader:
+    """Open a .mcap file, which may be one of such a folder; raise as `open_folder`."""
+    reader = open_mcap(path, allow_unindexed=allow_unindexed)
+    try:
+        metadata = _read_metadata(os.path.dirname(path) or ".")
+    except (BagError, OSError):
+        return reader  # It may be of another recording.
+    packed = metadata.has_compressed_messages and os.path.basename(path) in metadata.files
+    return UnpackingReader(reader) if packed else reader
+
+
+def open_mcap(path: str, *, allow_unindexed: bool = False) -> Reader:
+    """Open a .mcap file, or one that is compressed as a whole, for reading."""
+    if not is_zstd(path):
+        return McapReader(path, allow_unindexed=allow_unindexed)
+    file = _decompressed(path)
+    try:
+        return McapReader(path, allow_unindexed=allow_unindexed, file=file)
+    except BaseException:
+        file.close()
+        raise
+
+
+def is_zstd(path: str) -> bool:
+    """Return whether a file is compressed by zstd; raise OSError if it cannot be read."""
+    with open(path, "rb") as file:
+        return file.read(len(ZSTD_MAGIC)) == ZSTD_MAGIC
+
+
+class _Metadata(NamedTuple):
+    """What metadata.yaml says.
+
+    Attributes:
+        files: the names of the files; empty if there is no metadata.yaml.
+        has_compressed_messages: whether each message is compressed on its own.
+    """
+
+    files: list[str]
+    has_compressed_messages: bool
+
+
+def _read_metadata(path: str) -> _Metadata:
+    place = os.path.join(path, METADATA)
+    if not os.path.exists(place):
+        return _Metadata([], has_compressed_messages=False)
+    found = _information(place)
+    storage = found.get("storage_identifier", "mcap")
+    if storage != "mcap":
+        raise UnsupportedBag(
+            f"{path}: recorded in {storage}, which is not read; expected mcap. Convert it with "
+            f"rosbags-convert (pip install rosbags): rosbags-convert --src {path} --dst NAME.bag",
+            "format",
+        )
+    # Some releases wrote the folder's name before those of the files.
+    files = [os.path.basename(str(each)) for each in _list(found.get("relative_file_paths"))]
+    mode = str(found.get("compression_mode") or "").upper()
+    format_ = found.get("compression_format") or ""
+    if mode == "MESSAGE" and format_ != "zstd":
+        raise UnsupportedBag(f"{path}: unknown compression {format_!r}", "compression")
+    return _Metadata(files, has_compressed_messages=mode == "MESSAGE")
+
+
+def _information(place: str) -> dict[str, Any]:
+    """Return the content of a metadata.yaml."""
+    import yaml
+
+    if os.path.getsize(place) > MAX_METADATA:
+        raise BagFormatError(f"{place}: more than {MAX_METADATA // 2**20} MiB")
+    with open(place, "rb") as file:
+        content = file.read()
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    try:
+        found = yaml.load(content, loader)
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        fault = str(error).partition("\n")[0]
+        raise BagFormatError(f"{place}: invalid YAML ({fault})") from None
+    found = found.get("rosbag2_bagfile_information") if isinstance(found, dict) else None
+    if not isinstance(found, dict):
+        raise BagFormatError(f"{place}: rosbag2_bagfile_information is missing")
+    return found
+
+
+def _list(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else []
+
+
+def _listed(path: str) -> list[str]:
+    """Return the names of the .mcap files in a folder."""
+    names = sorted(os.listdir(path))
+    return [each for each in names if each.endswith((MCAP_SUFFIX, ZSTD_SUFFIX))]
+
+
+def _decompressed(path: str) -> BinaryIO:
+    """Return a temporary file with the content of one that is compressed by zstd.
+
+    Raises:
+        BagFormatError: it is damaged, or decompresses to too much.
+        UnsupportedBag: the package zstandard is not installed.
+    """
+    try:
+        import zstandard
+    except ImportError:
+        fault = f"{path}: zstd needs the package zstandard: pip install 'fibws[mcap]'"
+        raise UnsupportedBag(fault, "compression") from None
+    limit = max(MAX_FILE, compression.MAX_RATIO * os.path.getsize(path))
+    file = cast(BinaryIO, TemporaryFile())
+    try:
+        with open(path, "rb") as packed:
+            decompressor = zstandard.ZstdDecompressor()
+            with decompressor.stream_reader(packed, read_across_frames=True) as source:
+                while part := source.read(_STEP):
+                    file.write(part)
+                    if file.tell() > limit:
+                        raise BagFormatError(f"{path}: decompresses to more than {limit} bytes")
+    except zstandard.ZstdError as error:
+        file.close()
+        raise BagFormatError(f"{path}: invalid zstd data ({error})") from None
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+class CombinedReader(Reader):
+    """Reads several files as one bag.
+
+    Args:
+        path: names them in errors.
+        readers: of the files, which are closed with this one.
+    """
+
+    def __init__(self, path: str, readers: Collection[Reader]) -> None:
+        self.path = path
+        self._readers = list(readers)
+        self.version = self._readers[0].version
+        self.is_indexed = all(each.is_indexed for each in readers)
+        self.connections = []
+        self.chunks = []
+        self._ids: list[dict[int, int]] = []
+        """The ids here of the connections of each reader."""
+        self._chunks: dict[int, tuple[int, ChunkInfo]] = {}
+        """The number of the reader, and its chunk, by the position of the chunk here."""
+        known: dict[tuple[Any, ...], int] = {}
+        begin = 0
+        for number, reader in enumerate(self._readers):
+            self._ids.append({each.id: self._add(each, known) for each in reader.connections})
+            for chunk in reader.chunks:
+                own = replace(
+                    chunk,
+                    position=begin + chunk.position,
+                    counts=self._renumbered(number, chunk.counts.items()),
+                )
+                self._chunks[own.position] = number, chunk
+                self.chunks.append(own)
+            begin += reader.size
+        self.mended = [
+            replace(each, id=self._ids[number][each.id])
+            for number, reader in enumerate(self._readers)
+            for each in reader.mended
+        ]
+
+    def _add(self, connection: Connection, known: dict[tuple[Any, ...], int]) -> int:
+        """Return the id of a connection, which several files may have."""
+        fields = tuple(sorted(connection.fields.items()))
+        key = (*(connection.topic, connection.type, connection.encoding), fields)
+        if key not in known:
+            known[key] = len(self.connections)
+            self.connections.append(replace(connection, id=known[key]))
+        return known[key]
+
+    def _renumbered(self, number: int, counts: Iterable[tuple[int, int]]) -> dict[int, int]:
+        found: dict[int, int] = {}
+        for id_, count in counts:
+            if (own := self._ids[number].get(id_)) is not None:
+                found[own] = found.get(own, 0) + count
+        return found
+
+    @property
+    def size(self) -> int:
+        return sum(each.size for each in self._readers)
+
+    @property
+    def counts(self) -> dict[int, int]:
+        found: dict[int, int] = {}
+        for number, reader in enumerate(self._readers):
+            for id_, count in self._renumbered(number, reader.counts.items()).items():
+                found[id_] = found.get(id_, 0) + count
+        return found
+
+    def close(self) -> None:
+        for each in self._readers:
+            each.close()
+
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int] | None) -> ChunkMessages:
+        number, own = self._chunks[chunk.position]
+        ids = self._ids[number]
+        theirs = {id_ for id_, here in ids.items() if wanted is None or here in wanted}
+        found = self._readers[number]._unpack_chunk(own, theirs)
+        return found._replace(ids=[ids[id_] for id_ in found.ids])
+
+    def _index_faults(self) -> Iterator[str]:
+        for each in self._readers:
+            name = os.path.basename(each.path)
+            yield from (f"{name}: {fault}" for fault in each._index_faults())
+
+
+class UnpackingReader(TransformedReader):
+    """Reads a bag each of whose messages is compressed by zstd."""
+
+    def _transform(self, connection: Connection, data: bytes) -> bytes:
+        place = f"{self.path}: message on {connection.topic}"
+        return compression.decompress_all(data, "zstd", place)
