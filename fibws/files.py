@@ -92,7 +92,9 @@ def replacing(path: Path, *, backup: Path | None = None) -> Iterator[Path]:
             if backup is not None:
                 _keep_as(path, backup)
         os.replace(new, path)
-    except BaseException:
+    except BaseException as error:
+        if isinstance(error, OSError) and error.filename == os.fspath(new):
+            error.filename = os.fspath(path)  # The new file's name means nothing to anybody.
         with suppress(OSError):
             new.unlink(missing_ok=True)
         raise

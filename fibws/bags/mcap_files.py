@@ -773,7 +773,7 @@ def _rewrite(
     connections = scan.connections
     ids: dict[int, Connection] = {}
     count = 0
-    writer = McapWriter(target, method, chunk_size, profile=scan.profile)
+    writer = McapWriter(target, method, chunk_size, profile=scan.profile, name=file.path)
     with writer:
         for part in chain([first] if first else [], parts):
             records = part.records

@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, TypeAlias
 from fibws.bags.connection import Connection
 from fibws.bags.reader import Reader
 from fibws.bags.transformed_reader import TransformedReader
-from fibws.errors import BagError, BagFormatError, FibwsError, InvalidMessage
+from fibws.errors import (
+    BagError,
+    BagFormatError,
+    FibwsError,
+    InterfaceError,
+    InvalidMessage,
+    Ros2Error,
+    UnsupportedBag,
+)
 
 if TYPE_CHECKING:
     from fibws.interfaces.catalogue import Definitions
@@ -58,18 +66,21 @@ def as_ros1(connection: Connection) -> Converted:
     """Return a connection of ROS 2 as one of ROS 1.
 
     Raises:
-        BagError: it cannot be converted; the text says why.
+        UnsupportedBag: it cannot be converted; the text says why.
+        BagError: its definition is invalid.
     """
     from fibws.interfaces.cdr import Converters
     from fibws.interfaces.ros2_definitions import Ros2Definitions
 
     topic = connection.topic
     if connection.encoding != CDR:
-        raise BagError(f"messages of {topic} are in {connection.encoding}, which is not read")
+        fault = f"messages of {topic} are in {connection.encoding}, which is not read"
+        raise UnsupportedBag(fault, "format")
     if connection.definition_format != "ros2msg":
         format_ = connection.definition_format or "no definition"
-        raise BagError(
-            f"messages of {topic} cannot be read: expected a definition in ros2msg, got {format_}"
+        raise UnsupportedBag(
+            f"messages of {topic} cannot be read: expected a definition in ros2msg, got {format_}",
+            "format",
         )
     try:
         definitions = Ros2Definitions(connection.type, connection.definition, _known())
@@ -77,8 +88,12 @@ def as_ros1(connection: Connection) -> Converted:
         converter = Converters(definitions.message).of(type_)
         text, md5sum = definitions.full_text(type_), definitions.md5(type_)
         differences = tuple(definitions.other_fields(type_))
-    except FibwsError as error:
-        raise BagError(f"messages of {topic} cannot be read: {error}") from None
+    except Ros2Error as error:
+        fault = f"messages of {topic} cannot be converted: {error}"
+        raise UnsupportedBag(fault, "format") from None
+    except InterfaceError as error:
+        fault = f"invalid definition of {connection.type} in the bag: {error}"
+        raise BagError(f"messages of {topic} cannot be read: {fault}") from None
     qos = connection.fields.get(_QOS, b"").decode("utf-8", "replace")
     fields = {name: value for name, value in connection.fields.items() if name != _QOS}
     latching = connection.latching or _TRANSIENT_LOCAL.search(qos) is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -11,6 +12,7 @@ from typing import Any
 
 from fibws.bags.connection import Connection
 from fibws.bags.reader import Reader
+from fibws.bags.ros2_messages import CDR, ROS1, with_encoding
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +113,7 @@ def text(reader: Reader, path: str | None, *, frequencies: bool = False) -> str:
             ("size", size_text(reader.size)),
             ("messages", str(reader.message_count)),
             *_compression_rows(reader, end - start),
+            *_encoding_rows(reader),
             *_type_rows(reader),
             *_topic_rows(reader, frequencies=frequencies),
         ]
@@ -118,6 +121,28 @@ def text(reader: Reader, path: str | None, *, frequencies: bool = False) -> str:
         rows.append(("size", size_text(reader.size)))
     width = max(len(name) for name, _ in rows) + 1
     return "\n".join(f"{f'{name}:' if name else '':{width}} {it}" for name, it in rows).rstrip()
+
+
+def _encoding_rows(reader: Reader) -> Iterator[tuple[str, str]]:
+    """Say which messages are not ROS 1's, and which of them cannot be read as those."""
+    found = encodings(reader)
+    if found == [ROS1]:
+        return
+    yield "encoding", ", ".join(f"{each} (ROS 2)" if each == CDR else each for each in found)
+    for number, fault in enumerate(conversion_faults(reader)):
+        yield "" if number else "differences", fault
+
+
+def encodings(reader: Reader) -> list[str]:
+    """Return how messages are encoded: ``ros1``, ``cdr`` or others."""
+    return sorted({each.encoding for each in reader.connections} or {ROS1})
+
+
+def conversion_faults(reader: Reader) -> list[str]:
+    """Say which messages cannot be converted to ROS 1's, and which of their types differ."""
+    found = with_encoding(reader, ROS1)
+    differences = [f"{each}: nodes with ROS 1's cannot receive it" for each in found.differences]
+    return [*found.not_converted.values(), *differences]
 
 
 def _compression_rows(reader: Reader, duration: float) -> Iterator[tuple[str, str]]:
@@ -210,6 +235,8 @@ def as_dict(reader: Reader, path: str | None, *, frequencies: bool = False) -> d
     if any(each.method != "none" for each in methods):
         found["uncompressed"] = sum(each.uncompressed for each in methods)
         found["compressed"] = sum(each.compressed for each in methods)
+    if (codes := encodings(reader)) != [ROS1]:
+        found |= {"encodings": codes, "differences": conversion_faults(reader)}
     md5sums = types(reader.connections).items()
     found["types"] = [{"type": name, "md5": md5sum} for name, md5sum in md5sums]
     found["topics"] = []
@@ -233,6 +260,9 @@ def as_yaml(summary: dict[str, Any]) -> str:
         if isinstance(value, list):
             lines.append(f"{key}:")
             for row in value:
+                if isinstance(row, str):
+                    lines.append(f"    - {json.dumps(row, ensure_ascii=False)}")
+                    continue
                 items = [f"{name}: {_yaml_value(name, it)}" for name, it in row.items()]
                 lines += [
                     f"    {'- ' if not number else '  '}{it}" for number, it in enumerate(items)
@@ -243,7 +273,7 @@ def as_yaml(summary: dict[str, Any]) -> str:
 
 
 def _yaml_value(key: str, value: Any) -> str:
-    return f"{value:.{_DECIMALS[key]}f}" if isinstance(value, float) else str(value)
+    return f"{value:.{_DECIMALS[key]}f}" if isinstance(value, float) else str(value) or "''"
 
 
 def _duration(seconds: float) -> str:

@@ -53,8 +53,8 @@ def clean_exit(*, endless: bool = False) -> Iterator[None]:
         # The text may contain control characters of another program.
         raise click.ClickException(visible(str(error))) from None
     except OSError as error:
-        # Most likely the output's disk is full.
-        _discard_output()
+        if error.filename is None:  # Most likely the output's disk is full.
+            _discard_output()
         where = f"{error.filename}: " if error.filename is not None else ""
         raise click.ClickException(visible(f"{where}{error.strerror or error}")) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import cached_property
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fibws.bags import Connection, Reader, open_reader
+from fibws.bags.ros2_messages import ROS1, Convert, as_ros1
 from fibws.cli.output import visible
+from fibws.command_names import command_name
 from fibws.errors import BagError, InterfaceError, InvalidMessage
 from fibws.values.typedefs import Typedefs
 
@@ -24,15 +27,46 @@ def open_bag(path: str | PathLike[str]) -> Reader:
     try:
         return open_reader(path)
     except OSError as error:
-        raise click.ClickException(visible(f"{fspath(path)}: {error.strerror or error}")) from None
+        path = fspath(path)
+        place = fspath(error.filename or path)
+        fault = f"{place}: {error.strerror or error}"
+        if place == path and os.path.exists(active := f"{path}.active"):
+            fault = f"{path} was not closed by its recorder; restore it with "
+            fault += f"{command_name('bag reindex')} {active}"
+        raise click.ClickException(visible(fault)) from None
 
 
 class BagType:
-    """The type of a connection, for which its definition is needed only if a message is."""
+    """The type of a connection, for which its definition is needed only if a message is.
+
+    Messages of ROS 2 are converted; what raises BagError does so if they cannot be, too.
+    """
 
     def __init__(self, connection: Connection) -> None:
-        self._connection = connection
+        self._original = connection
         self._with_bytes: dict[str, bool] = {}
+
+    @cached_property
+    def _form(self) -> tuple[Connection, Convert | None]:
+        """The connection as one of ROS 1, and what converts its messages; None for ROS 1's."""
+        if self._original.encoding == ROS1:
+            return self._original, None
+        found = as_ros1(self._original)
+        return found.connection, found.convert
+
+    @property
+    def _connection(self) -> Connection:
+        return self._form[0]
+
+    @property
+    def name(self) -> str:
+        """The type's name, ``package/Type``; it raises as `definitions` does."""
+        return self._connection.type
+
+    @property
+    def md5sum(self) -> str:
+        """The type's md5sum in ROS 1; it raises as `definitions` does."""
+        return self._connection.md5sum
 
     @cached_property
     def definitions(self) -> TextDefinitions:
@@ -40,9 +74,6 @@ class BagType:
         from fibws.interfaces.catalogue import TextDefinitions
 
         connection = self._connection
-        if connection.encoding != "ros1":
-            fault = f"{connection.topic} is encoded as {connection.encoding}, not as ros1"
-            raise BagError(f"messages cannot be read: {fault}")
         try:
             definitions = TextDefinitions(connection.type, connection.definition)
             definitions.message(connection.type)
@@ -61,7 +92,7 @@ class BagType:
     def check(self, data: bytes) -> None:
         """Raise BagError if a message does not fit its definition, or that is invalid."""
         try:
-            self.serializer.check(data)
+            self.serializer.check(self._converted(data))
         except InvalidMessage as error:
             raise self._invalid(error) from None
 
@@ -73,7 +104,7 @@ class BagType:
     def values(self, data: bytes) -> dict[str, Any]:
         """Return the fields of a message as in JSON; raise as `check` does."""
         try:
-            return self.serializer.deserialize(data, "replace")
+            return self.serializer.deserialize(self._converted(data), "replace")
         except InvalidMessage as error:
             raise self._invalid(error) from None
 
@@ -103,8 +134,12 @@ class BagType:
             )
         return self._with_bytes[type_]
 
+    def _converted(self, data: bytes) -> bytes:
+        convert = self._form[1]
+        return data if convert is None else bytes(convert(data))
+
     def _invalid(self, error: InvalidMessage) -> BagError:
-        return BagError(f"invalid message on {self._connection.topic}: {error}")
+        return BagError(f"invalid message on {self._original.topic}: {error}")
 
 
 class BagMessage:

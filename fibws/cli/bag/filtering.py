@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import ast
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from fibws.bags import Connection, Reader, Writer, open_writer
+from fibws.bags.ros2_messages import CDR, ROS1, with_encoding
+from fibws.bags.rosbag2 import MCAP_SUFFIX
 from fibws.cli import output
 from fibws.cli.bag.bag_messages import BagMessage, BagType, open_bag
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
 from fibws.cli.exit_handling import clean_exit
-from fibws.errors import InvalidValue
+from fibws.errors import BagError, InvalidValue
 from fibws.files import replacing
+from fibws.suggestions import suggestion
 from fibws.values.expressions import FUNCTIONS, Expression, Value
 
 _SECONDS = ("to_sec", "to_nsec", "secs", "nsecs")
@@ -39,11 +42,19 @@ _SECONDS = ("to_sec", "to_nsec", "secs", "nsecs")
 @click.option(
     "-p", "--print", "shown", metavar="EXPRESSION", help="Print an expression for each message."
 )
+@click.option(
+    "--encoding",
+    type=click.Choice([ROS1, CDR]),
+    help="Convert messages to those of ROS 1, or to cdr, those of ROS 2. The default is ros1 for "
+    ".bag; for .mcap, messages are copied as they are.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="Do not show the progress.")
 @examples(
     "{bag filter} lab.bag turns.bag \"topic == '/cmd_vel' and m.angular.z != 0\"",
     '{bag filter} lab.bag part.bag "t.secs >= 1700000000 and t.to_sec() < 1700000060.5"',
     "{bag filter} lab.bag scans.mcap --topic /scan --start 10 --end 20",
+    ("{bag filter} rosbag2_folder lab.bag True", "from ROS 2 to ROS 1"),
+    ("{bag filter} lab.bag lab.mcap True --encoding cdr", "from ROS 1 to ROS 2"),
 )
 def command(
     source: Path,
@@ -53,9 +64,12 @@ def command(
     start: float | None,
     end: float | None,
     shown: str | None,
+    encoding: str | None,
     quiet: bool,
 ) -> None:
     """Copy the messages of INBAG for which a Python EXPRESSION is true to OUTBAG.
+
+    INBAG is a file, or a folder that rosbag2 of ROS 2 has recorded.
 
     EXPRESSION may use topic, the name of the topic; m, the message; and t, its time: t.secs,
     t.nsecs, t.to_sec(). Its syntax is that of Python, without anything that could reach beyond the
@@ -66,27 +80,78 @@ def command(
         pattern = Condition(shown) if shown is not None else None
         if target.exists() and source.exists() and source.samefile(target):
             raise click.UsageError(f"Cannot use same file as input and output [{source}]")
-        if condition is None and not topics and start is None and end is None:
+        if condition is None and not topics and start is None and end is None and not encoding:
             raise click.UsageError("You must specify an expression, --topic, --start or --end.")
-        with open_bag(source) as reader, replacing(target) as new:
-            unknown = set(topics) - {each.topic for each in reader.connections}
-            if unknown:
-                known = ", ".join(sorted({each.topic for each in reader.connections}))
-                fault = f"the bag has no topic {min(unknown)}; it has {known or 'none'}"
-                raise click.UsageError(f"--topic: {fault}")
-            compression = reader.compression
-            if compression == "bz2" and target.suffix == ".mcap":
-                compression = "zstd"  # Each format has one that the other one lacks.
-            elif compression == "zstd" and target.suffix != ".mcap":
-                compression = "bz2"
-            with open_writer(new, compression) as writer, Progress(target, quiet=quiet) as progress:
+        if target.suffix != MCAP_SUFFIX:
+            if encoding == CDR:
+                raise click.UsageError("--encoding cdr needs an OUTBAG that ends in .mcap.")
+            encoding = ROS1
+        with open_bag(source) as original, replacing(target) as new:
+            _check_topics(topics, original)
+            reader = original if encoding is None else with_encoding(original, encoding)
+            copied = [
+                each
+                for each in reader.connections
+                if each.id not in reader.not_converted and (not topics or each.topic in topics)
+            ]
+            _report_conversion(reader, topics)
+            with (
+                open_writer(
+                    new, _compression(reader, target), profile=_profile(copied), name=target
+                ) as writer,
+                Progress(target, quiet=quiet) as progress,
+            ):
                 copy = Copy(reader, writer, condition, pattern)
                 copy.run(
                     progress,
-                    topics or None,
+                    copied,
                     None if start is None else reader.start + round(start * 1e9),
                     None if end is None else reader.start + round(end * 1e9),
                 )
+            if not copy.count:
+                hint = "" if condition is None else condition.unknown_topic(original)
+                _warn(f"no message passed the filter, {target} is empty{hint}")
+
+
+def _check_topics(topics: tuple[str, ...], reader: Reader) -> None:
+    """Raise a UsageError for a topic that a bag does not have."""
+    known = {each.topic for each in reader.connections}
+    for topic in topics:
+        if topic not in known:
+            listed = ", ".join(sorted(known)) or "none"
+            fault = f"the bag has no topic {topic}{suggestion(topic, known)}; it has {listed}"
+            raise click.UsageError(f"--topic: {fault}")
+
+
+def _report_conversion(reader: Reader, topics: tuple[str, ...]) -> None:
+    """Say which topics are left out, and which types are not those of ROS 1."""
+    found = {each.id: each for each in reader.connections if not topics or each.topic in topics}
+    left_out = [id_ for id_ in reader.not_converted if id_ in found]
+    if left_out and len(left_out) == len(found):
+        raise BagError(f"nothing can be converted: {reader.not_converted[left_out[0]]}")
+    for id_ in left_out:
+        _warn(f"left out: {reader.not_converted[id_]}")
+    for each in reader.differences:
+        _warn(f"{each}: nodes with ROS 1's definition cannot receive it")
+
+
+def _warn(text: str) -> None:
+    click.echo(output.visible(f"Warning: {text}"), err=True)
+
+
+def _compression(reader: Reader, target: Path) -> str:
+    """Return the compression for a copy: that of the bag, if the format has it."""
+    if reader.compression == "bz2" and target.suffix == MCAP_SUFFIX:
+        return "zstd"  # Each format has one that the other one lacks.
+    if reader.compression == "zstd" and target.suffix != MCAP_SUFFIX:
+        return "bz2"
+    return reader.compression
+
+
+def _profile(connections: Sequence[Connection]) -> str:
+    """Return the profile of an MCAP file with the messages of some connections."""
+    encodings = {each.encoding for each in connections} or {ROS1}
+    return {CDR: "ros2", ROS1: "ros1"}.get(encodings.pop(), "") if len(encodings) == 1 else ""
 
 
 class Copy:
@@ -110,22 +175,27 @@ class Copy:
         self._pattern = pattern
         self._types: dict[int, BagType] = {}
         self._connections: dict[int, Connection] = {}
+        self.count = 0
+        """How many messages have been copied."""
 
     def run(
         self,
         progress: Progress,
-        topics: tuple[str, ...] | None = None,
+        connections: Sequence[Connection] | None = None,
         start: int | None = None,
         end: int | None = None,
     ) -> None:
-        """Copy the messages of some topics and times (ns)."""
+        """Copy the messages of some connections, or of all, and of some times (ns)."""
         progress.begin(sum(chunk.size for chunk in self._reader.chunks))
-        for connection, time, data in self._reader.messages(topics, start, end):
+        for connection, time, data in self._reader.messages(
+            None, start, end, connections=connections
+        ):
             if self._passes(connection, time, data):
                 if connection.id not in self._connections:
                     copied = self._writer.copy_connection(connection)
                     self._connections[connection.id] = copied
                 self._writer.write(self._connections[connection.id], time, data)
+                self.count += 1
             progress.add(len(data))
         progress.finish()
 
@@ -149,6 +219,7 @@ class Condition:
     """
 
     def __init__(self, text: str) -> None:
+        self._text = text
         self._expression = Expression(_without_calls(text), FUNCTIONS, self._variable)
 
     def value(self, message: BagMessage) -> Any:
@@ -163,6 +234,15 @@ class Condition:
         except InvalidValue as error:
             place = f"{message.connection.topic} ({message.connection.type})"
             raise InvalidValue(f"the expression failed for a message on {place}: {error}") from None
+
+    def unknown_topic(self, reader: Reader) -> str:
+        """Return a hint if the expression compares with a name that no topic of a bag has."""
+        known = {each.topic for each in reader.connections}
+        for node in ast.walk(ast.parse(self._text.strip(), mode="eval")):
+            match node:
+                case ast.Constant(str(name)) if name.startswith("/") and name not in known:
+                    return f": the bag has no topic {name}{suggestion(name, known)}"
+        return ""
 
     def _variable(self, expression: ast.expr) -> Value | None:
         match expression:

@@ -10,11 +10,12 @@ from typing import Any
 import click
 
 from fibws.bags import Connection, Reader
+from fibws.bags.ros2_messages import ROS1
 from fibws.cli import output
 from fibws.cli.bag.bag_messages import BagType, open_bag
 from fibws.cli.common_options import examples, json_option
 from fibws.cli.exit_handling import clean_exit
-from fibws.errors import BagError, InterfaceError
+from fibws.errors import BagError, InterfaceError, UnsupportedBag
 from fibws.values.type_definitions import InstalledTypes
 
 MOST_FAULTS = 20
@@ -110,40 +111,46 @@ def check(
     if rules or genrules or append:
         raise click.UsageError("rules of migration are not supported; rosbag of ROS 1 has them")
     with clean_exit(), open_bag(bag) as reader:
-        faults = list(islice(chain(reader.faults(), _message_faults(reader)), MOST_FAULTS))
+        types, notes = dict[int, BagType](), list[str]()
+        found = chain(reader.faults(), _message_faults(reader, types, notes))
+        faults = list(islice(found, MOST_FAULTS))
         if faults:
             for each in faults:
                 click.echo(output.visible(f"{bag}: {each}"), err=True)
             raise click.exceptions.Exit(1)
-        encodings = sorted({each.encoding for each in reader.connections} - {"ros1"})
-        for encoding in encodings:
-            output.line(f"Messages in {encoding} are not compared with their definitions.")
+        for note in notes:
+            output.line(f"Not checked: {note}")
         changed = {
-            each.type: each
+            types[each.id].name: types[each.id].md5sum
             for each in reader.connections
-            if each.encoding == "ros1" and not _is_installed(each)
+            if each.id in types and not _is_installed(each, types[each.id])
         }
         if not changed:
             output.line("Bag file does not need any migrations.")
             return
         output.line("The following migrations need to occur:")
-        for name, connection in sorted(changed.items()):
+        for name, md5sum in sorted(changed.items()):
             known = _installed_md5(name)
-            output.line(f" * From: {name} [{connection.md5sum}]")
+            output.line(f" * From: {name} [{md5sum}]")
             output.line(f"   To:   {f'{name} [{known}]' if known else 'Unknown'}")
 
 
-def _message_faults(reader: Reader) -> Iterator[str]:
-    """Say which definitions are invalid, and which connections have messages that do not fit."""
-    types: dict[int, BagType] = {}
+def _message_faults(reader: Reader, types: dict[int, BagType], notes: list[str]) -> Iterator[str]:
+    """Say which definitions are invalid, and which connections have messages that do not fit.
+
+    Args:
+        types: gets the types of the other connections, by their ids.
+        notes: gets what says which messages cannot be read here.
+    """
     for connection in reader.connections:
-        if connection.encoding == "ros1":
-            try:
-                found = BagType(connection)
-                found.serializer  # noqa: B018 - it raises for an invalid definition
-                types[connection.id] = found
-            except BagError as error:
-                yield str(error)
+        try:
+            found = BagType(connection)
+            found.serializer  # noqa: B018 - it raises for an invalid definition
+            types[connection.id] = found
+        except UnsupportedBag as error:
+            notes.append(str(error))
+        except BagError as error:
+            yield str(error)
     for connection, _, data in reader.messages():
         if connection.id in types:
             try:
@@ -153,8 +160,11 @@ def _message_faults(reader: Reader) -> Iterator[str]:
                 yield str(error)
 
 
-def _is_installed(connection: Connection) -> bool:
-    return connection.md5sum in ("*", _installed_md5(connection.type))
+def _is_installed(connection: Connection, type_: BagType) -> bool:
+    installed = _installed_md5(type_.name)
+    if connection.encoding != ROS1 and installed is None:
+        return True  # ROS 1 has no such type to differ from.
+    return type_.md5sum in ("*", installed)
 
 
 @cache

@@ -16,9 +16,11 @@ from typing import Any
 import click
 
 import fibws
-from fibws.bags import Connection, Reader, open_reader
+from fibws.bags import Connection, Reader
+from fibws.bags.ros2_messages import ROS1, with_encoding
 from fibws.cli import completers, output
 from fibws.cli.arguments import spread
+from fibws.cli.bag.bag_messages import open_bag
 from fibws.cli.bag.playback import Bags, Playback, PlaybackOptions, Target
 from fibws.cli.common_options import examples
 from fibws.cli.keyboard import reading_keys
@@ -29,6 +31,7 @@ from fibws.msg.fibws_msgs import PlaybackState
 from fibws.msg.rosgraph_msgs import Clock
 from fibws.srv.fibws_msgs import ControlPlayback, ControlPlaybackRequest, ControlPlaybackResponse
 from fibws.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse
+from fibws.suggestions import suggestion
 
 MOST_NODES = 64
 """Nodes that publish at once: one for each publisher that one topic had. The messages of further
@@ -192,11 +195,9 @@ class Player:
         for connection in reader.connections:
             if self._options.topics and connection.topic.lstrip("/") not in self._options.topics:
                 continue
-            if connection.encoding != "ros1":
+            if connection.id in reader.not_converted:
                 self._node.log.error(
-                    "%s is not played: its messages are in %s, not in ROS 1's serialization",
-                    connection.topic,
-                    connection.encoding,
+                    "%s is not played: %s", connection.topic, reader.not_converted[connection.id]
                 )
                 continue
             try:
@@ -579,11 +580,13 @@ def command(
     with ExitStack() as stack:
         readers = []
         for path in paths:
+            reader = stack.enter_context(open_bag(path))
             node.log.info("Opening %s", path)
-            readers.append(stack.enter_context(open_reader(path)))
+            readers.append(with_encoding(reader, ROS1))
         readers = [reader for reader in readers if reader.message_count]
         if not readers:
             raise click.ClickException(f"{', '.join(paths)}: no messages to play")
+        _check_playable(readers, _without_slashes(topics))
         playback_options = PlaybackOptions(
             **_span(readers, start, duration),
             rate=others["rate"],
@@ -621,6 +624,29 @@ def span_text(seconds: float) -> str:
 def _without_slashes(topics: Iterable[str]) -> frozenset[str]:
     """Return names as `PlayOptions` has them: bags may hold names without a slash before them."""
     return frozenset(topic.lstrip("/") for topic in topics)
+
+
+def _check_playable(readers: Sequence[Reader], topics: frozenset[str]) -> None:
+    """Raise an error if nothing of the bags can be played, before a hub is waited for.
+
+    Args:
+        topics: those to play, as `PlayOptions` has them; all if it is empty.
+    """
+    faults = []
+    known = set[str]()
+    for reader in readers:
+        for each in reader.connections:
+            known.add(each.topic)
+            if topics and each.topic.lstrip("/") not in topics:
+                continue
+            if each.id not in reader.not_converted:
+                return
+            faults.append(reader.not_converted[each.id])
+    if faults:
+        raise click.ClickException(output.visible(f"nothing can be played: {faults[0]}"))
+    wanted = f"/{min(topics)}"
+    fault = f"the bags have no topic {wanted}{suggestion(wanted, known)}"
+    raise click.UsageError(f"--topics: {fault}; they have {', '.join(sorted(known))}")
 
 
 def _span(readers: Sequence[Reader], start: float, duration: float | None) -> dict[str, int]:

@@ -18,6 +18,7 @@ from fibws.cli.bag.filtering import Copy
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
 from fibws.cli.exit_handling import clean_exit
+from fibws.command_names import command_name
 from fibws.errors import BagError
 from fibws.files import replacing
 
@@ -56,9 +57,10 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
 def compress(method: str | None, **options: Any) -> None:
     """Compress bags.
 
-    A new bag takes the place of each, whose original is kept as *.orig.bag.
+    A new bag takes the place of each, whose original is kept as *.orig.bag. If that exists, it is
+    kept as it is: the new bag has the same messages.
     """
-    _rewrite_all(partial(_change_compression, method or "best"), **options)
+    _rewrite_all(partial(_change_compression, method or "best"), keeps_all=True, **options)
 
 
 @click.command()
@@ -67,9 +69,10 @@ def compress(method: str | None, **options: Any) -> None:
 def decompress(**options: Any) -> None:
     """Decompress bags.
 
-    A new bag takes the place of each, whose original is kept as *.orig.bag.
+    A new bag takes the place of each, whose original is kept as *.orig.bag. If that exists, it is
+    kept as it is: the new bag has the same messages.
     """
-    _rewrite_all(partial(_change_compression, "none"), **options)
+    _rewrite_all(partial(_change_compression, "none"), keeps_all=True, **options)
 
 
 @click.command("reindex")
@@ -85,16 +88,27 @@ def reindex_command(**options: Any) -> None:
 
 
 def _rewrite_all(
-    rewrite: Rewrite, bags: tuple[Path, ...], output_dir: Path | None, force: bool, quiet: bool
+    rewrite: Rewrite,
+    bags: tuple[Path, ...],
+    output_dir: Path | None,
+    force: bool,
+    quiet: bool,
+    *,
+    keeps_all: bool = False,
 ) -> None:
-    """Write all bags anew; go on after one that fails, and exit with 1 in the end."""
+    """Write all bags anew; go on after one that fails, and exit with 1 in the end.
+
+    Args:
+        keeps_all: whether the new bags have all messages of the old ones, so that the copy of an
+            original that exists is kept instead of one more.
+    """
     failed = False
     with clean_exit():
         if output_dir is not None:
             output_dir.mkdir(parents=True, exist_ok=True)
         for path in bags:
             try:
-                _rewrite(rewrite, path, output_dir, force=force, quiet=quiet)
+                _rewrite(rewrite, path, output_dir, force=force, quiet=quiet, keeps_all=keeps_all)
             except (BagError, OSError) as error:
                 failed = True
                 text = str(error)
@@ -106,16 +120,26 @@ def _rewrite_all(
 
 
 def _rewrite(
-    rewrite: Rewrite, path: Path, output_dir: Path | None, *, force: bool, quiet: bool
+    rewrite: Rewrite,
+    path: Path,
+    output_dir: Path | None,
+    *,
+    force: bool,
+    quiet: bool,
+    keeps_all: bool,
 ) -> None:
+    if path.is_dir():
+        raise BagError(f"{path} is a folder; name the files in it: {path / '*.mcap'}")
     target = path if output_dir is None else output_dir / path.name
     backup = None
     if output_dir is None or (target.exists() and target.samefile(path)):
         backup = path.with_name(f"{path.stem}.orig{path.suffix}")
         if backup.exists() and not force:
-            raise BagError(
-                f"Skipping {path}. Backup path {backup} already exists; --force overwrites it."
-            )
+            if not keeps_all:
+                raise BagError(
+                    f"Skipping {path}. Backup path {backup} already exists; --force overwrites it."
+                )
+            backup = None  # The new file has the same messages.
     with replacing(target, backup=backup) as new, Progress(target, quiet=quiet) as progress:
         rewrite(path, new, progress)
 
@@ -124,12 +148,16 @@ def _change_compression(method: str, source: Path, target: Path, progress: Progr
     with open_reader(source) as reader:
         if is_mcap(os.fspath(source)):
             progress.begin(sum(chunk.size for chunk in reader.chunks))
-            rewrite_mcap(
+            _, lost = rewrite_mcap(
                 os.fspath(source), os.fspath(target), "zstd" if method == "best" else method
             )
+            if lost:
+                fault = f"{output.counted(lost, 'byte')} cannot be read"
+                raise BagError(f"{source}: {fault}; use {command_name('bag reindex')} {source}")
             progress.finish()
             return
-        with open_writer(target, "bz2" if method == "best" else method) as writer:
+        method = "bz2" if method == "best" else method
+        with open_writer(target, method, name=source) as writer:
             Copy(reader, writer).run(progress)
 
 

@@ -83,6 +83,8 @@ def command(
         raise click.UsageError("--json excludes -p, -w, --noarr, --nostr and --offset.")
     if all_topics and bag is None:
         raise click.UsageError("--all needs --bag: it prints all topics of a bag.")
+    if all_topics and topic is not None:
+        raise click.UsageError(f"--all prints all topics of the bag: leave out {topic}, or --all.")
     if topic is None and not all_topics:
         raise click.UsageError("Missing argument 'TOPIC[/FIELD]'.")
     in_bag = bag is not None
@@ -149,7 +151,7 @@ def _echo_bag(
                         wanted.check(typedefs)
                 except UnknownField as error:
                     raise click.UsageError(f"{connection.topic}: {error}") from None
-                named = FoundTopic(connection.topic, connection.type, typedefs, path, field)
+                named = FoundTopic(connection.topic, type_.name, typedefs, path, field)
                 known[connection.id] = type_, named
             type_, found = known[connection.id]
             message = type_.values(data)

@@ -12,7 +12,6 @@ import yaml
 from click.testing import CliRunner, Result
 
 from fibws.bags import open_reader, open_writer
-from fibws.bags.mcap_files import McapWriter
 from fibws.cli.commands import command
 from fibws.interfaces import Interfaces
 from fibws.interfaces.serialization import Serializers
@@ -184,25 +183,6 @@ def test_check_finds_all_faults(bag: Tool, tmp_path: Path) -> None:
     assert len(result.output.splitlines()) == 5
 
 
-def test_check_says_which_messages_are_not_compared(bag: Tool, tmp_path: Path) -> None:
-    path = tmp_path / "ros2.mcap"
-    with McapWriter(str(path), profile="ros2") as writer:
-        connection = writer.connection(
-            *("/a", "std_msgs/msg/Int32", "", "int32 data"),
-            encoding="cdr",
-            definition_format="ros2msg",
-        )
-        writer.write(connection, START, bytes(8))
-    result = bag("check", path)
-    assert (result.exit_code, result.output.splitlines()) == (
-        0,
-        [
-            "Messages in cdr are not compared with their definitions.",
-            "Bag file does not need any migrations.",
-        ],
-    )
-
-
 # filter
 
 
@@ -305,6 +285,35 @@ def test_filter_of_a_bag_to_itself_is_refused(bag: Tool, path: Path) -> None:
     assert path.read_bytes() == before
 
 
+def test_filter_that_lets_nothing_pass_says_so(bag: Tool, path: Path, tmp_path: Path) -> None:
+    target = tmp_path / "part.bag"
+    result = bag("filter", "-q", path, target, "topic == '/numbr'")
+    assert result.exit_code == 0
+    fact = f"{target} is empty: the bag has no topic /numbr; did you mean /number?"
+    assert result.output == f"Warning: no message passed the filter, {fact}\n"
+    result = bag("filter", "-q", path, target, "topic == '/number' and m.data > 1000")
+    assert result.output == f"Warning: no message passed the filter, {target} is empty\n"
+
+
+def test_errors_name_the_file_that_was_given(bag: Tool, path: Path, tmp_path: Path) -> None:
+    missing = tmp_path / "missing" / "part.bag"
+    result = bag("filter", "-q", path, missing, "True")
+    assert result.exit_code == 1
+    assert result.output == f"Error: {missing}: No such file or directory\n"
+    result = bag("compress", "-q", "--zstd" if path.suffix == ".bag" else "-j", path)
+    assert result.exit_code == 1
+    assert "compression" in result.output and "/." not in result.output
+
+
+def test_bag_that_its_recorder_left_is_named(bag: Tool, path: Path) -> None:
+    active = path.rename(f"{path}.active")
+    for words in (("info",), ("check",), ("play", "--hub", "ws://127.0.0.1:9")):
+        result = bag(*words, path)
+        assert result.exit_code == 1
+        assert f"{path} was not closed by its recorder" in result.output
+        assert f"bag reindex {active}" in result.output
+
+
 # compress, decompress
 
 
@@ -321,16 +330,44 @@ def test_compress_and_decompress(bag: Tool, path: Path) -> None:
         assert {each.callerid for each in reader.connections} == {"/one", "/two", "/robot"}
 
 
-def test_original_is_kept_and_not_overwritten(bag: Tool, path: Path) -> None:
-    original = path.read_bytes()
+def test_compress_and_decompress_go_back_and_forth_and_keep_the_original(
+    bag: Tool, path: Path
+) -> None:
+    original, before = path.read_bytes(), numbers(path)
     backup = path.with_name(f"lab.orig{path.suffix}")
-    assert bag("compress", "--lz4", path).exit_code == 0
-    assert backup.read_bytes() == original
-    compressed = path.read_bytes()
-    result = bag("decompress", path)
+    for words in (("compress", "--lz4"), ("decompress",), ("compress", "--lz4")):
+        assert bag(*words, path).exit_code == 0
+        assert backup.read_bytes() == original
+        assert numbers(path) == before
+        with open_reader(path) as reader:
+            assert reader.compression == ("lz4" if "--lz4" in words else "none")
+
+
+def test_reindex_does_not_overwrite_the_original(bag: Tool, path: Path) -> None:
+    backup = path.with_name(f"lab.orig{path.suffix}")
+    backup.write_text("precious")
+    before = path.read_bytes()
+    result = bag("reindex", path)
     assert result.exit_code == 1
     assert str(backup) in result.output and "--force" in result.output
-    assert (path.read_bytes(), backup.read_bytes()) == (compressed, original)
+    assert (path.read_bytes(), backup.read_text()) == (before, "precious")
+
+
+def test_damaged_bag_is_not_compressed_without_what_was_lost(bag: Tool, tmp_path: Path) -> None:
+    path = tmp_path / "lab.mcap"
+    with open_writer(path, chunk_size=100) as writer:
+        connection = writer.connection("/n", "std_msgs/Int32", "0" * 32, "int32 data")
+        for number in range(100):
+            writer.write(connection, number, bytes(4))
+    with open_reader(path) as reader:
+        chunk = reader.chunks[1]
+    content = bytearray(path.read_bytes())
+    content[chunk.position : chunk.position + 9] = bytes(9)
+    path.write_bytes(content)
+    result = bag("compress", path)
+    assert result.exit_code == 1
+    assert f"Error: {path}" in result.output and "reindex" in result.output
+    assert path.read_bytes() == content
 
 
 def test_output_directory(bag: Tool, path: Path, tmp_path: Path) -> None:

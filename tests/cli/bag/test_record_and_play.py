@@ -15,6 +15,8 @@ from typing import Any
 
 import click
 import pytest
+from bags import ros2_recordings
+from bags.ros2_recordings import rows_by_rosbags
 from hub_in_thread import HubThread, Publish, Run
 from mcap.reader import make_reader
 from node_in_thread import peer
@@ -114,6 +116,21 @@ def test_recording_of_a_playback_is_equal(
     assert [each for each in found if each.callerid == "/camera"] == expected[2:4]
     with open_reader(tmp_path / "b.bag") as reader:
         assert reader.compression == compression
+
+
+def test_recording_of_ros_2_is_played_as_one_of_ros_1(
+    run: Run, hub: HubThread, tmp_path: Path
+) -> None:
+    folder = tmp_path / "walk"
+    ros2_recordings.write(folder, latched=True)
+    expected = [(topic, type_, data) for topic, type_, _, data in rows_by_rosbags(folder)]
+    topics = sorted({topic for topic, *_ in expected})
+    with recorder(hub.url, tmp_path / "b.bag", "-l", "20", *topics) as recording:
+        result = run("bag", "play", str(folder), *QUICK)
+        assert result.exit_code == 0, result.output
+        found = recording.end()
+    assert sorted((each.topic, each.type, each.data) for each in found) == sorted(expected)
+    assert all(each.latching for each in found)
 
 
 def test_many_publishers_of_a_topic_share_a_node(
@@ -563,7 +580,7 @@ def test_topics_of_the_hub_itself_are_left_out(run: Run, tmp_path: Path) -> None
         (("missing.bag",), 1, "missing.bag"),
         (("{bag}", "-s", "100"), 2, "--start"),
         (("{bag}", "-r", "0"), 2, "--rate"),
-        (("{bag}", "--topics", "/none"), 1, "none of the topics"),
+        (("{bag}", "--topics", "/none"), 2, "no topic /none; they have /n"),
     ],
 )
 def test_wrong_arguments_of_play_are_explained(

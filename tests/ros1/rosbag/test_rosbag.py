@@ -15,7 +15,9 @@ import genpy.dynamic
 import pytest
 import rosbag
 import rospy
+from bags import ros2_recordings
 from rosbag.rosbag_main import rosbagmain
+from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Int32, String
 
 from fibws.bags import open_reader, open_writer
@@ -308,6 +310,23 @@ def test_mcap(tmp_path: Path) -> None:
         assert found.connection_header["callerid"] == b"/one"
         assert bag.get_message_count("/a") == 1
         assert "/a   1 msg " in str(bag)
+
+
+def test_recording_of_ros_2(tmp_path: Path) -> None:
+    ros2_recordings.write(tmp_path / "walk", end=5)
+    with rosbag.Bag(str(tmp_path / "walk")) as bag:
+        found = list(bag.read_messages(["/number", "/camera_info"]))
+        types = bag.get_type_and_topic_info().msg_types
+    assert [message.data for topic, message, _ in found if topic == "/number"] == [
+        0,
+        -1,
+        -2,
+        -3,
+        -4,
+    ]
+    assert isinstance(found[1].message, CameraInfo)
+    assert found[1].message.K == (1.0,) * 9
+    assert types["std_msgs/Int32"] == Int32._md5sum
 
 
 def test_errors_of_damaged_and_foreign_files(path: str) -> None:

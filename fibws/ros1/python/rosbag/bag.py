@@ -27,6 +27,8 @@ from fibws.bags.bag_reader import BagReader
 from fibws.bags.bag_writer import BagWriter
 from fibws.bags.mcap_files import MAGIC as MCAP_MAGIC
 from fibws.bags.mcap_files import McapWriter
+from fibws.bags.ros2_messages import ROS1, with_encoding
+from fibws.bags.rosbag2 import ZSTD_MAGIC
 from fibws.errors import BagError, BagFormatError, BagNotIndexed, UnsupportedBag
 from fibws.files import open_to_write, replacing
 
@@ -455,7 +457,8 @@ class Bag:
             if path is None:
                 self._reader = BagReader(name, allow_unindexed=allow_unindexed, file=self._file)
             else:
-                self._reader = open_reader(path, allow_unindexed=allow_unindexed)
+                reader = open_reader(path, allow_unindexed=allow_unindexed)
+                self._reader = with_encoding(reader, ROS1)
         elif self._mode == "w" or (path is not None and not os.path.exists(path)):
             if path is None:
                 self._writer = BagWriter(
@@ -533,11 +536,17 @@ class Bag:
 
 def _first_fault(path: str) -> str | None:
     """Return why a file is not even a damaged bag, or None; raise OSError if there is none."""
+    if os.path.isdir(path):
+        return None  # Of rosbag2.
     with open(path, "rb") as file:
         start = file.read(4)
     if not start:
         return "empty file"
-    return None if start in (b"#ROS", MCAP_MAGIC[:4]) else "This does not appear to be a bag file"
+    return (
+        None
+        if start in (b"#ROS", MCAP_MAGIC[:4], ZSTD_MAGIC)
+        else "This does not appear to be a bag file"
+    )
 
 
 def bag_reindex(path: str | os.PathLike[str]) -> int:
