@@ -594,6 +594,9 @@ class FoundPart:
 class McapScan:
     """Reads all records of a .mcap file from its start, and goes on after damaged parts.
 
+    Args:
+        is_strict: whether a damaged chunk is an error instead.
+
     Attributes:
         connections: those whose records are outside chunks, such as at the end.
         lost: how many bytes could not be read.
@@ -601,8 +604,10 @@ class McapScan:
         profile: what messages the file has.
     """
 
-    def __init__(self, file: RecordFile) -> None:
+    def __init__(self, file: RecordFile, *, is_strict: bool = False) -> None:
+        self.path = file.path
         self._file = file
+        self._is_strict = is_strict
         self.others: list[Any] = []
         self.profile = ""
         self.connections = _Connections()
@@ -698,6 +703,8 @@ class McapScan:
             method, data, size = _read_chunk(file, position, place)
             return FoundPart(position, _unpack_records(data, place), False, method, size)
         except BagFormatError:
+            if self._is_strict:
+                raise
             length = min(end - position - _RECORD.size, compression.MAX_SIZE)
             content = file.read(position + _RECORD.size, length)
         if len(content) < _CHUNK_START.size:
@@ -723,18 +730,24 @@ class McapScan:
 
 
 def rewrite_mcap(
-    source: str, target: str, method: str | None = None, *, chunk_size: int = CHUNK_SIZE
+    source: str,
+    target: str,
+    method: str | None = None,
+    *,
+    chunk_size: int = CHUNK_SIZE,
+    is_strict: bool = False,
 ) -> tuple[int, int]:
     """Write a new .mcap file, with an index, of what is left of one.
 
     Args:
         method: the compression; that of the first chunk if None.
+        is_strict: whether damage is an error.
 
     Returns:
         The number of messages, and the number of bytes that were lost.
 
     Raises:
-        BagFormatError: it is not a .mcap file.
+        BagFormatError: it is not a .mcap file, or damaged if ``is_strict``.
         BagError: an invalid compression.
         OSError: a file cannot be read or written.
     """
@@ -743,29 +756,32 @@ def rewrite_mcap(
         file = RecordFile(opened, source)
         if file.read(0, min(len(MAGIC), file.size)) != MAGIC:
             raise BagFormatError(f"{source}: not an MCAP file")
-        count, lost, found = _rewrite(file, target, method, chunk_size, {})
+        scan = McapScan(file, is_strict=is_strict)
+        count, found = _rewrite(scan, target, method, chunk_size, {})
         if any(each.type == ANY_TYPE for each in found):
             known = {each.id: each for each in with_known_types(found)}
-            count, lost, _ = _rewrite(file, target, method, chunk_size, known)
-        return count, lost
+            scan = McapScan(file, is_strict=is_strict)
+            count, _ = _rewrite(scan, target, method, chunk_size, known)
+        if is_strict and scan.lost:
+            raise BagFormatError(f"{source}: {scan.lost} bytes cannot be read")
+        return count, scan.lost
 
 
 def _rewrite(
-    file: RecordFile,
+    scan: McapScan,
     target: str,
     method: str | None,
     chunk_size: int,
     known: Mapping[int, Connection],
-) -> tuple[int, int, list[Connection]]:
+) -> tuple[int, list[Connection]]:
     """Write what is left of a file.
 
     Args:
         known: connections to write in place of those of the same id.
 
     Returns:
-        The number of messages, the number of bytes that were lost, and the file's connections.
+        The number of messages, and the file's connections.
     """
-    scan = McapScan(file)
     parts = scan.parts()
     first = next(parts, None)
     if method is None:
@@ -773,7 +789,7 @@ def _rewrite(
     connections = scan.connections
     ids: dict[int, Connection] = {}
     count = 0
-    writer = McapWriter(target, method, chunk_size, profile=scan.profile, name=file.path)
+    writer = McapWriter(target, method, chunk_size, profile=scan.profile, name=scan.path)
     with writer:
         for part in chain([first] if first else [], parts):
             records = part.records
@@ -801,7 +817,7 @@ def _rewrite(
                     other.data,
                 )
     found = [connections.connection(id_) for id_ in sorted(connections.ids())]
-    return count, scan.lost, found
+    return count, found
 
 
 def _import_mcap(path: str) -> None:

@@ -34,7 +34,9 @@ def open_folder(path: str, *, allow_unindexed: bool = False) -> Reader:
     metadata = _read_metadata(path)
     names = metadata.files or _listed(path)
     if not names:
-        raise BagFormatError(f"{path}: a folder without .mcap files")
+        bags = sorted(each for each in os.listdir(path) if each.endswith(".bag"))
+        hint = f"; name a file in it, such as {os.path.join(path, bags[0])}" if bags else ""
+        raise BagFormatError(f"{path}: a folder without .mcap files{hint}")
     with ExitStack() as stack:
         readers = []
         for name in names:

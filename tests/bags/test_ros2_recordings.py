@@ -119,5 +119,8 @@ def test_invalid_metadata_is_an_error(tmp_path: Path, text: str) -> None:
 
 
 def test_folder_without_files_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(BagFormatError, match=r"without \.mcap files"):
+    with pytest.raises(BagFormatError, match=r"without \.mcap files$"):
+        open_reader(tmp_path)
+    (tmp_path / "lab.bag").touch()
+    with pytest.raises(BagFormatError, match=r"such as .*lab\.bag$"):
         open_reader(tmp_path)

@@ -18,7 +18,6 @@ from fibws.cli.bag.filtering import Copy
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
 from fibws.cli.exit_handling import clean_exit
-from fibws.command_names import command_name
 from fibws.errors import BagError
 from fibws.files import replacing
 
@@ -148,12 +147,8 @@ def _change_compression(method: str, source: Path, target: Path, progress: Progr
     with open_reader(source) as reader:
         if is_mcap(os.fspath(source)):
             progress.begin(sum(chunk.size for chunk in reader.chunks))
-            _, lost = rewrite_mcap(
-                os.fspath(source), os.fspath(target), "zstd" if method == "best" else method
-            )
-            if lost:
-                fault = f"{output.counted(lost, 'byte')} cannot be read"
-                raise BagError(f"{source}: {fault}; use {command_name('bag reindex')} {source}")
+            method = "zstd" if method == "best" else method
+            rewrite_mcap(os.fspath(source), os.fspath(target), method, is_strict=True)
             progress.finish()
             return
         method = "bz2" if method == "best" else method
