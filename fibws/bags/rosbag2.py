@@ -94,20 +94,31 @@ def _read_metadata(path: str) -> _Metadata:
     if not os.path.exists(place):
         return _Metadata([], has_compressed_messages=False)
     found = _information(place)
-    storage = found.get("storage_identifier", "mcap")
+    storage = _text(found, "storage_identifier", place) or "mcap"
     if storage != "mcap":
         raise UnsupportedBag(
             f"{path}: recorded in {storage}, which is not read; expected mcap. Convert it with "
             f"rosbags-convert (pip install rosbags): rosbags-convert --src {path} --dst NAME.bag",
             "format",
         )
+    files = found.get("relative_file_paths") or []
+    if not isinstance(files, list) or not all(isinstance(each, str) for each in files):
+        raise BagFormatError(f"{place}: relative_file_paths must be a list of names")
     # Some releases wrote the folder's name before those of the files.
-    files = [os.path.basename(str(each)) for each in _list(found.get("relative_file_paths"))]
-    mode = str(found.get("compression_mode") or "").upper()
-    format_ = found.get("compression_format") or ""
+    names = list(dict.fromkeys(map(os.path.basename, files)))
+    mode = _text(found, "compression_mode", place).upper()
+    format_ = _text(found, "compression_format", place)
     if mode == "MESSAGE" and format_ != "zstd":
         raise UnsupportedBag(f"{path}: unknown compression {format_!r}", "compression")
-    return _Metadata(files, has_compressed_messages=mode == "MESSAGE")
+    return _Metadata(names, has_compressed_messages=mode == "MESSAGE")
+
+
+def _text(information: dict[str, Any], name: str, place: str) -> str:
+    """Return a text in metadata.yaml; empty if there is none."""
+    value = information.get(name)
+    if value is not None and not isinstance(value, str):
+        raise BagFormatError(f"{place}: {name} must be a text")
+    return value or ""
 
 
 def _information(place: str) -> dict[str, Any]:
@@ -128,10 +139,6 @@ def _information(place: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise BagFormatError(f"{place}: rosbag2_bagfile_information is missing")
     return found
-
-
-def _list(value: Any) -> list[Any]:
-    return value if isinstance(value, list) else []
 
 
 def _listed(path: str) -> list[str]:

@@ -236,7 +236,9 @@ def as_dict(reader: Reader, path: str | None, *, frequencies: bool = False) -> d
         found["uncompressed"] = sum(each.uncompressed for each in methods)
         found["compressed"] = sum(each.compressed for each in methods)
     if (codes := encodings(reader)) != [ROS1]:
-        found |= {"encodings": codes, "differences": conversion_faults(reader)}
+        found["encodings"] = codes
+        if faults := conversion_faults(reader):
+            found["differences"] = faults
     md5sums = types(reader.connections).items()
     found["types"] = [{"type": name, "md5": md5sum} for name, md5sum in md5sums]
     found["topics"] = []

@@ -201,6 +201,19 @@ def test_bomb_of_a_message_is_rejected_early(
         tracemalloc.stop()
 
 
+@pytest.mark.parametrize(
+    "name", ["storage_identifier", "relative_file_paths", "compression_mode", "compression_format"]
+)
+def test_bomb_of_metadata_costs_nothing(tmp_path: Path, name: str) -> None:
+    """Each line has the one before twice."""
+    lines = ["a0: &a0 [x, x]"]
+    lines += [f"a{number}: &a{number} [*a{number - 1}, *a{number - 1}]" for number in range(1, 60)]
+    text = "\n".join([*lines, f"rosbag2_bagfile_information: {{{name}: [*a59]}}", ""])
+    (tmp_path / "metadata.yaml").write_text(text)
+    with pytest.raises(BagFormatError, match=name):
+        open_reader(tmp_path)
+
+
 def test_bomb_of_a_file_is_rejected_early(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rosbag2, "MAX_FILE", 1_000_000)
     path = tmp_path / "it.mcap.zstd"

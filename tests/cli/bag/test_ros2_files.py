@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -11,6 +12,7 @@ import pytest
 import yaml
 from bags import ros2_recordings
 from click.testing import CliRunner, Result
+from hub_in_thread import HubThread, Run
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import CompressionMode
@@ -83,6 +85,9 @@ def test_info_shows_the_encoding(fibws: Tool, folder: Path) -> None:
     assert ["encoding:", "cdr", "(ROS", "2)"] in lines
     assert ["messages:", "150"] in lines
     assert "differences" not in result.output
+    found = json.loads(fibws("bag", "info", "--json", folder).output)
+    assert (found["encodings"], "differences" in found) == (["cdr"], False)
+    assert yaml.safe_load(fibws("bag", "info", "-y", folder).output) == found
 
 
 def test_info_lists_what_cannot_be_converted(fibws: Tool, mixed: Path) -> None:
@@ -215,6 +220,15 @@ def test_play_of_what_cannot_be_read_fails_without_a_hub(fibws: Tool, mixed: Pat
     result = fibws("bag", "play", "--hub", "ws://127.0.0.1:9", mixed, "--topics", "/wide", "/json")
     assert result.exit_code == 1
     assert "nothing can be played" in result.output and "wstring" in result.output
+
+
+def test_play_leaves_out_what_cannot_be_read(run: Run, hub: HubThread, mixed: Path) -> None:
+    result = run("bag", "play", str(mixed), "-d", "0", "-i")
+    assert result.exit_code == 0, result.output
+    for topic, reason in (("/wide", "wstring"), ("/idl", "ros2idl"), ("/json", "json")):
+        assert re.search(f"{topic} is not played: .*{reason}", result.output)
+    assert "/marker is not played" in result.output  # The hub knows ROS 1's.
+    assert "/n is not played" not in result.output
 
 
 def test_play_of_an_unknown_topic_fails_without_a_hub(fibws: Tool, folder: Path) -> None:
