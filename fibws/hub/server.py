@@ -12,7 +12,7 @@ import socket
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AsyncExitStack, ExitStack, suppress
 from functools import cache, partial
 from pathlib import Path
@@ -602,7 +602,9 @@ class Hub:
                 self._zenoh.principal != self._authentication.network("zenoh")
             ):
                 logger.warning("The new section zenoh counts when the hub is started again.")
-            closed = self._check_logins(self._authentication)
+            if isinstance(self.graph.policy, AccessPolicy):
+                self.graph.policy.keep_names(self._authentication.known())
+            closed = self._check_logins(self._connections, "after a reload")
         changes += use_certificate()
         if closed:
             changes.append(f"{closed} client{'s' if closed > 1 else ''} closed")
@@ -615,15 +617,13 @@ class Hub:
         return [*filter(None, own), *(self._tls.files if self._tls is not None else ())]
 
     def _logged_out(self) -> None:
-        if self._authentication is not None:
-            self._check_logins(self._authentication, "after a log-out")
+        ended = [each for each in self._connections if each.is_logged_out]
+        self._check_logins(ended, "after a log-out")
 
-    def _check_logins(self, authentication: Authentication, when: str = "after a reload") -> int:
-        """Check the rights of all clients, and return how many are closed."""
+    def _check_logins(self, connections: Iterable[Connection], when: str) -> int:
+        """Check the logins and rights of clients, and return how many are closed."""
         closed = 0
-        if isinstance(self.graph.policy, AccessPolicy):
-            self.graph.policy.keep_names(authentication.known())
-        for connection in list(self._connections):
+        for connection in list(connections):
             try:
                 closed += not connection.check_login(when)
             except Exception:

@@ -19,6 +19,7 @@ from websockets.asyncio.client import connect
 from websockets.datastructures import Headers
 
 from fibws.access.token_file import Tokens, digest_of
+from fibws.access.web_tokens import WebTokens
 from fibws.errors import AuthenticationError
 from fibws.hub import Hub
 from fibws.hub.access.authentication import MOST_WRONG, Authentication
@@ -426,6 +427,20 @@ async def test_logout_ends_the_connections_of_the_session_alone(hub: Hub) -> Non
     async with connected(hub.port, Cookie=first) as client:
         await client.is_processed()
         assert [each.principal.name for each in hub._connections if each.principal] == ["anonymous"]
+
+
+async def test_logout_verifies_no_token_again(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would take long with many clients, and any page can log out as often as it wants."""
+    cookie = await session(hub, "ann")
+    async with connected(hub.port, Authorization=f"Bearer {RIGHT}") as client:
+        await client.is_processed()
+        verified: list[str] = []
+        monkeypatch.setattr(WebTokens, "principal", lambda self, token: verified.append(token))
+        async with dialled(hub.port) as page:
+            await page.send(handshake("/logout", Upgrade="none", Cookie=cookie))
+            assert (await page.response())[0] == 204
+        await client.is_processed()
+    assert verified == []
 
 
 async def test_revoked_token_ends_its_sessions(hub: Hub, tokens: Path) -> None:

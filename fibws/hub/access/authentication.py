@@ -75,10 +75,12 @@ class Login:
         principal: the client's principal.
         again: checks the proof again, after the tokens have changed; raises
             `AuthenticationError`.
+        session: the page's, if its cookie is the proof.
     """
 
     principal: Principal
     again: Callable[[], Principal]
+    session: Session | None = None
 
 
 class Authentication:
@@ -172,7 +174,7 @@ class Authentication:
             return self.log_in_by_token(token, address)
         session = self._session(headers)
         if session is not None:
-            return _logged_in(session.principal)
+            return Login(session.principal(), session.principal, session)
         if certificate is not None and self._authorities_file is not None:
             return _logged_in(partial(self._certified, certificate, self._authorities))
         if self._tokens.anonymous is not None:

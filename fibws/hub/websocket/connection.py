@@ -138,13 +138,13 @@ class Connection(asyncio.BufferedProtocol):
     """One client's connection, from the socket's opening to its end."""
 
     __slots__ = (
-        "_again",
         "_busy",
         "_deferred",
         "_head",
         "_keepalive",
         "_left",
         "_log",
+        "_login",
         "_login_due",
         "_pong_bytes",
         "_protocol",
@@ -199,8 +199,8 @@ class Connection(asyncio.BufferedProtocol):
         """The name that the client has asked for."""
         self.principal: Principal | None = None
         """The client's principal, on a hub with authentication."""
-        self._again: Callable[[], Principal] | None = None
-        """Checks the client's login again."""
+        self._login: Login | None = None
+        """The client's latest, on a hub with authentication."""
         self._login_due = math.inf
         """When a client must have sent its token that had none in its handshake."""
         self.address = ""
@@ -527,10 +527,16 @@ class Connection(asyncio.BufferedProtocol):
 
     def _logged_in(self, login: Login) -> Principal:
         self._join(login.principal)
-        self._again = login.again
+        self._login = login
         self.principal = login.principal
         self._log.logged_in(self, login.principal)
         return login.principal
+
+    @property
+    def is_logged_out(self) -> bool:
+        """Whether the session has ended by which the client has logged in."""
+        session = self._login.session if self._login is not None else None
+        return session is not None and session.has_ended
 
     def check_login(self, when: str) -> bool:
         """Check the client's login and rights again after the tokens have changed.
@@ -541,10 +547,10 @@ class Connection(asyncio.BufferedProtocol):
         Returns:
             Whether the client stays.
         """
-        if self._again is None or self.endpoint is None or self._left:
+        if self._login is None or self.endpoint is None or self._left:
             return True
         try:
-            principal = self._again()
+            principal = self._login.again()
             if principal != self.principal:
                 withdrawing = self.endpoint.authorize(principal)
                 self.principal = principal
