@@ -9,12 +9,13 @@ from itertools import count
 from math import inf
 from typing import Any, NamedTuple
 
-from fibws.errors import FibwsError, InvalidMessage, InvalidName, NotAllowed
+from fibws.errors import FibwsError, InvalidMessage, InvalidName, NotAllowed, OperationError
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import Client, check_room
 from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.protocol.operations import (
+    LONGEST_ID,
     AdvertiseService,
     CallService,
     Id,
@@ -63,11 +64,17 @@ class Calls:
         self._due = 0.0
 
     def call(self, request: CallService) -> None:
-        """Call a service."""
+        """Call a service.
+
+        Raises:
+            OperationError: the id behind the service's name is too long.
+        """
         if self._client.queue.overfull:
             # No response would be kept, and it may be much work: the client is to be closed.
             return
         spelling, hash_, suffix = request.service.partition("#")
+        if len(suffix) > LONGEST_ID:
+            raise OperationError(f"an id behind the # has at most {LONGEST_ID} characters")
         # There may be an id behind the name, as the real server's call_service.py takes it.
         id_ = suffix if hash_ and request.id is None else request.id
         timeout = self._timeout(request)

@@ -227,7 +227,7 @@ class Subscription:
             raise LimitReached(
                 f"too many subscriptions to {self.topic.name} (limit {MAX_REGISTRATIONS})"
             )
-        self._change({**self.requests, request.id: request}, request)
+        self._change({**self.requests, request.id: _as_kept(request)}, request)
         if self.topic.type is not None and request.compression == ROS1:
             self._answered = self.topic.type
             self._send_subscribed(request, self.topic.type)
@@ -362,6 +362,14 @@ class Subscription:
     def _definition(self, type_: MessageType) -> str | None:
         codecs = type_.codecs
         return codecs.definitions.full_text(type_.name) if codecs is not None else None
+
+
+def _as_kept(request: Subscribe) -> Subscribe:
+    """Return a request without the texts about its type, which may be long; empty ones stand for
+    them.
+    """
+    texts = {name: "" for name in ("definition", "md5sum") if getattr(request, name) is not None}
+    return request.model_copy(update=texts) if texts else request
 
 
 def _names_fields(request: Subscribe) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from fibws.protocol.fragments import Reassembly
-from fibws.protocol.operations import Fragment
+from fibws.protocol.operations import LONGEST_ID, Fragment
 
 from ..fakes import ADD, Client, FakeHub
 from .service_clients import (
@@ -134,6 +134,20 @@ def test_id_may_follow_the_service_name(
     respond(server, asked["id"])
     response = caller.receive_one("service_response")
     assert (response["id"], response["service"], response["result"]) == (id_, spelling, True)
+
+
+@pytest.mark.parametrize("id_", [None, 5])
+def test_id_that_follows_the_service_name_has_a_bounded_length(id_: object) -> None:
+    """It is kept until the response, as is the name that it follows."""
+    _, server, caller = adder_and_caller()
+    call_add(caller, service=f"/add#{'x' * LONGEST_ID}", id=id_)
+    assert len(received_calls(server)) == 1
+    call_add(caller, service=f"/add#{'x' * (LONGEST_ID + 1)}", id=id_)
+    assert received_calls(server) == []
+    errors = [each for each in caller.receive() if each["op"] == "status"]
+    assert [each["msg"] for each in errors] == [
+        f"call_service: an id behind the # has at most {LONGEST_ID} characters"
+    ]
 
 
 @pytest.mark.parametrize(

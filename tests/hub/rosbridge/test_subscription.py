@@ -340,6 +340,18 @@ def test_topic_keeps_its_type_while_a_request_names_one() -> None:
     assert types == [None, INT32, None, INT32, None]
 
 
+@pytest.mark.parametrize("field", ["definition", "md5sum"])
+def test_texts_about_the_type_are_not_kept_with_a_request(field: str) -> None:
+    """A client may have 100 requests for each of its topics."""
+    hub = FakeHub()
+    client = hub.client("/listener")
+    text = "int32 data\n#" + "x" * 10_000
+    client.send("subscribe", "/a", type="my_package/Number", **{field: text})
+    assert client.receive() == []
+    (subscription,) = client.session.topics.subscriptions.values()
+    assert len(repr(subscription.requests)) < 1000
+
+
 def test_impossible_encoding_is_reported_once_to_the_request_that_asked_for_it() -> None:
     hub = FakeHub()
     talker, client = hub.client(), hub.client()
