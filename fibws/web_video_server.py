@@ -92,8 +92,12 @@ class Feed:
     def __init__(self, node: fibws.Node, topic: str, type_: str, quality: int) -> None:
         self.viewers = 0
         self.fault: Refused | None = None
+        """Why the newest image cannot be shown."""
+        self._has_ended = False
+        self._has_warned = False
         self._frame: Frame | None = None
         self._news = asyncio.Event()
+        self._topic, self._log = topic, node.log
         self._quality = quality
         self._subscription: fibws.Subscription[Any] = node.subscribe(topic, type_, queue_size=1)
         self._task = asyncio.create_task(self._follow(), name=f"images of {topic}")
@@ -104,13 +108,14 @@ class Feed:
         self._subscription.close()
 
     async def newer(self, number: int) -> Frame:
-        """Wait for a frame with another number than this one.
+        """Wait for a frame with another number than this one; 0 for the first frame.
 
         Raises:
-            Refused: the topic's images cannot be shown.
+            Refused: there are no more images; or the first one cannot be shown. Later ones are
+                left out then.
         """
         while self._frame is None or self._frame.number == number:
-            if self.fault is not None:
+            if self.fault is not None and (self._has_ended or not number):
                 raise self.fault
             await self._news.wait()
         return self._frame
@@ -120,19 +125,32 @@ class Feed:
         try:
             async for message in self._subscription:
                 number += 1
-                if hasattr(message, "format"):
-                    data = bytes(message.data)
-                    media_type = "image/png" if data.startswith(b"\x89PNG") else "image/jpeg"
-                else:
-                    data, media_type = await asyncio.to_thread(self._jpeg, message), "image/jpeg"
-                self._frame = Frame(number, media_type, data)
+                try:
+                    self._frame, self.fault = await self._encoded(number, message), None
+                except Refused as fault:
+                    self._leave_out(fault)
                 self._announce()
-        except Refused as fault:
-            self.fault = fault
-            self._announce()
         except fibws.FibwsError as error:
             self.fault = Refused(HTTPStatus.FORBIDDEN, str(error))
+        finally:
+            self._has_ended = True
             self._announce()
+
+    async def _encoded(self, number: int, message: Any) -> Frame:
+        """Return an image as it is sent; raise `Refused` if it cannot be shown."""
+        if not hasattr(message, "format"):
+            return Frame(number, "image/jpeg", await asyncio.to_thread(self._jpeg, message))
+        data = bytes(message.data)
+        is_png = data.startswith(b"\x89PNG")
+        return Frame(number, "image/png" if is_png else "image/jpeg", data)
+
+    def _leave_out(self, fault: Refused) -> None:
+        """Leave out an image that cannot be shown; the first one is logged."""
+        self.fault = fault
+        if not self._has_warned:
+            self._has_warned = True
+            text = "%s: %s; more images that cannot be shown are not logged."
+            self._log.warning(text, self._topic, fault)
 
     def _announce(self) -> None:
         """Wake all who wait for a frame."""

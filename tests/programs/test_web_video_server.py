@@ -191,6 +191,27 @@ async def test_image_that_is_not_compressed_becomes_a_jpeg(port: int, node: fibw
         assert (status, "1 to 100" in text) == (400, True)
 
 
+async def test_stream_goes_on_after_an_image_that_cannot_be_shown(
+    port: int, node: fibws.Node
+) -> None:
+    pytest.importorskip("PIL.Image")
+    images = await node.advertise("/camera/image", Image, latch=True)
+    good = Image(Header(), 4, 4, "bgr8", 0, 12, bytes(48))
+    await images.publish(good)
+    browser = await Browser.get(port, "/stream?topic=/camera/image")
+    assert await browser.status() == 200
+    first = await browser.frame()
+    for bad in (
+        Image(Header(), 4, 4, "32FC1", 0, 16, bytes(64)),
+        Image(Header(), 9999, 9999, "bgr8", 0, 12, bytes(48)),
+    ):
+        await images.publish(bad)
+        status, _ = await answer(port, "/snapshot?topic=/camera/image&quality=50")
+        assert status == 415
+        await images.publish(good)
+        assert await browser.frame() == first
+
+
 async def test_requests_that_cannot_be_served_say_why(port: int, node: fibws.Node) -> None:
     await node.advertise("/number", Int32)
     await node.advertise(TOPIC, CompressedImage)
