@@ -88,9 +88,7 @@ async def test_large_recording_arrives_whole_in_pieces(hub: Hub) -> None:
     assert status == 200
     assert body == data
     assert longest() < 0.5
-    async with asyncio.timeout(PATIENCE):
-        while hub._connections:
-            await asyncio.sleep(0)
+    await asyncio.wait_for(hub._empty.wait(), PATIENCE)
     assert hub._asset_room.held == 0
 
 

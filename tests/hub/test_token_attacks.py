@@ -22,6 +22,7 @@ from fibws.access.token_file import Tokens, digest_of
 from fibws.access.web_tokens import WebTokens
 from fibws.errors import AuthenticationError
 from fibws.hub import Hub
+from fibws.hub.access import sessions
 from fibws.hub.access.authentication import MOST_WRONG, Authentication
 from fibws.hub.settings import Settings
 
@@ -410,6 +411,24 @@ async def test_page_of_another_port_does_not_enter_with_the_cookie(hub: Hub, ori
             (connection,) = hub._connections
             assert connection.principal is not None
             assert connection.principal.name == name
+
+
+async def test_connections_of_the_oldest_session_end_with_it(
+    hub: Hub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sessions, "MOST_OF_ONE", 2)
+    first, second = await session(hub, "ann"), await session(hub, "ann")
+    async with (
+        connected(hub.port, Cookie=first) as tab,
+        connected(hub.port, Cookie=second) as other,
+    ):
+        await tab.is_processed()
+        await other.is_processed()
+        await session(hub, "ann")
+        code, reason = await tab.is_closed()
+        assert code == 4401
+        assert "the session has ended" in reason
+        await other.is_processed()
 
 
 async def test_logout_ends_the_connections_of_the_session_alone(hub: Hub) -> None:

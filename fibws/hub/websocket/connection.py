@@ -800,12 +800,7 @@ class Connection(asyncio.BufferedProtocol):
             meter = self._quotas.meter
             if meter is not None and meter.sweep(self.limited):
                 self.fail(close_reason(LIMITED, meter.reason))
-            if now > self._login_due:
-                self.fail(MISSING_TOKEN)
-            if self._is_expired():
-                assert self.principal is not None
-                is_certificate = self.principal.proof == "certificate"
-                self.fail(CERTIFICATE_EXPIRED if is_certificate else EXPIRED)
+            self._sweep_login(now)
         verdict = self._keepalive.verdict(now, self._unread())
         if verdict == "abort":
             self._transport.abort()
@@ -814,6 +809,17 @@ class Connection(asyncio.BufferedProtocol):
             self._send()
         elif verdict is not None:
             self.fail(verdict)
+
+    def _sweep_login(self, now: float) -> None:
+        """Close the connection if its login is overdue, or is over."""
+        if now > self._login_due:
+            self.fail(MISSING_TOKEN)
+        if self.is_logged_out:
+            self.check_login("after newer log-ins")
+        if self._is_expired():
+            assert self.principal is not None
+            is_certificate = self.principal.proof == "certificate"
+            self.fail(CERTIFICATE_EXPIRED if is_certificate else EXPIRED)
 
     def _report_drops(self, now: float) -> None:
         meter = self._quotas.meter
