@@ -128,13 +128,13 @@ class FileResponse(Response):
         """Return the next piece, in any thread; nothing if the file is shorter than it was."""
         try:
             piece = self._file.read(min(PIECE, self.left))
-        except (OSError, ValueError):  # It may be closed meanwhile.
+        except OSError:
             piece = b""
         self.left -= len(piece)
         return piece
 
     def close(self) -> None:
-        """Close the file, in any thread."""
+        """Close the file, while nobody reads it."""
         self._file.close()
 
 
@@ -161,6 +161,8 @@ class DeferredResponse(Response):
         self._send: Callable[[Response], object] | None = None
         """Takes the response; None once it is not wanted any more."""
         self._made: Response | None = None
+        self._is_reading = False
+        """Whether a thread reads a file, which is closed after that."""
 
     def start(self, send: Callable[[Response], object]) -> None:
         """Make the response, and give it to a function in the event loop, unless it has ended."""
@@ -180,9 +182,13 @@ class DeferredResponse(Response):
         if not isinstance(made, FileResponse) or not self.has_body or not made.left:
             return False
         pieces: list[bytes] = []
+        self._is_reading = True
 
         def done() -> None:
-            if self._send is not None:
+            self._is_reading = False
+            if self._send is None:
+                made.close()
+            else:
                 take(pieces[0])
 
         self._run(lambda: pieces.append(made.read()), done)
@@ -191,8 +197,8 @@ class DeferredResponse(Response):
     def end(self) -> None:
         """Forget the response."""
         made, self._send, self._made = self._made, None, None
-        if isinstance(made, FileResponse):
-            self._run(made.close, lambda: None)
+        if isinstance(made, FileResponse) and not self._is_reading:
+            made.close()
         self._ended()
 
     def _work(self) -> None:
@@ -206,7 +212,9 @@ class DeferredResponse(Response):
             self._made = text_response(http.HTTPStatus.INTERNAL_SERVER_ERROR, fault)
 
     def _done(self) -> None:
-        if self._send is not None and self._made is not None:
+        if self._send is None and isinstance(self._made, FileResponse):
+            self._made.close()
+        elif self._send is not None and self._made is not None:
             if not self.has_body:
                 self._made.body = b""
             self._send(self._made)
