@@ -11,12 +11,14 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 from PIL import Image as pillow
 from playwright.async_api import Browser, Page, expect
 
 import fibws
 from fibws.hub import Hub
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
+from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.sensor_msgs import CompressedImage, Image
 from fibws.msg.std_msgs import Header
 from fibws.protocol.serialized import SUBPROTOCOL
@@ -83,6 +85,20 @@ async def shown(page: Page, encoding: str) -> list[list[int]]:
     await until(page, "document.querySelector('.image-stage canvas')?.width > 1")
     found: list[list[int]] = await page.locator(".image-stage canvas").evaluate(CORNERS)
     return found
+
+
+async def test_age_is_that_by_the_simulated_clock(
+    hub: Hub, camera: fibws.Node, open_page: OpenPage
+) -> None:
+    clock = await camera.advertise("/clock", Clock, latch=True)
+    topic = await camera.advertise("/image", Image, latch=True)
+    await clock.publish(Clock(fibws.Time(1, 250_000_000)))
+    await topic.publish(raw("rgb8", "RGB"))
+    page = await open_page(hub, "#/topics/%2Fimage")
+    facts = page.locator(".image-facts")
+    async with asyncio.timeout(PATIENCE):
+        while "250 ms old" not in await facts.inner_text():
+            await topic.publish(raw("rgb8", "RGB"))
 
 
 @pytest.mark.parametrize(

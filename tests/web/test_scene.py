@@ -556,8 +556,9 @@ async def test_list_of_layers_is_hidden_by_its_button_and_stays_so(
     await expect(listed).to_be_hidden()
 
 
-async def test_trail_is_not_joined_across_the_time_without_messages(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+@pytest.mark.parametrize("cut", ["no messages", "stamps go back"])
+async def test_trail_is_not_joined_across_a_cut(
+    hub: Hub, robot: fibws.Node, open_page: OpenPage, cut: str
 ) -> None:
     odometry = await robot.advertise("/odom", Odometry, peers=True)
     changes = odometry.peers.changes()
@@ -568,8 +569,8 @@ async def test_trail_is_not_joined_across_the_time_without_messages(
                 if bool(names) == wanted:
                     return
 
-    async def move_to(x: float, y: float) -> None:
-        message = Odometry(Header(frame_id="map"), "base_link")
+    async def move_to(x: float, y: float, stamp: int) -> None:
+        message = Odometry(Header(stamp=fibws.Time(stamp), frame_id="map"), "base_link")
         position, message.pose.pose.orientation.w = message.pose.pose.position, 1.0
         position.x, position.y = x, y
         await odometry.publish(message)
@@ -577,23 +578,24 @@ async def test_trail_is_not_joined_across_the_time_without_messages(
 
     page = await open_page(hub, "#/topics/%2Fodom", width=1600, color_scheme="dark")
     await subscribed(True)
-    await move_to(0, 0)
+    await move_to(0, 0, 20)
     await page.get_by_role("button", name="Settings of /odom").click()
     await page.get_by_label("Size (m)").fill("0.01")
     await page.get_by_role("group", name="Scene").focus()
     await page.keyboard.press("1")
-    await move_to(0, 0.4)
+    await move_to(0, 0.4, 21)
     # The trail is not opaque: its colour is between that of the setting and the background.
     red, green, blue = (round(0.7 * a + 0.3 * b) for a, b in zip(ORANGE, DARK, strict=True))
     trail = red, green, blue
     before = await shown(page, trail, 50)
     assert before["right"] - before["left"] < 10
     heading = page.locator("details.section", has_text="Scene").locator("summary").first
-    for wanted in (False, True):
+    for wanted in (False, True) if cut == "no messages" else ():
         await heading.click()
         await subscribed(wanted)
-    await move_to(0.3, 0.4)
-    await move_to(0.3, 0)
+    later = 22 if cut == "no messages" else 1
+    await move_to(0.3, 0.4, later)
+    await move_to(0.3, 0, later + 1)
     canvas = f"({FOUND})(document.querySelector('.scene-canvas'), {list(trail)})"
     await until(page, f"{canvas}.left > {before['right']}")
     after = await shown(page, trail, 50)

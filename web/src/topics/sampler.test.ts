@@ -53,6 +53,21 @@ describe("a sampler", () => {
     expect(sampler.missing).toBe("position[hand]");
   });
 
+  it("begins again when stamps go back", () => {
+    const { hub, sampler } = create();
+    const { samples } = sampler.add("x");
+    sampler.start();
+    const at = (secs: number, x: number) =>
+      hub.receive({ header: { stamp: { secs, nsecs: 0 } }, x });
+    at(20, 1);
+    at(21, 2);
+    expect(samples.length).toBe(2);
+    at(0, 3);
+    expect(samples.length).toBe(3);
+    at(1, 4);
+    expect([samples.length, samples.newest]).toEqual([1, 4]);
+  });
+
   it("gives a new curve the newest message", () => {
     const { hub, sampler } = create();
     sampler.add("x");

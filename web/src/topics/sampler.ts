@@ -1,6 +1,7 @@
 /** Subscribes to one topic and records the numbers that are plotted. */
 import { resolve } from "../element_names";
 import type { Hub, Message } from "../hub";
+import { Stamps } from "../simulated_time";
 import { numberAt, own, parsePath, pathText, type Step } from "../types";
 import { RingBuffer } from "./ring_buffer";
 
@@ -43,6 +44,7 @@ export class Sampler {
   readonly #hub: Hub;
   readonly #changed: () => void;
   readonly #curves = new Set<Curve>();
+  readonly #stamps = new Stamps();
   #throttle: number;
   #unsubscribe: (() => void) | undefined;
   #newest: { readonly message: Message; readonly time: number } | undefined;
@@ -114,6 +116,10 @@ export class Sampler {
     this.error = "";
     this.missing = "";
     const time = timeOf(message, Date.now() / 1000);
+    // A curve of two runs would be none of both.
+    if (this.#stamps.hasGoneBack(stampOf(message))) {
+      for (const { samples } of this.#curves) samples.clear();
+    }
     this.#newest = { message, time };
     for (const curve of this.#curves) this.#record(curve, message, time);
     this.#changed();
@@ -126,6 +132,11 @@ export class Sampler {
 
 /** The time of a message: that of its header if it is plausible, else the time of its arrival. */
 export function timeOf(message: Message, now: number): number {
-  const stamp = numberAt(own(message, "header"), ["stamp"]);
+  const stamp = stampOf(message);
   return stamp !== undefined && Math.abs(stamp - now) <= MAX_SKEW ? stamp : now;
+}
+
+/** The stamp of a message's header, in seconds. */
+function stampOf(message: Message): number | undefined {
+  return numberAt(own(message, "header"), ["stamp"]);
 }

@@ -7,7 +7,8 @@ import { ago, bytes, hertz } from "../../format";
 import type { Hub } from "../../hub";
 import { dataClient } from "../../messages/data_client";
 import type { Report } from "../../messages/worker_messages";
-import type { Model } from "../../model";
+import type { Model, Time } from "../../model";
+import { SimulatedTime } from "../../simulated_time";
 import { type Config, numberIn, type Panel } from "../panel";
 import type { PictureState } from "./picture";
 import type { Options } from "./pixels";
@@ -20,6 +21,8 @@ const DESCRIBED = 5000;
 const STALE = 2000;
 /** A stamp that is further away is another clock's, in ms. */
 const SAME_CLOCK = 3_600_000;
+/** The least time between two messages of /clock, in ms: it is shown four times a second. */
+const CLOCK_THROTTLE = 50;
 /** The part of a new rate in the shown one. */
 const SMOOTHING = 0.3;
 /** Steps of zoom by the buttons and the wheel. */
@@ -105,6 +108,8 @@ class ImagePanel implements Panel {
   /** The point whose value is shown, in pixels of the image. */
   #cursor = { x: 0, y: 0 };
   #timer: number | undefined;
+  #clock = new SimulatedTime();
+  #stopClock: (() => void) | undefined;
   /** Whether it is visible: the definition of the type may arrive later. */
   #visible = false;
 
@@ -159,6 +164,9 @@ class ImagePanel implements Panel {
   hide(): void {
     this.#visible = false;
     window.clearInterval(this.#timer);
+    this.#stopClock?.();
+    this.#stopClock = undefined;
+    this.#clock = new SimulatedTime();
     this.#send?.({ kind: "close" });
     this.#send = undefined;
     // The worker's canvas cannot come back: the next one is new.
@@ -309,9 +317,27 @@ class ImagePanel implements Panel {
     if (!this.#isCamera) return ago(since / 1000);
     if (since > STALE) return `${Math.floor(since / 1000)} s without an image`;
     if (stamp === 0) return "no time stamp";
-    const age = drawn - stamp;
-    if (Math.abs(age) > SAME_CLOCK) return "stamped by another clock";
+    let age = drawn - stamp;
+    if (Math.abs(age) > SAME_CLOCK) {
+      this.#followClock();
+      age = (this.#clock.now(drawn) ?? Infinity) - stamp;
+      if (Math.abs(age) > SAME_CLOCK) return "stamped by another clock";
+    }
     return `${Math.round(age)} ms old`;
+  }
+
+  /** Take the time of /clock, if a node publishes it. */
+  #followClock(): void {
+    const clock = this.#model.graph.value?.topics.find(({ name }) => name === "/clock");
+    if (this.#stopClock !== undefined || !clock?.publishers.length) return;
+    this.#stopClock = this.#hub.subscribe(
+      "/clock",
+      { throttle: CLOCK_THROTTLE, queue: 1 },
+      ({ clock }) => {
+        const { secs, nsecs } = clock as Time;
+        this.#clock.receive(secs * 1000 + nsecs / 1e6, Date.now());
+      },
+    );
   }
 
   #whyEmpty(): string {

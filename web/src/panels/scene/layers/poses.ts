@@ -1,6 +1,7 @@
 /** Poses as arrows or axes, with their trail and their covariance. */
 import { plural } from "../../../format";
 import type { Fields } from "../../../messages/reader";
+import { Stamps } from "../../../simulated_time";
 import {
   applied,
   IDENTITY,
@@ -47,6 +48,7 @@ export class Poses implements Layer {
   #trailFrame = "";
   /** Whether messages have been missed, so that the next one begins a new trail. */
   #isTrailCut = false;
+  readonly #stamps = new Stamps();
   #header: Header | undefined;
   #poses: readonly Pose[] = [];
   #covariance: Float32Array | undefined;
@@ -61,9 +63,11 @@ export class Poses implements Layer {
   }
 
   receive(message: Fields): void {
-    if (this.#isTrailCut) this.#places = [];
+    const header = message.header as Header;
+    const isBack = this.#stamps.hasGoneBack(header.stamp.secs + header.stamp.nsecs / 1e9);
+    if (this.#isTrailCut || isBack) this.#places = [];
     this.#isTrailCut = false;
-    this.#header = message.header as Header;
+    this.#header = header;
     this.#covariance = undefined;
     if (Array.isArray(message.poses)) {
       this.#poses = message.poses as Pose[];
