@@ -22,8 +22,9 @@ from fibws.cli.commands import command as fibws_command
 from fibws.cli.hub import HubCommands
 from fibws.hub import Hub, Settings
 from fibws.hub.settings import flag_of
-from fibws.msg.geometry_msgs import Twist
-from fibws.msg.std_msgs import Float64, String
+from fibws.msg.geometry_msgs import TransformStamped, Twist
+from fibws.msg.std_msgs import Float64, Header, String
+from fibws.msg.tf2_msgs import TFMessage
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
@@ -69,6 +70,21 @@ def folder(tmp_path: Path) -> Path:
     path.parent.mkdir(parents=True)
     path.write_text(DEFINITION[2])
     return tmp_path
+
+
+async def test_tracker_logs_where_the_robot_is(folder: Path) -> None:
+    async with Hub(Settings(port=0)) as hub, fibws.Node("robot", hub=hub.url) as node:
+        tf = await node.advertise("/tf", TFMessage, latch=True)
+        base = TransformStamped(Header(stamp=fibws.Time(7), frame_id="map"), "base_link")
+        base.transform.translation.x, base.transform.rotation.w = 1.5, 1.0
+        await tf.publish([base])
+        process = await start(PROGRAMS["tracker"], hub, folder)
+        try:
+            line = await line_with("x =", process)
+            assert "at 7.00 s: x = 1.50 m, y = 0.00 m" in line
+        finally:
+            process.kill()
+            await process.wait()
 
 
 async def test_listener_receives_what_talker_publishes(folder: Path) -> None:
@@ -164,7 +180,7 @@ async def test_program_with_a_hub_of_its_own(folder: Path) -> None:
 def test_all_programs_are_tested() -> None:
     assert PROGRAMS.keys() == {
         *("talker", "listener", "smoother", "adder", "configured", "counter", "sum"),
-        *("indexed_broadcaster", "driver", "careful_driver", "robot"),
+        *("indexed_broadcaster", "driver", "careful_driver", "robot", "tracker"),
     }
     assert len(PROGRAMS) == NODES.count("```python")
 

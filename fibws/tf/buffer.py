@@ -10,6 +10,7 @@ from math import isfinite
 from operator import attrgetter
 from typing import Any, NamedTuple, TypeVar
 
+from fibws.interfaces.times import Time
 from fibws.tf.errors import (
     FrameLoop,
     InvalidTransform,
@@ -17,7 +18,7 @@ from fibws.tf.errors import (
     UnconnectedFrames,
     UnknownFrame,
 )
-from fibws.tf.history import CACHE_TIME, LATEST, History, Sample, Static
+from fibws.tf.history import CACHE_TIME, LATEST, History, Sample, Static, nanoseconds_of
 from fibws.tf.transform import (
     Link,
     Transform,
@@ -62,14 +63,14 @@ class Buffer:
     """Keeps transforms and looks up the one between any two connected frames.
 
     Args:
-        cache_time: nanoseconds that the history of each moving frame reaches back from its latest
+        cache_time: seconds that the history of each moving frame reaches back from its latest
             sample.
         strict: treat samples as tf2 does: those that repeat a stamp and those that are too old are
             refused, and a frame that began as moving, or as static, stays so.
     """
 
-    def __init__(self, cache_time: int = CACHE_TIME, *, strict: bool = False) -> None:
-        self._cache_time = cache_time
+    def __init__(self, cache_time: float = CACHE_TIME / 1e9, *, strict: bool = False) -> None:
+        self._cache_time = round(cache_time * 1e9)
         self._strict = strict
         self._frames: dict[str, History | Static] = {}
         """The frames with a parent, by id; the one with the newest sample is last."""
@@ -142,13 +143,14 @@ class Buffer:
             if isinstance(place, History):
                 self._remove(frame)
 
-    def lookup(self, target: str, source: str, stamp: int = LATEST) -> Sample:
+    def lookup(self, target: str, source: str, stamp: Time | int = LATEST) -> Sample:
         """Return the transform of ``source`` in ``target``, as tf2's lookupTransform.
 
         It turns coordinates in the source frame into coordinates in the target frame.
 
         Args:
-            stamp: the time; 0 for the latest one at which the whole path is known.
+            stamp: the time, such as that of a message, or nanoseconds; 0 for the latest one at
+                which the whole path is known.
 
         Returns:
             A sample with the target as parent; its stamp is 0 if the whole path is static.
@@ -161,14 +163,19 @@ class Buffer:
             TransformOutOfTime: the path is unknown at this time.
         """
         target, source = frame_id(target), frame_id(source)
-        stamp, rising, falling = self._timed_path(target, source, stamp)
+        stamp, rising, falling = self._timed_path(target, source, nanoseconds_of(stamp))
         transform = along(rising)
         if falling:
             transform = along(falling).inverse() @ transform
         return Sample(stamp, target, transform)
 
     def lookup_full(
-        self, target: str, target_stamp: int, source: str, source_stamp: int, fixed: str
+        self,
+        target: str,
+        target_stamp: Time | int,
+        source: str,
+        source_stamp: Time | int,
+        fixed: str,
     ) -> Sample:
         """Return the transform of ``source`` at one time in ``target`` at another.
 
@@ -192,9 +199,9 @@ class Buffer:
         transform = Transform(translation, with_sign_of_matrix(rotation))  # as in tf2
         return in_target._replace(transform=transform)
 
-    def check(self, target: str, source: str, stamp: int = LATEST) -> None:
+    def check(self, target: str, source: str, stamp: Time | int = LATEST) -> None:
         """Raise as `lookup` does, without computing the transform."""
-        self._timed_path(frame_id(target), frame_id(source), stamp)
+        self._timed_path(frame_id(target), frame_id(source), nanoseconds_of(stamp))
 
     def latest_common_time(self, target: str, source: str) -> int:
         """Return the latest time at which the path between two frames is known.
@@ -213,15 +220,24 @@ class Buffer:
         return self._common_time(target, source)
 
     def chain(
-        self, target: str, target_stamp: int, source: str, source_stamp: int, fixed: str
+        self,
+        target: str,
+        target_stamp: Time | int,
+        source: str,
+        source_stamp: Time | int,
+        fixed: str,
     ) -> list[str]:
         """Return the frames on the way from ``source`` over ``fixed`` to ``target``.
 
         Raises:
             TransformError: as `lookup_full`.
         """
-        first = self._frames_between(frame_id(fixed), frame_id(source), source_stamp)
-        second = self._frames_between(frame_id(target), frame_id(fixed), target_stamp)
+        first = self._frames_between(
+            frame_id(fixed), frame_id(source), nanoseconds_of(source_stamp)
+        )
+        second = self._frames_between(
+            frame_id(target), frame_id(fixed), nanoseconds_of(target_stamp)
+        )
         return [*first[:-1], *second] if first and second else [*first, *second]
 
     def exists(self, frame: str) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from typing import NamedTuple
 
+from fibws.interfaces.times import Time
 from fibws.tf.errors import OldData, RepeatedData, TransformOutOfTime
 from fibws.tf.transform import Link, Transform, slerp, transform_of
 
@@ -23,6 +24,11 @@ class Sample(NamedTuple):
     stamp: int
     parent: str
     transform: Transform
+
+    @property
+    def time(self) -> Time:
+        """The stamp as messages have it."""
+        return Time.from_nanoseconds(self.stamp)
 
 
 class History:
@@ -179,6 +185,11 @@ class Static:
 
 def _sample(stamp: int, link: Link) -> Sample:
     return Sample(stamp, link[0], transform_of(link))
+
+
+def nanoseconds_of(stamp: Time | int) -> int:
+    """Return a moment in nanoseconds; an int is returned unchanged."""
+    return stamp.to_nanoseconds() if isinstance(stamp, Time) else stamp
 
 
 def seconds(nanoseconds: int) -> str:

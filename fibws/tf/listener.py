@@ -52,14 +52,19 @@ class TransformListener:
         self._running: asyncio.Task[None] | None = None
 
     async def wait(
-        self, target: str, source: str, stamp: int = LATEST, timeout: float | None = None
+        self,
+        target: str,
+        source: str,
+        stamp: fibws.Time | int = LATEST,
+        timeout: float | None = None,
     ) -> Sample:
         """Wait for a transform, and return it as `Buffer.lookup` does.
 
         Args:
             target: the target frame.
             source: the source frame.
-            stamp: the time in nanoseconds; 0 for the latest at which the transform is known.
+            stamp: the time, such as that of a message, or nanoseconds; 0 for the latest at which
+                the transform is known.
             timeout: the most seconds to wait; None for ever. These are never simulated.
 
         Raises:

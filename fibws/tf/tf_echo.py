@@ -13,7 +13,7 @@ import fibws
 from fibws.cli import node_program
 from fibws.tf.buffer import Buffer, frame_id
 from fibws.tf.errors import InvalidTransform, TransformError
-from fibws.tf.history import CACHE_TIME, LATEST, Sample, seconds
+from fibws.tf.history import LATEST, Sample, seconds
 from fibws.tf.listener import TransformListener
 from fibws.tf.transform import roll_pitch_yaw
 
@@ -144,7 +144,7 @@ def command(
         if number is not None and not 0 < number < inf:
             raise click.UsageError(f"{name} must be > 0, got {number:g}")
     moment = Moment(offset=offset, time=time)
-    buffer = Buffer(CACHE_TIME if cache_time is None else int(cache_time * 1e9))
+    buffer = Buffer() if cache_time is None else Buffer(cache_time)
 
     async def program() -> None:
         async with node:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fibws.interfaces import Time
 from fibws.tf import buffer as module
 from fibws.tf.buffer import MAX_FRAME_ID, Buffer
 from fibws.tf.errors import (
@@ -390,7 +391,7 @@ def test_clear_keeps_static_frames(train: Buffer) -> None:
 
 
 def test_strict_buffer_treats_samples_as_tf2() -> None:
-    buffer = Buffer(5 * SECOND, strict=True)
+    buffer = Buffer(5.0, strict=True)
     place(buffer, "base", "map", 1, at=10)
     with pytest.raises(RepeatedData):
         place(buffer, "base", "map", 2, at=10)
@@ -425,3 +426,17 @@ def test_random_inserts_and_lookups(
                     buffer.lookup(target, source, at * SECOND)
                 except TransformError:
                     assert target != source
+
+
+def test_times_of_messages_are_taken_and_returned() -> None:
+    buffer = Buffer(cache_time=0.5)
+    for seconds in (1, 2, 2.25):
+        buffer.insert(
+            "base", Sample(round(seconds * SECOND), "map", Transform((seconds, 0.0, 0.0)))
+        )
+    moment = Time(2, 125_000_000)
+    found = buffer.lookup("map", "base", moment)
+    assert (found.time, found.transform.translation[0]) == (moment, 2.125)
+    buffer.check("map", "base", moment)
+    with pytest.raises(TransformOutOfTime):
+        buffer.check("map", "base", Time(1))

@@ -111,9 +111,8 @@ class BufferCore:
     """
 
     def __init__(self, cache_time: Any = None) -> None:
-        self._buffer = Buffer(
-            CACHE_TIME if cache_time is None else _nanoseconds(cache_time), strict=True
-        )
+        nanoseconds = CACHE_TIME if cache_time is None else _nanoseconds(cache_time)
+        self._buffer = Buffer(nanoseconds / 1e9, strict=True)
         self._lock = threading.Lock()
         self._reported: set[tuple[str, str]] = set()
 
