@@ -10,7 +10,6 @@ import os
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
-from tempfile import TemporaryFile
 from typing import Any, BinaryIO, NamedTuple, cast
 
 from fibws.bags import compression
@@ -154,6 +153,8 @@ def _decompressed(path: str) -> BinaryIO:
         BagFormatError: it is damaged, or decompresses to too much.
         UnsupportedBag: the package zstandard is not installed.
     """
+    from tempfile import TemporaryFile  # Few need it.
+
     try:
         import zstandard
     except ImportError:

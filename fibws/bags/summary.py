@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -257,6 +256,8 @@ _DECIMALS = {"duration": 6, "start": 6, "end": 6, "frequency": 4, "version": 1}
 
 def as_yaml(summary: dict[str, Any]) -> str:
     """Return `as_dict` as ``rosbag info --yaml`` writes it."""
+    import json  # Few need it.
+
     lines = []
     for key, value in summary.items():
         if isinstance(value, list):
