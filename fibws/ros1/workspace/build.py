@@ -10,7 +10,7 @@ from pathlib import Path
 
 from fibws.errors import FibwsError, PackageFileError, WorkspaceError
 from fibws.ros1.workspace.definitions import compile_definitions
-from fibws.ros1.workspace.devel_space import check_collisions, generated_files
+from fibws.ros1.workspace.devel_space import check_collisions, generated_files, modules_of
 from fibws.ros1.workspace.file_writer import File, Tree, remove, write
 from fibws.ros1.workspace.package_checks import (
     check_package,
@@ -100,9 +100,11 @@ class Workspace:
         if with_depends:
             plan.chosen = needed
         compile_definitions(plan.packages, [devel / "share" for _, devel in self._below])
+        modules: Tree = {}
         for package in plan.packages:
             check_package(package)
-            plan.trees[package.name] = _tree(package)
+            plan.trees[package.name] = _tree(package, modules)
+            modules |= modules_of(plan.trees[package.name])
         check_collisions(plan.packages, plan.trees)
         for package in plan.packages:
             failed = sorted(package.depends & plan.failed.keys())
@@ -212,10 +214,15 @@ class Workspace:
         return set(names) & known
 
 
-def _tree(package: SourcePackage) -> Tree:
-    """Return the package's generated files; unreadable files become errors of the package."""
+def _tree(package: SourcePackage, modules: Tree) -> Tree:
+    """Return the package's generated files; unreadable files become errors of the package.
+
+    Args:
+        package: the package.
+        modules: the modules of packages before it.
+    """
     try:
-        return generated_files(package)
+        return generated_files(package, modules)
     except OSError as error:
         line = package.lists.python_setup or 1
         text = f"{error.filename}: {error.strerror}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -22,17 +22,19 @@ class PythonSetup:
     Attributes:
         packages: the folder of each package by its name; of ``a`` and ``a.b`` only ``a``.
         modules: the file of each single module by its name.
+        warnings: likely mistakes, each with file and line.
     """
 
     packages: dict[str, Path]
     modules: dict[str, Path]
+    warnings: list[str] = field(default_factory=list)
 
 
 def read_setup(folder: Path) -> PythonSetup:
     """Read the setup.py of the package in ``folder``.
 
     Raises:
-        PackageFileError: it is not Python, a value is not a literal, or a folder is missing.
+        PackageFileError: it is not Python, a value is not a literal, or a module's file is missing.
         OSError: it cannot be read.
     """
     path = folder / FILE
@@ -94,15 +96,17 @@ def _resolve(values: dict[str, Any], folder: Path, path: Path, line: int) -> Pyt
     for name in (*values.get("packages", ()), *values.get("py_modules", ())):
         if not all(part.isidentifier() for part in name.split(".")):
             raise PackageFileError(str(path), line, f"invalid module name {name!r}")
-    packages = {}
+    packages, warnings = {}, []
     for name in values.get("packages", ()):
         first = name.partition(".")[0]
         where = folders.get(first, PurePosixPath(folders.get("", ""), first).as_posix())
-        packages[first] = folder / where
-        if not packages[first].is_dir():
-            raise PackageFileError(str(path), line, f"folder {where} of module {first} not found")
+        if (folder / where).is_dir():
+            packages[first] = folder / where
+        else:  # catkin builds the package without it.
+            text = f"folder {where} of module {first} not found"
+            warnings.append(str(PackageFileError(str(path), line, text)))
     modules = {name: base / f"{name}.py" for name in values.get("py_modules", ())}
     for name, file in modules.items():
         if not file.is_file():
             raise PackageFileError(str(path), line, f"{name}.py not found in {base}")
-    return PythonSetup(packages, modules)
+    return PythonSetup(packages, modules, list(dict.fromkeys(warnings)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -9,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from fibws.errors import PackageFileError
-from fibws.ros1.workspace.file_writer import File, Tree
+from fibws.ros1.workspace.file_writer import File, Tree, write
 from fibws.ros1.workspace.setup_files import MODULES
 
 TIMEOUT = 20.0
@@ -18,19 +19,32 @@ MOST_BYTES = 16 * 1024 * 1024
 """Bytes that a module may have."""
 
 
-def config_modules(package: str, file: Path) -> Tree:
+def config_modules(package: str, file: Path, importable: Tree) -> Tree:
     """Run a .cfg file; return the module that it writes, and the package around that.
+
+    Args:
+        package: the package's name.
+        file: the .cfg file.
+        importable: the modules of the workspace that it may import.
 
     Raises:
         PackageFileError: the file fails, takes too long, or writes nothing.
     """
     with tempfile.TemporaryDirectory() as folder:
+        write(Path(folder, "devel"), importable)
+        paths = str(Path(folder, "devel", MODULES)), os.environ.get("PYTHONPATH", "")
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(filter(None, paths)),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
         # The arguments are those of dynamic_reconfigure's CMake macro: folders to write to.
         command = [sys.executable, "-P", "-m", "fibws.rospy", str(file), *[folder] * 4]
         try:
             done = subprocess.run(
                 command,
                 cwd=file.parent,
+                env=environment,
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
                 timeout=TIMEOUT,

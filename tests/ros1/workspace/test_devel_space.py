@@ -91,7 +91,11 @@ def test_modules_of_setup_py_can_be_imported(layout: Layout) -> None:
     assert done.stdout == f"mine {init} one\n", done.stderr
 
 
-def test_missing_module_of_setup_py_is_an_error(layout: Layout) -> None:
-    layout.package("mine", before="catkin_python_setup()", files={"setup.py": SETUP})
-    (error,) = layout.errors()
-    assert error.startswith("mine/setup.py, line 3: ") and "src/mine" in error
+def test_missing_folder_of_setup_py_gives_a_warning(layout: Layout) -> None:
+    files = {"setup.py": SETUP, "src/one.py": ""}
+    layout.package("mine", before="catkin_python_setup()", files=files)
+    plan = layout.plan()
+    assert plan.errors == []
+    (warning,) = plan.warnings
+    assert "setup.py, line 3: " in warning and "src/mine" in warning
+    assert "lib/python3/dist-packages/one.py" in plan.trees["mine"]

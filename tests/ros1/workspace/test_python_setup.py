@@ -61,17 +61,26 @@ def test_settings_may_be_set_as_items(tmp_path: Path) -> None:
         ("setup(packages=['../x'])", r"line 1: invalid module name '\.\./x'"),
         ("setup(py_modules=[''])", "line 1: invalid module name ''"),
         ("setup(packages={['a']})", "line 1: packages must be a literal"),
-        ("setup(packages=['x'])", "line 1: folder x of module x not found"),
-        (
-            "setup(packages=['x'], package_dir={'': '/y'})",
-            "line 1: folder /y/x of module x not found",
-        ),
         ("setup(py_modules=['x'])", r"line 1: x\.py not found in"),
     ],
 )
 def test_errors_have_their_line(tmp_path: Path, text: str, error: str) -> None:
     with pytest.raises(PackageFileError, match=error):
         read(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "warning"),
+    [
+        ("setup(packages=['x'])", "line 1: folder x of module x not found"),
+        ("setup(packages=['x', 'x.y'], package_dir={'': '/y'})", "folder /y/x of module x not"),
+    ],
+)
+def test_missing_folder_gives_a_warning(tmp_path: Path, text: str, warning: str) -> None:
+    setup = read(tmp_path, text)
+    (found,) = setup.warnings
+    assert warning in found
+    assert setup.packages == {}
 
 
 def test_setup_py_is_not_run(tmp_path: Path) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import runpy
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -94,6 +97,65 @@ def test_invalid_file_is_an_error_with_its_line(
     text = layout.relative(str(error))
     assert text.startswith("robot/cfg/Bad.cfg, line 3: ")
     assert all(fact in text for fact in facts)
+
+
+SETUP = """\
+from setuptools import setup
+from catkin_pkg.python_setup import generate_distutils_setup
+setup(**generate_distutils_setup(packages=["{name}"], package_dir={{"": "src"}}))
+"""
+
+
+def test_file_imports_modules_of_this_and_other_packages(layout: Layout) -> None:
+    """As DWAPlanner.cfg of navigation does: it imports a module of base_local_planner."""
+    layout.package(
+        "limits",
+        before="catkin_python_setup()",
+        files={
+            "setup.py": SETUP.format(name="limits"),
+            "src/limits/__init__.py": "def add(gen): gen.add('limit', 'double', 0, 'A limit', 0.5)",
+        },
+    )
+    imports = "import limits, robot.names\nlimits.add(gen)\n"
+    layout.package(
+        "robot",
+        "limits",
+        before="catkin_python_setup()\ngenerate_dynamic_reconfigure_options(cfg/Plan.cfg)",
+        files={
+            "setup.py": SETUP.format(name="robot"),
+            "src/robot/__init__.py": "",
+            "src/robot/names.py": "",
+            "cfg/Plan.cfg": f"{HEAD}{imports}{END.format(name='Plan')}",
+        },
+    )
+    assert module(layout, "Plan")["defaults"] == {"limit": 0.5}
+
+
+def test_package_has_a_cfg_module_of_its_own(layout: Layout) -> None:
+    """The generated package comes first, as in catkin's __path__: rbx1_nav has both."""
+    layout.package(
+        "robot",
+        before="catkin_python_setup()\ngenerate_dynamic_reconfigure_options(cfg/Plan.cfg)",
+        files={
+            "setup.py": SETUP.format(name="robot"),
+            "src/robot/__init__.py": "",
+            "src/robot/cfg/__init__.py": "",
+            "src/robot/other.py": "",
+            "cfg/Plan.cfg": f"{HEAD}{END.format(name='Plan')}",
+        },
+    )
+    assert module(layout, "Plan")["defaults"] == {}
+    program = layout.folder / "program.py"
+    text = "import robot.other\nfrom robot.cfg import PlanConfig\nprint(PlanConfig.defaults)"
+    program.write_text(text)
+    modules = str(layout.devel / "lib/python3/dist-packages")
+    done = subprocess.run(
+        [sys.executable, "-m", "fibws.rospy", str(program)],
+        env={**os.environ, "PYTHONPATH": modules},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.stdout, done.stderr) == ("{}\n", "")
 
 
 def test_file_that_writes_no_module_is_an_error(layout: Layout) -> None:
