@@ -7,7 +7,8 @@ one object, and a value gives way to a namespace of its name.
 Values are kept as JSON, as they arrive and leave: it is exact for integers and floats alike, nobody
 can change it from outside, and its length is the memory it takes. Values of XML-RPC that JSON lacks
 are objects with one key, ``{"$binary": "<base64>"}`` and ``{"$date": "2026-01-31T12:00:00"}``;
-infinity is a number that no float can hold, and NaN is null.
+infinity is a number that no float can hold, and NaN is null. A dict with a key that cannot be a
+part of a name, such as ``a/b``, is a value, too.
 """
 
 from __future__ import annotations
@@ -57,10 +58,10 @@ def prepare(name: str, value: object) -> Prepared:
         ParameterError: a parameter cannot have this value.
     """
     path = _path(name)
-    if len(path) == 1 and not isinstance(value, dict):
-        raise ParameterError("/ is the namespace of all parameters: set it to an object")
     _check_depth(name, len(path) - 2)  # That of the namespace it is in.
     tree = _to_tree("/".join(path), value, len(path) - 1)
+    if len(path) == 1 and not isinstance(tree, dict):
+        raise ParameterError("/ is the namespace of all parameters: set it to an object of names")
     return Prepared(path, tree, _size("/".join(path), tree))
 
 
@@ -252,8 +253,19 @@ def canonical(name: str) -> str:
     return "/".join(_path(name)) or "/"
 
 
+def is_namespace(value: dict[str, Any]) -> bool:
+    """Return whether a dict is kept as a namespace, and not as one value.
+
+    It is a value if a key cannot be a part of a name: it is empty, or has a ``/``.
+    """
+    return all(key and "/" not in key for key in value if isinstance(key, str))
+
+
 def names_in(name: str, value: dict[str, Any]) -> Iterator[str]:
     """Yield the names of the parameters that a dict would be, set to a namespace's name."""
+    if not is_namespace(value):
+        yield name
+        return
     for key, each in value.items():
         below = f"{_root(name)}/{key}"
         if isinstance(each, dict) and each:
@@ -332,7 +344,7 @@ def _marked(value: Any) -> Any:
 
 def _to_tree(name: str, value: object, depth: int) -> Namespace | bytes:
     """Return a value as the tree keeps it."""
-    if not isinstance(value, dict) or _is_special(name, value):
+    if not isinstance(value, dict) or _is_special(name, value) or not is_namespace(value):
         is_plain = _check(name, value, depth)
         return to_json(value) if is_plain else exact_json_of(_marked(value))
     _check_depth(name, depth)
@@ -340,8 +352,8 @@ def _to_tree(name: str, value: object, depth: int) -> Namespace | bytes:
     for key, each in value.items():
         below = f"{name}/{key}"
         _check_length(below)
-        if not isinstance(key, str) or not key or "/" in key:
-            raise InvalidName(below, "a key in a namespace is a text, neither empty nor with a /")
+        if not isinstance(key, str):
+            raise InvalidName(below, "a key in a namespace is a text")
         space[key] = _to_tree(below, each, depth + 1)
     return space
 
