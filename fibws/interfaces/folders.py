@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 from fibws.errors import InterfaceError, UnknownPackage, UnknownType
 from fibws.interfaces import parser
@@ -38,13 +38,14 @@ class Package:
         standard: the standard package of the same name, whose types it hides one by one.
     """
 
-    __slots__ = ("_files", "folder", "name", "standard")
+    __slots__ = ("_files", "_is_ros2s", "folder", "name", "standard")
 
     def __init__(self, name: str, folder: Path) -> None:
         self.name = name
         self.folder = folder
         self.standard: Package | None = None
         self._files: dict[Kind, dict[str, Path]] = {}
+        self._is_ros2s: bool | None = None
 
     def files(self, kind: Kind) -> dict[str, Path]:
         """Return the files of one kind by the names of their types."""
@@ -52,6 +53,16 @@ class Package:
             own = self._own_files(kind)
             self._files[kind] = own if self.standard is None else self._hidden(kind) | own
         return self._files[kind]
+
+    def is_ros2s(self, path: Path) -> bool:
+        """Return whether one of its files is ROS 2's: the manifest depends on rosidl."""
+        if path.parent.parent != self.folder:
+            return False  # It is of the standard package.
+        if self._is_ros2s is None:
+            manifest = self.folder / "package.xml"
+            text = manifest.read_text("utf-8", "replace") if manifest.is_file() else ""
+            self._is_ros2s = "rosidl_" in text
+        return self._is_ros2s
 
     def _own_files(self, kind: Kind) -> dict[str, Path]:
         paths = sorted((self.folder / kind).glob(f"*.{kind}"))
@@ -85,6 +96,16 @@ def _is_package(folder: Path) -> bool:
 
 def _is_name(text: str) -> bool:
     return text.isascii() and text.isidentifier()
+
+
+class _File(NamedTuple):
+    """A file that defines a type.
+
+    ``text`` has its content, the package, the type's own name and the file's name.
+    """
+
+    text: tuple[str, str, str, str]
+    is_ros2s: bool
 
 
 class Folders:
@@ -126,21 +147,25 @@ class Folders:
             action = self.find_action(f"{package}/{base}") if base != short else None
             if action is not None:
                 return next(message for message in action.messages() if message.type == name)
-        text = self._read(name, "msg")
-        return None if text is None else parser.parse_message(*text)
+        found = self._read(name, "msg")
+        if found is None:
+            return None
+        return parser.parse_message(*found.text, ros2=found.is_ros2s)
 
     def find_service(self, name: str) -> ServiceDefinition | None:
         """The service of that name, or None; as `find_message`."""
-        text = self._read(name, "srv")
-        return None if text is None else parser.parse_service(*text)
+        found = self._read(name, "srv")
+        if found is None:
+            return None
+        return parser.parse_service(*found.text, ros2=found.is_ros2s)
 
     def find_action(self, name: str) -> ActionDefinition | None:
         """The action of that name, or None; as `find_message`."""
         if name not in self._actions:
-            text = self._read(name, "action")
-            if text is None:
+            found = self._read(name, "action")
+            if found is None:
                 return None
-            self._actions[name] = parser.parse_action(*text)
+            self._actions[name] = parser.parse_action(*found.text, ros2=found.is_ros2s)
         return self._actions[name]
 
     def packages(self) -> dict[str, Package]:
@@ -194,14 +219,16 @@ class Folders:
             near = next((f"{other}/{short}" for other in others), None)
         return UnknownType(kind, package, short, near)
 
-    def _read(self, name: str, kind: Kind) -> tuple[str, str, str, str] | None:
-        """The text that defines a type, its package, its own name and the file's name."""
+    def _read(self, name: str, kind: Kind) -> _File | None:
+        """The file that defines a type."""
         package, _, short = name.partition("/")
         path = self._files(kind, package).get(short)
         if path is None:
             return None
         # Editors of Windows begin a file with a mark; a comment in Latin-1 does no harm.
-        return path.read_text("utf-8-sig", errors="replace"), package, short, str(path)
+        text = path.read_text("utf-8-sig", errors="replace")
+        is_ros2s = self.packages()[package].is_ros2s(path)
+        return _File((text, package, short, str(path)), is_ros2s)
 
     def _files(self, kind: Kind, package: str) -> dict[str, Path]:
         found = self.packages().get(package)

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 
 from fibws.errors import DefinitionError
-from fibws.interfaces import builtin
+from fibws.interfaces import builtin, literals
 from fibws.interfaces.definition import (
     ActionDefinition,
     Array,
@@ -20,12 +20,13 @@ from fibws.interfaces.definition import (
     Scalar,
     ServiceDefinition,
 )
+from fibws.interfaces.literals import LiteralError
 
 BLANKS = " \t\r\v\f"
 """The characters that are ignored between tokens. Programs differ on blanks beyond ASCII."""
 
 # What stands before a comment; a # inside quotes (the default of a ROS 2 string) begins none.
-_CODE = re.compile(r"""(?:[^#"']|"[^"]*"|'[^']*')*""")
+_CODE = re.compile(r"""(?:[^#"']|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')*""")
 _CONSTANT = re.compile(
     r"(?P<type>[\w/]+)(?P<limit><=\d+)?\s+(?P<name>\w+)\s*=(?P<value>.*)", re.ASCII
 )
@@ -36,13 +37,17 @@ _FIELD = re.compile(
     re.ASCII,
 )
 _TYPE = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)?", re.ASCII)
-_NUMBER = re.compile(r"[-+.\w]+", re.ASCII)
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_BOOLEANS = {"true": True, "True": True, "1": True, "false": False, "False": False, "0": False}
 
 
 def parse_message(
-    text: str, package: str, name: str, source: str = "", first_line: int = 1
+    text: str,
+    package: str,
+    name: str,
+    source: str = "",
+    first_line: int = 1,
+    *,
+    ros2: bool = False,
 ) -> MessageDefinition:
     """The message that ``text`` defines.
 
@@ -52,6 +57,8 @@ def parse_message(
         name: the message's own, without its package.
         source: the file's name, for errors.
         first_line: the number of the text's first line in that file.
+        ros2: whether the file is ROS 2's, in which quotes around a string constant are no part of
+            it. A file that has defaults or bounds is one in any case.
 
     Raises:
         DefinitionError: a line does not parse, or has an invalid value.
@@ -63,32 +70,39 @@ def parse_message(
     for index, raw in enumerate(lines):
         number = first_line + index
         try:
-            member = _member(raw, package, number)
+            member = _member(raw, package, number, ros2=ros2)
             if member is None:
                 continue
             if member.name in fields or member.name in constants:
                 raise _Fault(f"duplicate name {member.name}")
-        except _Fault as fault:
+        except (_Fault, LiteralError) as fault:
             raise DefinitionError(source, number, raw[:200], str(fault)) from None
         if isinstance(member, Constant):
             constants[member.name] = member
         else:
             fields[member.name] = member
         lines[index] = _in_ros1(raw, member)
+    if not ros2 and any(map(_is_ros2s, fields.values())):
+        return parse_message(text, package, name, source, first_line, ros2=True)
     return MessageDefinition(
         package, name, tuple(fields.values()), tuple(constants.values()), "\n".join(lines), source
     )
 
 
-def parse_service(text: str, package: str, name: str, source: str = "") -> ServiceDefinition:
+def parse_service(
+    text: str, package: str, name: str, source: str = "", *, ros2: bool = False
+) -> ServiceDefinition:
     """Return the service that ``text``, the content of a .srv file, defines.
+
+    Args:
+        ros2: as in `parse_message`.
 
     Raises:
         DefinitionError: a line does not parse, or there are not two parts.
     """
     source = source or f"{package}/{name}"
     request, response = (
-        parse_message(part, package, name + suffix, source, first_line)
+        parse_message(part, package, name + suffix, source, first_line, ros2=ros2)
         for suffix, (first_line, part) in zip(
             ("Request", "Response"), _parts(text, 2, source), strict=True
         )
@@ -96,15 +110,20 @@ def parse_service(text: str, package: str, name: str, source: str = "") -> Servi
     return ServiceDefinition(package, name, request, response)
 
 
-def parse_action(text: str, package: str, name: str, source: str = "") -> ActionDefinition:
+def parse_action(
+    text: str, package: str, name: str, source: str = "", *, ros2: bool = False
+) -> ActionDefinition:
     """Return the action that ``text``, the content of an .action file, defines.
+
+    Args:
+        ros2: as in `parse_message`.
 
     Raises:
         DefinitionError: a line does not parse, or there are not three parts.
     """
     source = source or f"{package}/{name}"
     goal, result, feedback = (
-        parse_message(part, package, name + suffix, source, first_line)
+        parse_message(part, package, name + suffix, source, first_line, ros2=ros2)
         for suffix, (first_line, part) in zip(
             ("Goal", "Result", "Feedback"), _parts(text, 3, source), strict=True
         )
@@ -134,38 +153,49 @@ def _parts(text: str, count: int, source: str) -> Iterator[tuple[int, str]]:
         yield begin + 1, "\n".join(lines[begin:end])
 
 
-def _member(raw: str, package: str, number: int) -> Field | Constant | None:
+def _is_ros2s(field: Field) -> bool:
+    is_bounded = field.array is not None and field.array.bounded
+    return field.default is not None or field.limit is not None or is_bounded
+
+
+def _member(raw: str, package: str, number: int, *, ros2: bool) -> Field | Constant | None:
     """The field or the constant that a line declares, if any."""
     line = _CODE.match(raw)[0].strip(BLANKS)  # type: ignore[index]  # it matches the empty string
     rest = raw.strip(BLANKS)
     if not line and (not rest or rest.startswith("#")):
         return None
     if found := _CONSTANT.fullmatch(rest):
-        return _constant(found, line)
+        return _constant(found, line, ros2=ros2)
     found = _FIELD.fullmatch(line)
     if found is None or len(line) < len(rest.partition("#")[0].rstrip(BLANKS)):
         raise _Fault("expected a field, such as int32 x, or a constant, such as int32 X=1")
     return _field(found, package, number)
 
 
-def _constant(found: re.Match[str], line: str) -> Constant:
+def _constant(found: re.Match[str], line: str, *, ros2: bool) -> Constant:
     kind, name, text = found["type"], found["name"], found["value"].strip(BLANKS)
     _check_name(name)
     if kind not in builtin.CONSTANTS:
         raise _Fault(f"a constant cannot be of type {kind}")
     # A string's value is all that follows the =, a # included (http://wiki.ros.org/msg).
-    if kind not in builtin.STRINGS:
+    is_string = kind in builtin.STRINGS
+    if not is_string or ros2:
         text = line.partition("=")[2].strip(BLANKS)
+    if is_string and ros2:
+        rest = found["value"]
+        is_open = len(text) < len(rest.partition("#")[0].strip(BLANKS))
+        text = literals.unquoted(rest.partition("#")[0].strip(BLANKS) if is_open else text)
     if found["limit"] and kind not in builtin.STRINGS:
         raise _Fault(f"only strings can be bounded, not {kind}")
-    value = _scalar(kind, text)
+    value = literals.scalar(kind, text)
     # Foxglove cannot parse nan and inf, and would then read no topic of the hub.
     if kind in builtin.FLOATS and not re.search(r"\d", text):
         raise _Fault(f"a constant must be finite, such as {kind} {name}=1.5, got {text}")
     if kind in builtin.STRINGS:
         return Constant(name, "string", value, text)
-    # ROS 1 knows neither 0x10 nor true.
-    is_ros1s = text in ("True", "False") or not re.search("[a-df-z_]", text)
+    # ROS 1 knows neither 0x10 nor true, and no byte above 127.
+    is_ros1s = text in ("True", "False") or not re.search("[a-df-zA-DF-Z_]", text)
+    is_ros1s = is_ros1s and not (kind == "byte" and text.isdigit() and int(text) != value)
     return Constant(name, kind, value, text if is_ros1s else str(value))
 
 
@@ -206,57 +236,22 @@ def _default(field: Field, text: str) -> Scalar | tuple[Scalar, ...]:
     if field.type not in builtin.CONSTANTS:
         raise _Fault(f"{field.type} cannot have a default")
     if field.array is None:
-        value = _scalar(field.type, _unquoted(text) if field.type in builtin.STRINGS else text)
+        is_string = field.type in builtin.STRINGS
+        value = literals.scalar(field.type, literals.unquoted(text) if is_string else text)
         _check_limit(field, value)
         return value
-    from pydantic_core import from_json  # Builds of fibws parse definitions without this package.
-
-    try:
-        values = from_json(text)
-    except ValueError:
-        values = None
-    if not isinstance(values, list):
-        raise _Fault("the default of an array must be written as in JSON, such as [1, 2]")
+    values = literals.elements(field.type, text)
     size = field.array.size
     if size is not None and (len(values) > size or (len(values) < size and field.array.fixed)):
         raise _Fault(f"the default of {field.full_type} has {len(values)} elements")
     for value in values:
-        if isinstance(value, str) != (field.type in builtin.STRINGS):
-            raise _Fault(f"{value!r} is not a {field.type}")
         _check_limit(field, value)
-    return tuple(_scalar(field.type, str(value)) for value in values)
+    return tuple(literals.scalar(field.type, value) for value in values)
 
 
 def _check_limit(field: Field, value: Scalar) -> None:
     if field.limit is not None and isinstance(value, str) and len(value) > field.limit:
         raise _Fault(f"the default has more than {field.limit} characters")
-
-
-def _unquoted(text: str) -> str:
-    return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
-
-
-def _scalar(kind: str, text: str) -> Scalar:
-    """The value that ``text`` spells."""
-    if kind in builtin.STRINGS:
-        return text
-    if kind == "bool":
-        if text not in _BOOLEANS:
-            raise _Fault(f"{text[:40]!r} is not a bool")
-        return _BOOLEANS[text]
-    try:
-        if not _NUMBER.fullmatch(text):
-            raise ValueError  # it has digits or blanks that only Python reads
-        if kind in builtin.FLOATS:
-            return float(text)
-        # Base 0 reads ROS 2's 0x10, but not ROS 1's 007.
-        value = int(text, 0 if "x" in text else 10)
-    except ValueError:
-        raise _Fault(f"{text[:40]!r} is not a {kind}") from None
-    low, high = builtin.INTEGERS[kind]
-    if not low <= value <= high:
-        raise _Fault(f"{text[:40]} is not in {low}..{high}")
-    return value
 
 
 def _in_ros1(raw: str, member: Field | Constant) -> str:

@@ -173,6 +173,31 @@ def test_users_message_hides_the_one_that_is_made_of_a_standard_action(tmp_path:
     assert interfaces.message("actionlib_tutorials/AveragingGoal").fields[0].type == "int32"
 
 
+@pytest.mark.parametrize(
+    ("manifest", "value"),
+    [
+        ("<package format='3'><build_depend>rosidl_default_generators</build_depend>", "abc"),
+        ("<package format='3'><build_depend>message_generation</build_depend>", '"abc"'),
+        (None, '"abc"'),
+    ],
+)
+def test_package_tells_whether_its_files_are_of_ros_2(
+    tmp_path: Path, manifest: str | None, value: str
+) -> None:
+    line = 'string X="abc"'
+    write(tmp_path, my_msgs__msg__Mine=line, my_msgs__srv__Ask=f"{line}\n---\n")
+    write(tmp_path, my_msgs__action__Do=f"{line}\n---\n---\n")
+    if manifest is not None:
+        (tmp_path / "my_msgs" / "package.xml").write_text(manifest)
+    interfaces = Interfaces([tmp_path])
+    for definition in (
+        interfaces.message("my_msgs/Mine"),
+        interfaces.service("my_msgs/Ask").request,
+        interfaces.action("my_msgs/Do").goal,
+    ):
+        assert definition.constants[0].value == value
+
+
 def test_missing_folder_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(InterfaceError, match="not found"):
         Interfaces([tmp_path / "nowhere"])
