@@ -28,6 +28,7 @@ from fibws.interfaces.serialization_code import (
     Function,
     Layout,
     Objects,
+    characters,
     compile_check,
     compile_read,
     compile_weigh,
@@ -89,7 +90,7 @@ class Serializer:
     def check(self, data: Buffer) -> None:
         """Check that the bytes can be deserialized, without decoding them.
 
-        Strings need not be UTF-8, and the bounds of ROS 2 are not checked.
+        Strings need not be UTF-8.
 
         Raises:
             InvalidMessage: the text names the field and the expected value.
@@ -368,6 +369,8 @@ class _Diagnosis:
         count = field.array.fixed
         if count is None:
             count = self._length()
+            if field.array.bounded and field.array.size is not None and count > field.array.size:
+                raise _Fault(f"expected at most {field.array.size} elements, got {count}")
             rest = len(self._data) - self._offset
             if count * element.least > rest:
                 wanted = f"{count} elements of at least {element.least} bytes"
@@ -391,7 +394,12 @@ class _Diagnosis:
         if field.is_nested:
             self.message(self._serializers.of(field.type).definition)
         elif field.type in builtin.STRINGS:
-            self._take(self._length())
+            size = self._length()
+            begin = self._offset
+            self._take(size)
+            count = characters(memoryview(self._data)[begin : begin + size]) if field.limit else 0
+            if field.limit is not None and count > field.limit:
+                raise _Fault(f"expected at most {field.limit} characters, got {count}")
         else:
             self._take(Layout.of_element(field, self._serializers).least)
 

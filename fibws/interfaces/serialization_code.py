@@ -28,7 +28,7 @@ from struct import error as StructError
 from typing import Any, Final, NamedTuple, Protocol, TypeAlias
 
 from fibws.interfaces import base64text, builtin
-from fibws.interfaces.definition import Field, MessageDefinition
+from fibws.interfaces.definition import Array, Field, MessageDefinition
 from fibws.interfaces.message import Message, ObjectStyle
 
 Function: TypeAlias = Callable[..., Any]
@@ -177,6 +177,7 @@ class _Code:
         self.lines: list[str] = []
         self._indent = "    "
         self._names: dict[str, Any] = {
+            "limit": _limit,
             "new": object.__new__,
             "read_uint32": Struct("<I").unpack_from,
             "spend": _spend,
@@ -222,6 +223,12 @@ class _Code:
             self.add("    raise ValueError")
         self.spend(count, element)
 
+    def bound(self, count: str | int, array: Array) -> None:
+        """Refuse more elements than a bound of ROS 2 allows."""
+        if array.bounded:
+            self.add(f"if {count} > {array.size}:")
+            self.add("    raise ValueError")
+
     def spend(self, count: str, element: Layout) -> None:
         """Count the values of elements that need no bytes."""
         if element.excess:
@@ -264,6 +271,7 @@ class _Checker(_Code):
         if count is None:
             count = self.local()
             self.add(f"{count} = {self._length()}")
+            self.bound(count, field.array)
             self.weigh(count, field)
             if element.size is not None:
                 self.spend(count, element)
@@ -280,6 +288,11 @@ class _Checker(_Code):
     def _element(self, field: Field) -> None:
         if not field.is_nested:
             length = self._length()
+            if field.limit is not None:
+                expression, length = length, self.local()
+                self.add(f"{length} = {expression}")
+                self.add(f"if {length} > {field.limit}:")
+                self.add(f"    limit(data, o + {self.skip}, {length}, {field.limit})")
             self.add(f"o += {length} + {self.skip}")
             self.skip = 0
             return
@@ -639,9 +652,11 @@ class _Reader(_Code):
         values = self.local()
         if field.type in LETTERS:
             self._take(f"{count} * {calcsize('<' + LETTERS[field.type])}")
+            self.bound(count, field.array)
             self.add(f"{values} = {form.numbers(self, field, count)}")
             return lambda: values
         self.settle()
+        self.bound(count, field.array)
         element = Layout.of_element(field, self.types)
         self.guard(count, element)
         self.add(f"{values} = []")
@@ -670,6 +685,9 @@ class _Reader(_Code):
         if field.type in builtin.STRINGS:
             self._take(self._number("I"))
             self.add(f'{value} = str(data[begin:o], "utf-8", errors)')
+            if field.limit is not None:
+                self.add(f"if len({value}) > {field.limit}:")
+                self.add("    raise ValueError")
             return lambda: value
         if field.type in builtin.TIMES:
             letter = LETTERS[builtin.TIMES[field.type]]
@@ -754,6 +772,17 @@ def compile_read(type_: Type, types: Types, form: Dicts) -> Function:
 
 
 # The functions that the generated code calls.
+
+
+def characters(data: Any) -> int:
+    """Return how many characters a string's bytes are, whose validity does not matter."""
+    return len(str(data, "utf-8", "replace"))
+
+
+def _limit(data: Any, offset: int, size: int, most: int) -> None:
+    """Raise ValueError for a string of more characters than its bound."""
+    if characters(memoryview(data)[offset : offset + size]) > most:
+        raise ValueError
 
 
 def _spend(left: list[int], count: int) -> None:

@@ -142,6 +142,17 @@ def test_ros_2_types_are_serialized_as_in_ros_1(interfaces: Interfaces) -> None:
     assert serializer.deserialize(data) == message
 
 
+def test_bounds_count_characters_and_not_bytes(interfaces: Interfaces) -> None:
+    serializer = Serializers(interfaces).of("odd_msgs/Bounded")
+    text = "äöü".encode()
+    for name in (text, b"\xff\xff\xff"):
+        data = pack(f"<II{len(name)}s", 1, len(name), name) + bytes(8)
+        serializer.check(data)
+        assert len(serializer.deserialize(data, "replace")["names"][0]) == 3
+    with pytest.raises(InvalidMessage, match="at most 3 characters, got 4"):
+        serializer.check(pack("<II7s", 1, 7, text + b"x") + bytes(8))
+
+
 def test_fixed_arrays_of_length_0_have_no_bytes(interfaces: Interfaces) -> None:
     serializer = Serializers(interfaces).of("odd_msgs/Zeros")
     message = {"zeros": [{"none": [], "no_bytes": "", "never": []}] * 2}
@@ -185,6 +196,10 @@ def test_none_in_an_array_of_floats_is_nan() -> None:
             bytes(16) + pack("<I", 2**32 - 1) + bytes(56),
             "poses 4294967295 56 56",
         ),
+        ("odd_msgs/Bounded", pack("<II4s", 1, 4, b"abcd") + bytes(8), "names[0] 3 4"),
+        ("odd_msgs/Bounded", pack("<I", 5) + bytes(28), "names 4 5"),
+        ("odd_msgs/Bounded", pack("<II", 0, 3) + bytes(28), "numbers 2 3"),
+        ("odd_msgs/Bounded", pack("<III", 0, 0, 3) + bytes(3), "data 2 3"),
         ("odd_msgs/Nothings", pack("<I", MOST_WITHOUT_BYTES + 1), f"nothings {MOST_WITHOUT_BYTES}"),
         ("odd_msgs/Zeros", pack("<I", 2**32 - 1), f"zeros {MOST_WITHOUT_BYTES}"),
         ("odd_msgs/Larges", pack("<I", 5) + bytes(5), f"larges {MOST_WITHOUT_BYTES}"),
