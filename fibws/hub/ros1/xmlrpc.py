@@ -55,21 +55,14 @@ class CallParser:
     """
 
     def __init__(self) -> None:
-        self._values: list[Any] = []
-        """The values that are complete, those of open arrays and structs among them."""
-        self._begins: list[int] = []
-        """Where the values of each open array and struct begin."""
-        self._text: list[str] = []
-        """The text since the last tag."""
-        self._is_string = False
-        """Whether no tag has followed the last ``<value>``, so that its text is a string."""
-        self._method = ""
-        self._is_fault = False
+        # Expat refers to its handlers: were they the parser's own methods, what it has read would
+        # stay until the cyclic garbage collector comes.
+        self._values = values = _Values()
         self._parser = parser = expat.ParserCreate()
-        parser.StartDoctypeDeclHandler = self._refuse_doctype
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._text.append
+        parser.StartDoctypeDeclHandler = values.refuse_doctype
+        parser.StartElementHandler = values.start
+        parser.EndElementHandler = values.end
+        parser.CharacterDataHandler = values.text.append
         parser.buffer_text = True
 
     def feed(self, data: bytes) -> None:
@@ -79,18 +72,18 @@ class CallParser:
     def call(self) -> tuple[str, list[Any]]:
         """Return the method and the parameters; raises `XmlRpcError`."""
         self._parse(b"", True)
-        if not self._method:
+        if not self._values.method:
             raise XmlRpcError("expected a methodCall with a methodName")
-        return self._method, self._values
+        return self._values.method, self._values.found
 
     def response(self) -> Any:
         """Return the value of a response; raises `XmlRpcError`, also for a fault."""
         self._parse(b"", True)
-        if len(self._values) != 1 or self._method:
-            count = len(self._values)
+        if len(self._values.found) != 1 or self._values.method:
+            count = len(self._values.found)
             raise XmlRpcError(f"expected a methodResponse with 1 value, got {count}")
-        [value] = self._values
-        if self._is_fault:
+        [value] = self._values.found
+        if self._values.is_fault:
             match value:
                 case {"faultCode": code, "faultString": text}:
                     raise XmlRpcError(f"fault {code}: {text}")
@@ -107,49 +100,68 @@ class CallParser:
         except (ValueError, LookupError, TypeError) as error:  # Such as <int>x</int>.
             raise XmlRpcError(f"invalid XML-RPC: {error!r}") from None
 
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+
+class _Values:
+    """The values of a message, and the handlers of its elements."""
+
+    def __init__(self) -> None:
+        self.found: list[Any] = []
+        """The values that are complete, those of open arrays and structs among them."""
+        self.text: list[str] = []
+        """The text since the last tag."""
+        self.method = ""
+        self.is_fault = False
+        self._begins: list[int] = []
+        """Where the values of each open array and struct begin."""
+        self._is_string = False
+        """Whether no tag has followed the last ``<value>``, so that its text is a string."""
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        """Begin an element."""
         if tag == "value":
             self._is_string = True
         else:
             self._is_string = False
             if tag in _CONTAINERS:
-                self._begins.append(len(self._values))
+                self._begins.append(len(self.found))
                 if len(self._begins) > DEEPEST:
                     raise XmlRpcError(f"invalid XML-RPC: nested too deeply, limit is {DEEPEST}")
-        self._text.clear()
+        self.text.clear()
 
-    def _end(self, tag: str) -> None:
+    def end(self, tag: str) -> None:
+        """End an element."""
         reader = _READERS.get(tag)
         if reader is not None:
-            self._values.append(reader("".join(self._text)))
+            self.found.append(reader("".join(self.text)))
         elif tag in _WITHOUT_VALUE:
             if self._is_string:
-                self._values.append("".join(self._text))
+                self.found.append("".join(self.text))
         elif tag == "name":
-            self._values.append("".join(self._text))
+            self.found.append("".join(self.text))
         elif tag == "array":
             begin = self._begins.pop()
-            self._values[begin:] = [self._values[begin:]]
+            self.found[begin:] = [self.found[begin:]]
         elif tag == "struct":
             self._end_struct()
         elif tag == "methodName":
-            self._method = "".join(self._text).strip()
+            self.method = "".join(self.text).strip()
         elif tag == "fault":
-            self._is_fault = True
+            self.is_fault = True
         else:
             raise XmlRpcError(f"invalid XML-RPC: <{tag}> is not a type of ROS")
         self._is_string = False
-        self._text.clear()
+        self.text.clear()
 
     def _end_struct(self) -> None:
         begin = self._begins.pop()
-        members = self._values[begin:]
+        members = self.found[begin:]
         names = members[::2]
         if len(members) % 2 or not all(isinstance(name, str) for name in names):
             raise XmlRpcError("invalid XML-RPC: each member of a struct has a name and a value")
-        self._values[begin:] = [dict(zip(names, members[1::2], strict=True))]
+        self.found[begin:] = [dict(zip(names, members[1::2], strict=True))]
 
-    def _refuse_doctype(self, *arguments: object) -> None:
+    def refuse_doctype(self, *arguments: object) -> None:
+        """Raise `XmlRpcError`."""
         raise XmlRpcError("invalid XML-RPC: document types are refused")
 
 

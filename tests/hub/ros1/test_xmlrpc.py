@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import random
+import weakref
 import xmlrpc.client
+from contextlib import suppress
 from datetime import datetime
 from typing import Any
 
@@ -51,6 +54,22 @@ def test_values_are_read_and_written_as_by_the_standard_library(value: Any) -> N
     ours = write_call("setParam", ["/a", value])
     assert xmlrpc.client.loads(ours, use_builtin_types=True) == (("/a", value), "setParam")
     assert parse_response(write_response(value)) == value
+
+
+@pytest.mark.parametrize("body", [write_call("f", ["text"]), b"<x/>", b"</x>"])
+def test_parser_is_freed_once_a_message_was_read(body: bytes) -> None:
+    """Its values may be megabytes, and the cyclic garbage collector may come late."""
+    gc.disable()
+    try:
+        parser = CallParser()
+        freed = weakref.ref(parser)
+        with suppress(XmlRpcError):
+            parser.feed(body)
+            parser.call()
+        del parser
+        assert freed() is None
+    finally:
+        gc.enable()
 
 
 def test_text_without_a_type_is_a_string() -> None:
