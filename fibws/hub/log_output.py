@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from types import TracebackType
 from typing import Any
 
-from fibws.hub.log_text import shortened
+from fibws.hub.log_text import printable, shortened
 
 logger = logging.getLogger("fibws.hub")
 
@@ -22,6 +22,22 @@ LEVELS = {
     logging.ERROR: "error",
     logging.CRITICAL: "critical",
 }
+
+
+class TextFormatter(logging.Formatter):
+    """Formats a log record as one line of text, which a traceback may follow.
+
+    Messages have texts of clients and nodes in them: one with a line break would forge a line.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(TEXT_FORMAT)
+
+    def formatMessage(self, record: logging.LogRecord) -> str:
+        """Return the line; other libraries' messages may have several."""
+        if record.name.startswith("fibws"):
+            record.message = printable(record.message)
+        return super().formatMessage(record)
 
 
 class JsonFormatter(logging.Formatter):
@@ -72,7 +88,7 @@ def configure(log_format: str) -> None:
             args.exc_type, args.exc_value, args.exc_traceback
         )
     else:
-        handler.setFormatter(logging.Formatter(TEXT_FORMAT))
+        handler.setFormatter(TextFormatter())
     logging.basicConfig(handlers=[handler], level=logging.INFO)
 
 

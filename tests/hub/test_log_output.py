@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from fibws.hub.audit import Audit
-from fibws.hub.log_output import JsonFormatter
+from fibws.hub.log_output import JsonFormatter, TextFormatter
+from fibws.hub.log_text import LONGEST_TEXT
 
 
 def formatted(**attributes: Any) -> dict[str, Any]:
@@ -60,6 +61,30 @@ def test_any_text_stays_in_its_line(text: str) -> None:
 def test_long_texts_of_clients_are_cut() -> None:
     line = formatted(msg="x" * 10**6, event="refused", fields={"node": "/" * 10**6})
     assert len(line["message"]) < 2000 and len(line["node"]) < 2000
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("at http://x/\n[INFO] [1.0]: forged", r"at http://x/\n[INFO] [1.0]: forged"),
+        ("\x1b[31mred", r"\x1b[31mred"),
+        ("a\u2028b", r"a\u2028b"),
+        ("x" * 10**6, "x" * LONGEST_TEXT + "..."),
+    ],
+)
+def test_any_text_stays_in_its_line_of_the_text_format(text: str, line: str) -> None:
+    record = logging.LogRecord("fibws.hub", logging.WARNING, "", 0, "%s", (text,), None)
+    assert TextFormatter().format(record).endswith(f"]: {line}")
+
+
+def test_traceback_follows_the_line_of_the_text_format() -> None:
+    try:
+        raise ValueError("broken")
+    except ValueError:
+        fields = ("fibws.hub", logging.ERROR, "", 0, "failed", None, sys.exc_info())
+        first, second, *_ = TextFormatter().format(logging.LogRecord(*fields)).splitlines()
+    assert first.endswith("]: failed")
+    assert second.startswith("Traceback")
 
 
 def test_exception_has_its_traceback() -> None:

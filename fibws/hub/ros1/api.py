@@ -28,6 +28,9 @@ Check: TypeAlias = Callable[[Any, str], Any]
 
 MOST_CALLS = 100_000
 """Calls in one system.multicall."""
+LONGEST_TEXT = names.MAX_LENGTH
+"""Most characters of a URI or a type, which are kept with a registration; those of a name."""
+TOO_LONG = f"it is longer than {LONGEST_TEXT} characters"
 
 
 class InvalidArgument(Exception):
@@ -184,6 +187,8 @@ def api(name: str) -> Check:
             raise InvalidArgument(f"ERROR: parameter [{name}] is not an XMLRPC URI")
         if not value.startswith(("http://", "rosrpc://")):
             raise InvalidArgument(f"ERROR: parameter [{name}] is not an RPC URI")
+        if len(value) > LONGEST_TEXT:
+            raise InvalidArgument(f"ERROR: parameter [{name}]: {TOO_LONG}")
         return value
 
     return check
@@ -218,4 +223,6 @@ def type_name(value: Any, caller_id: str) -> str:
     if value != "*" and value.count("/") != 1:
         text = "ERROR: parameter [topic_type] is not a valid package resource name"
         raise InvalidArgument(text)
+    if len(value) > LONGEST_TEXT:
+        raise InvalidArgument(f"ERROR: parameter [topic_type]: {TOO_LONG}")
     return value

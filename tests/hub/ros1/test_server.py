@@ -176,6 +176,22 @@ async def test_nonsense_ends_its_own_connection_alone(hub: Hub, data: bytes) -> 
     await _forgotten(hub)
 
 
+async def test_texts_of_registrations_have_a_bounded_length(hub: Hub) -> None:
+    """They are kept, and logged."""
+    api, type_ = "http://127.0.0.1:1/", "std_msgs/String"
+    long = "x" * 2000
+    for method, *arguments in (
+        ("registerPublisher", "/t", type_, api + long),
+        ("registerSubscriber", "/t", type_ + long, api),
+        ("registerService", "/s", f"rosrpc://127.0.0.1:1/{long}", api),
+        ("subscribeParam", api + long, "/p"),
+    ):
+        code, text, _ = await request(uri(hub), method, "/a", *arguments)
+        assert code == -1
+        assert text.endswith("longer than 1024 characters")
+    assert "/a" not in hub.graph.nodes
+
+
 async def test_answers_of_many_calls_are_limited(start_hub: StartHub) -> None:
     hub = await start_hub(ros1=0, max_parameter_bytes=10_000)
     await request(uri(hub), "setParam", "/a", "/text", "x" * 5000)
