@@ -449,9 +449,10 @@ class Connection(asyncio.BufferedProtocol):
             self._deferred = response
             response.start(self._respond)
             return
-        self._protocol.send_response(response)
-        if self._protocol.state is not State.OPEN:
+        if response.status_code != http.HTTPStatus.SWITCHING_PROTOCOLS:
+            self._respond(response)
             return
+        self._protocol.send_response(response)
         self.queue = SendQueue(
             self._transport.write,
             self._transport.abort,
@@ -617,7 +618,7 @@ class Connection(asyncio.BufferedProtocol):
             self._shared.audit.refused("limit", refusal, ip=self.address)
 
     def _respond(self, response: Response) -> None:
-        """Send a response that took long to make, and whose body may be large, piece by piece."""
+        """Send a response piece by piece: its body may be large, and is shared by all clients."""
         if self._transport.is_closing():
             return
         self._rest, response.body = memoryview(response.body), b""

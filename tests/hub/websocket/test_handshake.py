@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import socket
+from http import HTTPStatus
 
 import pytest
 from conftest import StartHub
@@ -12,6 +13,8 @@ from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFact
 
 from fibws.hub import Hub
 from fibws.hub.settings import KIB, MIB
+from fibws.hub.websocket.connection import Connection
+from fibws.hub.websocket.http import response
 
 from ..raw_client import (
     PATIENT,
@@ -348,3 +351,21 @@ async def _fate(client: Client) -> bytes:
         return await client.to_the_end()
     except (ConnectionError, Gone):
         return b""
+
+
+async def test_response_takes_little_memory_while_its_client_does_not_read(
+    start_hub: StartHub,
+) -> None:
+    """Whoever reaches the port may ask for the page's files, without a token."""
+    hub, size = await start_hub(), 16 * MIB
+    body = bytes(size)
+    hub._requests.add_route("/large", lambda get: response(HTTPStatus.OK, "text/plain", body))
+    async with dialled(hub.port, receive_buffer=4 * KIB) as client:
+        await client.send(handshake("/large", Upgrade="none"))
+        await until(lambda: any(map(waiting, hub._connections)))
+        assert sum(map(waiting, hub._connections)) < MIB
+        assert len((await client.response())[2]) == size
+
+
+def waiting(connection: Connection) -> int:
+    return connection._transport.get_write_buffer_size()
