@@ -253,7 +253,7 @@ def canonical(name: str) -> str:
     return "/".join(_path(name)) or "/"
 
 
-def is_namespace(value: dict[str, Any]) -> bool:
+def is_namespace(value: dict[Any, Any]) -> bool:
     """Return whether a dict is kept as a namespace, and not as one value.
 
     It is a value if a key cannot be a part of a name: it is empty, or has a ``/``.
