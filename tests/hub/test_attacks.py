@@ -453,8 +453,8 @@ async def test_parameters_of_others_are_not_touched(hub: Hub, ann: Client, eve: 
     for name, value in (
         *(("/ann/x", "2"), ("/ann", "{}"), ("/", "{}"), ("/", '{"ann": 1}')),
         *(("/evening", "1"), ("/ann/x/y", "1"), ("//ann//x", "2")),
-        *(("/", '{"eve": {"x": 2}}'), ("/eve/y", '{"/ann/x": 1}'), ("/run_id", '"x"')),
-        *(("/use_sim_time", "true"), ("ann/x", "2"), ("", "{}"), ("/eve", '{"x/../../ann": 2}')),
+        *(("/", '{"eve": {"x": 2}}'), ("/", '{"/ann/x": 1}'), ("/run_id", '"x"')),
+        *(("/use_sim_time", "true"), ("ann/x", "2"), ("", "{}")),
     ):
         response = await eve.call("/rosapi/set_param", name=name, value=value)
         assert not response["result"], (name, response)
@@ -463,6 +463,17 @@ async def test_parameters_of_others_are_not_touched(hub: Hub, ann: Client, eve: 
         assert not response["result"], (name, response)
     assert hub.graph.parameters.text("/") == before
     assert (await eve.values("/rosapi/get_param", name="/"))["value"].count("x") == 1
+
+
+async def test_keys_of_a_value_are_no_way_to_parameters_of_others(
+    hub: Hub, ann: Client, eve: Client
+) -> None:
+    await ann.values("/rosapi/set_param", name="/ann/x", value="1")
+    before = hub.graph.parameters.text("/ann")
+    for value in ('{"/ann/x": 2}', '{"../ann": {"x": 2}}', '{"x/../../ann": 2}'):
+        await eve.values("/rosapi/set_param", name="/eve/y", value=value)
+        assert json.loads(hub.graph.parameters.text("/eve/y")) == json.loads(value)
+    assert hub.graph.parameters.text("/ann") == before
 
 
 async def test_parameter_is_not_set_in_place_of_those_below_it(ann: Client, eve: Client) -> None:
