@@ -36,6 +36,8 @@ MOST_ANSWERS = 10_000
 """Answers of one principal's rights that are remembered; names may be made up without end."""
 NOTHING = r"(?!)"
 """The pattern that matches no text."""
+ANY_LEVEL = "[^/]*"
+"""The pattern of any characters within one level of a name."""
 _TOKEN = re.compile(r"\*\*|\*|%n|[^*%]+|%")
 _LISTS = ("allow", "deny")
 KEYS = ("admin", *_LISTS)
@@ -130,7 +132,7 @@ class Rights:
         return {
             right: (
                 compile_globs(self.allow.get(right, ()), self.name),
-                compile_globs(self.deny.get(right, ()), self.name, otherwise="[^/]*"),
+                compile_globs(self.deny.get(right, ()), self.name, otherwise=ANY_LEVEL),
             )
             for right in RIGHTS
         }
@@ -202,14 +204,40 @@ def compile_globs(
 
     Args:
         name: the replacement of ``%n``.
-        otherwise: the pattern in place of ``%n`` if the name is not one level of a name.
+        otherwise: the pattern in place of ``%n`` if the name is not one level of a name: `NOTHING`
+            or `ANY_LEVEL`.
     """
-    known = {"**": ".*", "*": "[^/]*", "%n": name if _LEVEL.fullmatch(name) else otherwise}
-    parts = [
-        "".join(known.get(token) or re.escape(token) for token in _TOKEN.findall(each))
-        for each in globs
-    ]
+    own = name if _LEVEL.fullmatch(name) else otherwise
+    parts = [_pattern(each, own) for each in globs]
     return re.compile("|".join(parts) if parts else NOTHING, re.DOTALL)
+
+
+def _pattern(glob: str, own: str) -> str:
+    """Return the pattern of a glob; ``own`` is that of ``%n``.
+
+    Names may be made up to keep the hub busy, so the search must not try all ways to divide a name
+    among the wildcards: what stands between two of them is where it comes first, which leaves most
+    to those that follow. Only what comes last is bound to the name's end.
+    """
+    parts: list[list[str]] = [[""]]
+    for token in _TOKEN.findall(glob):
+        if token == "**":
+            parts.append([""])
+        elif token == "*" or (token == "%n" and own == ANY_LEVEL):
+            parts[-1].append("")
+        else:
+            parts[-1][-1] += own if token == "%n" else re.escape(token)
+    *others, last = parts
+    found = "".join(
+        ("(?>.*?" if number else "(?>")
+        + part[0]
+        + "".join(f"(?>[^/]*?{text})" for text in part[1:])
+        + ")"
+        for number, part in enumerate(others)
+    )
+    found += (".*" if others else "") + last[0]
+    found += "".join(f"(?>[^/]*?{text})" for text in last[1:-1])
+    return found + "".join(f"{ANY_LEVEL}{text}" for text in last[1:][-1:])
 
 
 def _parse_globs(table: object, where: str) -> GLOBS:

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import re
+from time import process_time
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibws.access.rights import RIGHTS, Principal, Rights, check_name, compile_globs
+from fibws.access.rights import (
+    ANY_LEVEL,
+    NOTHING,
+    RIGHTS,
+    Principal,
+    Rights,
+    check_name,
+    compile_globs,
+)
 from fibws.errors import AccessError
 
 NAMES = st.from_regex(r"(/[a-z_]{1,3}){1,4}", fullmatch=True)
@@ -54,6 +63,34 @@ def test_a_name_matches_itself_and_what_is_above_it_with_all_below(name: str) ->
     assert compile_globs([f"{above}/**"]).fullmatch(name)
     assert compile_globs([f"{above}/*"]).fullmatch(name)
     assert not compile_globs([f"{name}/**"]).fullmatch(name)
+
+
+@given(
+    st.text(st.sampled_from("/ab*"), max_size=9) | st.sampled_from(["/%n/*b", "**%n*a", "/%n%n"]),
+    st.text(st.sampled_from("/ab"), max_size=9),
+    st.sampled_from([NOTHING, ANY_LEVEL]),
+)
+def test_globs_match_as_patterns_that_try_all_ways(glob: str, name: str, otherwise: str) -> None:
+    pattern = (
+        re.escape(glob).replace(r"\*\*", ".*").replace(r"\*", "[^/]*").replace("%n", otherwise)
+    )
+    expected = re.fullmatch(pattern, name, re.DOTALL) is not None
+    found = compile_globs([glob], otherwise=otherwise).fullmatch(name) is not None
+    assert found == expected
+
+
+@pytest.mark.parametrize(
+    ("glob", "name"),
+    [
+        ("/*a*a*a*b", "/" + "a" * 1000),
+        ("/**/a/**/a/**/b", "/a" * 511),
+        ("**a**a*a**a*b", "a" * 1001),
+    ],
+)
+def test_globs_try_few_ways_to_divide_a_long_name(glob: str, name: str) -> None:
+    began = process_time()
+    assert compile_globs([glob]).fullmatch(name) is None
+    assert process_time() - began < 1
 
 
 def test_deny_with_the_name_of_a_principal_that_is_no_level_denies_all_levels() -> None:
