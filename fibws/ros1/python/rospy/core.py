@@ -294,7 +294,8 @@ def _on_signal(number: int) -> None:
     background.loop_lock.allows_main_thread = False
     _begin_end(f"signal-{number}")
     earlier = _earlier_handlers.get(number)
-    if callable(earlier):
+    # Python's own only raises KeyboardInterrupt: catching that might catch a later signal's, too.
+    if callable(earlier) and earlier is not signal.default_int_handler:
         try:
             earlier(number, None)
         except KeyboardInterrupt:
