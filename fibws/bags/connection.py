@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 ANY_TYPE = "*"
-"""What some recorders wrote in place of a type that they did not know yet."""
+"""The type that some recorders wrote before they knew the real one."""
 
 
 @dataclass(frozen=True, slots=True)
