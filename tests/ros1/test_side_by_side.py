@@ -24,7 +24,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("talker_header.py", until="published", count=10, lines=5),
     ),
     "a listener with user data": (
-        Part("listener_with_userdata.py", hears=("I heard", 4), lines=4),
+        Part("listener_with_userdata.py", until="ready", hears=("I heard", 4), lines=5),
         Part("talker.py", until="hello", count=3, lines=3),
     ),
     "a publisher that is told of subscribers": (

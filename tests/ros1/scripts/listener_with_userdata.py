@@ -12,6 +12,7 @@ def main():
     rospy.init_node('listener_with_userdata', anonymous=True)
     rospy.Subscriber("chatter", String, callback, ("listener-userdata", 1))
     rospy.Subscriber("chatter", String, callback, callback_args=("another", 2))
+    print("ready")
     rospy.spin()
 
 
