@@ -558,6 +558,7 @@ def test_latched_messages_are_repeated_in_each_file(
     assert values(tmp_path / "a_1.bag") == [101, 2]
 
 
+@pytest.mark.long
 def test_oldest_latched_messages_are_not_repeated_if_there_is_no_room(
     record: Callable[..., Recording], tmp_path: Path
 ) -> None:

@@ -432,6 +432,7 @@ class TestModules:
         assert "fibws/srv/std_srvs.py" not in modules
         assert "LIMIT: ClassVar[int] = 5" in modules["fibws/msg/std_msgs.py"]
 
+    @pytest.mark.long
     def test_wheel_of_an_sdist_has_the_same_modules(self, project: Path, tmp_path: Path) -> None:
         unpack(built(project, SdistBuilder), tmp_path / "unpacked")
         [unpacked] = (tmp_path / "unpacked").iterdir()

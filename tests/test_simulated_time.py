@@ -185,6 +185,7 @@ async def test_transforms_of_nodes(world: World) -> None:
 
 
 @each_case
+@pytest.mark.long
 async def test_tf_echo(world: World) -> None:
     async with subject(world) as node:
         texts: list[str] = []
@@ -287,6 +288,7 @@ def times(path: Path) -> dict[str, list[int]]:
 
 
 @each_case
+@pytest.mark.long
 async def test_player_follows_no_other_clock(world: World, tmp_path: Path) -> None:
     """It plays at the speed of the machine's time, whatever the simulated time does."""
     path = tmp_path / "a.bag"

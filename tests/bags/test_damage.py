@@ -281,6 +281,7 @@ def test_chunk_that_an_index_lists_twice_is_read_once(tmp_path: Path, suffix: st
 
 
 @pytest.mark.parametrize("claimed", [100, 1_000_000, 2**32 - 1])
+@pytest.mark.long
 def test_decompression_bomb_is_rejected_early(tmp_path: Path, claimed: int) -> None:
     path = bomb(tmp_path, claimed, 50_000_000)
     tracemalloc.start()
@@ -296,6 +297,7 @@ def test_decompression_bomb_is_rejected_early(tmp_path: Path, claimed: int) -> N
     assert str(path) in str(caught.value)
 
 
+@pytest.mark.long
 def test_decompression_bomb_is_restored_in_part(tmp_path: Path) -> None:
     """What it claims is not to be trusted; the memory is bounded by what is there."""
     path = bomb(tmp_path, 10**9, MOST_RESTORED)
@@ -310,6 +312,7 @@ def test_decompression_bomb_is_restored_in_part(tmp_path: Path) -> None:
 @each_suffix
 @examples(1)
 @given(data=st.data())
+@pytest.mark.long
 def test_damaged_bag_gives_an_error_of_its_own(
     bags: dict[tuple[str, str], Path],
     tmp_path_factory: pytest.TempPathFactory,

@@ -130,6 +130,7 @@ def test_failed_test_case_has_exit_code_2(run_tests: RunTests) -> None:
         ),
     ],
 )
+@pytest.mark.long
 def test_test_that_cannot_run_is_a_failure_with_exit_code_1(
     run_tests: RunTests, text: str, fault: str
 ) -> None:
@@ -175,6 +176,7 @@ def test_test_is_not_passed_if_it_never_started(
     assert "ERROR: test [moves] was stopped before its start" in done.stdout
 
 
+@pytest.mark.long
 def test_failed_test_is_run_again_as_often_as_retry_says(robot: Path, run_tests: RunTests) -> None:
     done = run_tests(test_tag("counter", attributes='retry="5"'))
     assert done.exit_code == 0, done.output
@@ -189,6 +191,7 @@ def test_tests_of_one_name_are_a_failure(run_tests: RunTests) -> None:
     assert "Duplicate tests named [moves]" in done.stdout
 
 
+@pytest.mark.long
 def test_text_shows_all_output_and_uses_exit_codes(run_tests: RunTests) -> None:
     good = run_tests(test_tag("writer", args="x 0"), "--text")
     assert good.exit_code == 0, good.output

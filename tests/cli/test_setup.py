@@ -160,6 +160,7 @@ def terminal(request: pytest.FixtureRequest, environment: dict[str, str]) -> Ite
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such shells")
 @pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.long
 def test_shell_has_commands_of_ros_until_undo(shell: str, environment: dict[str, str]) -> None:
     text = """
 source <(fibws setup) && echo "done: $?"

@@ -259,6 +259,7 @@ def with_tests(folder: Path, type_: Type, package: str, macros: str, **files: st
         file.write(f"if(CATKIN_ENABLE_TESTING)\n{macros}\nendif()\n")
 
 
+@pytest.mark.long
 def test_run_tests_builds_and_runs_the_tests(folder: Path, type_: Type) -> None:
     macros = "catkin_add_nosetests(test/a.py)\ncatkin_add_gtest(cpp_test test/a.cpp)"
     macros += "\nfind_package(roslaunch)\nroslaunch_add_file_check(test/a.launch speed=3)"
@@ -275,6 +276,7 @@ def test_run_tests_builds_and_runs_the_tests(folder: Path, type_: Type) -> None:
     assert "C++: 1 test left out: cpp_test" in made.stderr
 
 
+@pytest.mark.long
 def test_run_tests_runs_rostest(folder: Path, type_: Type) -> None:
     with_tests(folder, type_, "a", "add_rostest(test/a.test ARGS kind:=good)")
     test = '<test pkg="a" type="$(arg kind)" test-name="moves"/>'
@@ -292,6 +294,7 @@ def test_run_tests_runs_rostest(folder: Path, type_: Type) -> None:
     assert "Summary: 3 tests, 0 errors, 0 failures, 0 skipped\n" in made.stdout
 
 
+@pytest.mark.long
 def test_failed_tests_are_an_error(folder: Path, type_: Type) -> None:
     with_tests(folder, type_, "a", "catkin_add_nosetests(test/a.py)", a=BAD_TEST)
     with_tests(folder, type_, "b", "catkin_add_nosetests(test)", test_b=GOOD_TEST)

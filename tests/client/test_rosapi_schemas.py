@@ -187,6 +187,7 @@ def test_wrong_response_is_an_error_in_one_line(
     assert line.endswith(": this may be another kind of hub")
 
 
+@pytest.mark.long
 def test_doctor_reports_a_wrong_response() -> None:
     time = ("/rosapi/get_time", {"time": {"secs": 5, "nsecs": 0}})
     with other_server(dict([GRAPH, time])) as hub:
@@ -195,6 +196,7 @@ def test_doctor_reports_a_wrong_response() -> None:
     assert "nodes[0].name is 5, expected string" in result.output
 
 
+@pytest.mark.long
 def test_wrong_log_message_is_an_error_in_one_line() -> None:
     good = {**example(LOG), "level": 2}
     for message in wrong_values(good):

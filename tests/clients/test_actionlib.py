@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from .casts import playing
 
 pytestmark = playing("actionlib")
@@ -12,6 +14,7 @@ pytestmark = playing("actionlib")
 PREEMPTED, SUCCEEDED = 2, 3
 
 
+@pytest.mark.long
 def test_action_sends_feedback_and_a_result(seen: Any) -> None:
     assert seen == {
         "feedback": [{"sequence": [0, 1, 1, 2, 3][:length]} for length in (3, 4, 5)],

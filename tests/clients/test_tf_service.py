@@ -11,6 +11,7 @@ from .casts import playing
 pytestmark = playing("tf_service")
 
 
+@pytest.mark.long
 def test_transforms_arrive_by_service(seen: Any) -> None:
     rotation = {"x": 0, "y": 0, "z": pytest.approx(0.5**0.5), "w": pytest.approx(0.5**0.5)}
     assert seen == [

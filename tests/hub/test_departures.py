@@ -23,10 +23,10 @@ from .fakes import ADD, FIBONACCI, INT32, STRING, Client, finish, number
 from .foxglove.foxglove_client import FoxgloveClient, FoxgloveHub
 from .work_clock import WorkClock
 
-FEW, MANY = 50, 1000
+FEW, MANY = 25, 250
 LIMIT = 1.2
 """How many times as much work there may be between two looks at the clock when a client leaves
-twenty times as many things."""
+ten times as many things."""
 WATCHERS = 40
 
 

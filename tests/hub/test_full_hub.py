@@ -92,6 +92,7 @@ def test_operations_of_rosbridge(hub: FullHub, op: str) -> None:
     assert work_of(Reading(client.session), in_robot(operations(op, FEW))) < MOST_WORK
 
 
+@pytest.mark.long
 def test_calls_of_rosapi(hub: FullHub) -> None:
     """Each service, by many calls in one text, all of which are answered."""
     client = hub.client(principal=hub.stranger)

@@ -114,6 +114,7 @@ def test_audit_event_is_an_object_with_its_fields(caplog: pytest.LogCaptureFixtu
     ],
     ids=["main thread", "other thread", "warning", "event loop"],
 )
+@pytest.mark.long
 def test_all_that_python_reports_is_json(fault: str) -> None:
     program = f"""
 import asyncio, threading, warnings

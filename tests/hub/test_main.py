@@ -92,6 +92,7 @@ def running_as(module: tuple[str, ...], *arguments: str, **environment: str) -> 
                 process.kill()
 
 
+@pytest.mark.long
 def test_hangup_reads_the_certificate_again(authority: Authority) -> None:
     certificate, key = authority.issue()
     files = ("--cert", str(certificate), "--key", str(key))
@@ -233,6 +234,7 @@ def test_signal_right_after_the_first_line_is_not_lost(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("which", [[1], [2], [1, 2]], ids=["stdout", "stderr", "both"])
 @pytest.mark.parametrize("how", ["full disk", "closed pipe", "closed"])
+@pytest.mark.long
 def test_hub_survives_a_closed_output(how: str, which: list[int], tmp_path: Path) -> None:
     file = tmp_path / "hub.url"
     reading, pipe = os.pipe()
@@ -267,6 +269,7 @@ def test_hub_survives_a_closed_output(how: str, which: list[int], tmp_path: Path
         assert err.count("Cannot write to stdout: ") == (how != "closed")
 
 
+@pytest.mark.long
 def test_open_file_limit_is_raised_to_the_connection_limit() -> None:
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
     hard = limits[1]
@@ -282,6 +285,7 @@ def test_open_file_limit_is_raised_to_the_connection_limit() -> None:
 
 
 @pytest.mark.parametrize("loop", ["asyncio", "uvloop"])
+@pytest.mark.long
 def test_limit_of_open_files_is_logged_once_a_second(tmp_path: Path, loop: str) -> None:
     paths = [os.getcwd()]
     if loop == "asyncio":

@@ -287,6 +287,7 @@ class TestNames:
 
 
 class TestCrowd:
+    @pytest.mark.long
     async def test_thousand_clients_come_subscribe_and_leave(self, hub: Hub) -> None:
         _allow_files(4096)
         async with AsyncExitStack() as stack:

@@ -93,6 +93,7 @@ def check(oracle: Oracle, serializers: Serializers, type_: str, message: dict[st
 
 @examples(5)
 @given(st.sampled_from(TYPES), st.data())
+@pytest.mark.long
 def test_any_message_of_a_standard_type_has_the_right_bytes(
     type_: str, data: st.DataObject
 ) -> None:
@@ -107,6 +108,7 @@ def test_any_message_of_an_odd_type_has_the_right_bytes(
     check(oracle, Serializers(interfaces), "odd_msgs/All", message)
 
 
+@pytest.mark.long
 def test_message_of_defaults_comes_back() -> None:
     validators = Validators(STANDARD, lambda: 5)
     for type_ in TYPES:

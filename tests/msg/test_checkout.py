@@ -77,6 +77,7 @@ def checkout(tmp_path: Path) -> Checkout:
     ("kind", "package", "name"),
     [("msg", "std_msgs", "Int32"), ("srv", "std_srvs", "Empty"), ("action", "tf2_msgs", "*")],
 )
+@pytest.mark.long
 def test_missing_module_is_written(checkout: Checkout, kind: Kind, package: str, name: str) -> None:
     program = f"from fibws.{kind}.{package} import {name}; import fibws.{kind}.{package} as module"
     module = checkout.package / kind / f"{package}.py"

@@ -286,6 +286,7 @@ async def test_publishing_waits_for_a_slow_hub(hub: ScriptedHub) -> None:
         assert texts.dropped == 0
 
 
+@pytest.mark.long
 async def test_hub_that_does_not_read_does_not_delay_the_end(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -544,6 +545,7 @@ async def test_pings_are_answered_within_a_flood(hub: ScriptedHub) -> None:
             pass
 
 
+@pytest.mark.long
 async def test_frames_behind_the_handshake_are_read() -> None:
     """A hub may send at once: the first frame then comes with the handshake's response."""
     status = json.dumps({"op": "status", "level": "warning", "msg": "hello"}).encode()

@@ -127,6 +127,7 @@ async def test_result_that_the_hub_does_not_take_aborts_the_goal(hub: Hub, over:
         assert error.value.status == fibws.GoalStatus.ABORTED
 
 
+@pytest.mark.long
 async def test_messages_that_another_hub_does_not_take_are_dropped(start_hub: StartHub) -> None:
     first = await start_hub()
     async with asyncio.timeout(PATIENCE), fibws.Node("robot", hub=first.url) as node:

@@ -312,6 +312,7 @@ async def test_many_calls_are_handled_concurrently(real_hub: Hub) -> None:
         assert sums == list(range(1, 51))
 
 
+@pytest.mark.long
 async def test_thousand_calls_at_once_are_answered(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:

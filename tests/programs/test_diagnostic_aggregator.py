@@ -112,6 +112,7 @@ async def settled(node: fibws.Node, topic: str) -> list[Row]:
     raise AssertionError
 
 
+@pytest.mark.long
 async def test_items_are_sorted_into_a_tree(hub: Hub, start: Start) -> None:
     hub.graph.parameters.set("/diagnostic_aggregator", PARAMETERS)
     async with fibws.Node("test", hub=hub.url) as node:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
 from running_programs import Start
 
 import fibws
@@ -13,6 +14,7 @@ from fibws.msg.sensor_msgs import CompressedImage, Image
 REPUBLISH = ("fibws", "run", "image_transport", "republish")
 
 
+@pytest.mark.long
 async def test_images_are_compressed_and_decompressed(hub: Hub, start: Start) -> None:
     async with fibws.Node("camera", hub=hub.url) as node:
         await node.params.set("/small/compressed/format", "png")
@@ -40,6 +42,7 @@ async def test_images_are_compressed_and_decompressed(hub: Hub, start: Start) ->
                 break
 
 
+@pytest.mark.long
 async def test_invalid_arguments_are_errors(hub: Hub, start: Start) -> None:
     code, _, err = await (await start(*REPUBLISH, "compresed")).end()
     assert code == 1 and "did you mean compressed?" in err

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import pytest
 from patience import PATIENCE
 from running_programs import Start
 
@@ -64,6 +65,7 @@ async def test_map_is_served_changed_and_saved(hub: Hub, start: Start, tmp_path:
         assert "origin: [1.000000, 2.000000, 0.000000]" in (tmp_path / "saved.yaml").read_text()
 
 
+@pytest.mark.long
 async def test_invalid_arguments_are_errors(start: Start, tmp_path: Path) -> None:
     server = ("fibws", "run", "map_server", "map_server")
     code, _, err = await (await start(*server, str(tmp_path / "none.yaml"))).end()

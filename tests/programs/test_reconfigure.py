@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from running_programs import Start
 
 from fibws.hub import Hub
@@ -11,6 +12,7 @@ from fibws.hub import Hub
 SERVER = Path(__file__).parents[1] / "ros1" / "scripts" / "reconfigure" / "server.py"
 
 
+@pytest.mark.long
 async def test_dynparam_changes_the_parameters_of_a_server(
     hub: Hub, start: Start, tmp_path: Path
 ) -> None:

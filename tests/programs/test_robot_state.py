@@ -33,6 +33,7 @@ async def watch(node: fibws.Node, topic: str) -> dict[tuple[str, str], Numbers]:
     return frames_of(await node.wait_for_message(topic, TFMessage))
 
 
+@pytest.mark.long
 async def test_launch_file_publishes_the_frames_of_a_robot(
     hub: Hub, start: Start, tmp_path: Path
 ) -> None:
@@ -66,6 +67,7 @@ async def test_launch_file_publishes_the_frames_of_a_robot(
         assert frames["lower", "finger"][:3] == pytest.approx([0, 1.5, 0])
 
 
+@pytest.mark.long
 async def test_invalid_or_missing_description_is_an_error(hub: Hub, start: Start) -> None:
     words = ("fibws", "run", "robot_state_publisher", "robot_state_publisher")
     code, _, err = await (await start(*words, FIBWS_HUB=hub.url)).end()

@@ -34,6 +34,7 @@ async def test_frames_get_other_names(hub: Hub, start: Start) -> None:
 
 
 @pytest.mark.parametrize("mappings", [5, [5], [{"old": "a"}], [{"old": "a", "new": 7}]])
+@pytest.mark.long
 async def test_invalid_mappings_are_an_error(hub: Hub, start: Start, mappings: object) -> None:
     hub.graph.parameters.set("/tf_remapper/mappings", mappings)
     code, _, err = await (await start(*REMAP, FIBWS_HUB=hub.url)).end()

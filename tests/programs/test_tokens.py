@@ -103,6 +103,7 @@ async def test_program_without_a_token_exits_with_77(start: Start, token_hub: To
 
 
 @pytest.mark.parametrize("source", ["variable", "file", "url"])
+@pytest.mark.long
 async def test_launched_nodes_get_the_token(start: Start, token_hub: TokenHub, source: str) -> None:
     file = token_hub.file("numbers.launch", LAUNCH)
     words, variables = ["launch", file], {"FIBWS_HUB": token_hub.url}

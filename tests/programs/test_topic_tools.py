@@ -71,6 +71,7 @@ async def test_throttle_passes_on_the_first_message(
     assert (await anext(found)).data == 7
 
 
+@pytest.mark.long
 async def test_delay_publishes_in_order_later(hub: Hub, start: Start, node: fibws.Node) -> None:
     numbers = await node.advertise("/numbers", Int32, queue_size=100, peers=True)
     found = node.subscribe("/numbers_delay", Int32, queue_size=None)
@@ -107,6 +108,7 @@ async def test_mux_passes_on_the_selected_topic(hub: Hub, start: Start, node: fi
     assert (await anext(selected)).data == "__none"
 
 
+@pytest.mark.long
 async def test_mux_is_changed_by_commands(hub: Hub, start: Start, node: fibws.Node) -> None:
     selected = node.subscribe("/mux/selected", String)
     await start(*RUN, "mux", "/chosen", "/first", FIBWS_HUB=hub.url)
@@ -229,6 +231,7 @@ async def test_lazy_transport_subscribes_while_it_is_needed(
         (["transform", "/rosout", "/b", "nothing/X", "m"], "unknown type of the output: nothing/X"),
     ],
 )
+@pytest.mark.long
 async def test_wrong_arguments_are_errors(
     hub: Hub, start: Start, words: list[str], text: str
 ) -> None:

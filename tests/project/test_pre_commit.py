@@ -68,6 +68,7 @@ def test_bad_subjects_are_refused_with_the_reason(message: str, fact: str) -> No
     assert fact in str(fault(message))
 
 
+@pytest.mark.long
 def test_git_refuses_a_commit_with_a_bad_subject(tmp_path: Path) -> None:
     """The hook of the configuration, as git runs it."""
     environ = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}

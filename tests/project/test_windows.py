@@ -76,6 +76,7 @@ async def stopped_by_ctrl_c(process: Process) -> AsyncIterator[None]:
         await process.wait()
 
 
+@pytest.mark.long
 def test_all_modules_can_be_imported() -> None:
     done = subprocess.run([sys.executable, PROGRAM, "all"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -120,10 +121,12 @@ async def url() -> AsyncIterator[str]:
         ("graph", ""),
     ],
 )
+@pytest.mark.long
 async def test_tools_work(url: str, command: str, output: str) -> None:
     assert output in await output_of("fibws", *shlex.split(command), FIBWS_HUB=url)
 
 
+@pytest.mark.long
 async def test_file_of_tokens_is_edited(tmp_path: Path) -> None:
     file = tmp_path / "tokens.toml"
     for name in ("one", "two"):
@@ -131,6 +134,7 @@ async def test_file_of_tokens_is_edited(tmp_path: Path) -> None:
     assert (await output_of("fibws", "token", "list", "--file", str(file))).count("\n") >= 2
 
 
+@pytest.mark.long
 async def test_metrics_are_served_without_proc(tmp_path: Path) -> None:
     url_file = tmp_path / "url"
     hub = await start("fibws.hub", "--port", "0", "--url-file", str(url_file))
@@ -188,6 +192,7 @@ def imports_without_a_guard(source: str) -> set[str]:
     return found & {*MODULES}
 
 
+@pytest.mark.long
 def test_no_module_imports_what_windows_lacks() -> None:
     found = {
         path.relative_to(ROOT).as_posix(): names

@@ -140,6 +140,7 @@ def test_commands_do_not_contain_text_from_outside() -> None:
         assert "${{" not in step.get("run", ""), f"{workflow}: {job}"
 
 
+@pytest.mark.long
 def test_commands_of_jobs_exist() -> None:
     installed: dict[tuple[str, str], set[str]] = {}
     for workflow, job, step in steps():

@@ -45,6 +45,7 @@ def test_repetitive_text_is_compressed() -> None:
 
 
 @given(st.recursive(st.text(), lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)))
+@pytest.mark.long
 def test_any_text_is_restored_from_ascii(value: object) -> None:
     """Clients decode each byte as one character."""
     text = json.dumps(value, ensure_ascii=False)

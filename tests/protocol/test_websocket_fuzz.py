@@ -234,6 +234,7 @@ def test_random_streams_are_read_alike_in_turns_of_any_length(
 LARGE_SIZES = (LARGE - 1, LARGE, LARGE + 1, 3 * LARGE, 3 * LARGE + 1)
 
 
+@pytest.mark.long
 def test_too_long_messages_are_skipped_in_any_pieces(masked: bool) -> None:
     chance = random.Random(0)
     lengths = (0, 5, 299, 300, 301, 1023, 1024, 1025, 70_000)

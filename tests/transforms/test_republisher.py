@@ -189,6 +189,7 @@ async def test_refused_topic_fails_the_call(node: fibws.Node) -> None:
     assert await open_topic(node, "map", thresholds=0) == f"{ACTION}/tf_repub_1"
 
 
+@pytest.mark.long
 async def test_topic_is_closed_after_the_timeout_without_subscribers(
     node: fibws.Node, publish: Publish, line: Line
 ) -> None:
@@ -219,6 +220,7 @@ async def test_topic_is_closed_after_the_timeout_without_subscribers(
         ({"thresholds": nan}, "a threshold"),
     ],
 )
+@pytest.mark.long
 async def test_invalid_call_is_an_error(
     node: fibws.Node, asked: dict[str, Any], reason: str
 ) -> None:

@@ -102,6 +102,7 @@ async def test_graph_is_valid(buffer: Buffer, tmp_path: Path) -> None:
     assert (tmp_path / "frames.pdf").read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.long
 async def test_program_draws_the_frames(
     hub: Hub, publish: Publish, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -175,7 +175,6 @@ async def test_empty_hub_says_what_to_publish_and_fills_as_a_robot_comes(
         complaints.allow("GPU stall due to ReadPixels")
 
 
-@pytest.mark.smoke
 async def test_panels_are_split_chosen_moved_closed_and_brought_back(
     robot: Robot, open_page: OpenPage
 ) -> None:
@@ -440,7 +439,6 @@ def payload(text: str) -> FilePayload:
     return {"name": "mine.json", "mimeType": "application/json", "buffer": text.encode()}
 
 
-@pytest.mark.smoke
 async def test_a_panel_waits_for_its_topic(hub: Hub, open_page: OpenPage) -> None:
     layout = {"schema": 1, "layout": {"view": "picture", "name": "/camera"}}
     page = await open_page(hub, DASHBOARD)

@@ -315,7 +315,6 @@ async def test_map_has_its_first_row_below_and_takes_updates(
     )
 
 
-@pytest.mark.smoke
 async def test_layers_say_what_is_wrong(hub: Hub, robot: fibws.Node, open_page: OpenPage) -> None:
     await publish_frames(
         robot, stamped("map", "base_link", 0, 0), stamped("base_link", "lidar", 0, 0)

@@ -207,7 +207,6 @@ async def test_echo_shows_the_newest_message_until_paused(
     await expect(value(page, "data")).to_have_text("55")
 
 
-@pytest.mark.smoke
 async def test_echo_keeps_its_open_branches(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
@@ -276,7 +275,6 @@ INK = """() => {
 """The number of columns of the canvas in which the first curve has pixels."""
 
 
-@pytest.mark.smoke
 async def test_plot_draws_a_curve(hub: Hub, fibonacci: None, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
     await row(page, "/fibonacci").get_by_role("button", name="Plot").click()

@@ -118,6 +118,7 @@ def test_recording_of_a_playback_is_equal(
         assert reader.compression == compression
 
 
+@pytest.mark.long
 def test_recording_of_ros_2_is_played_as_one_of_ros_1(
     run: Run, hub: HubThread, tmp_path: Path
 ) -> None:
@@ -182,6 +183,7 @@ def test_all_topics_and_new_ones_are_recorded_until_ctrl_c(
 
 
 @pytest.mark.parametrize("clock", [[20, 6], [6], []])
+@pytest.mark.long
 def test_latched_messages_have_the_time_of_the_beginning(
     hub: HubThread, tmp_path: Path, publish: Publish, client: HubClient, clock: list[int]
 ) -> None:
@@ -264,6 +266,7 @@ def test_all_topics_are_those_that_can_be_played(
         ("mcap", ("--lz4",), signal.SIGTERM),
     ],
 )
+@pytest.mark.long
 def test_what_is_recorded_can_be_read_by_all(
     run: Run,
     hub: HubThread,
@@ -348,6 +351,7 @@ def test_topics_of_a_node_are_recorded(hub: HubThread, tmp_path: Path, publish: 
     assert "/m" not in recording.output
 
 
+@pytest.mark.long
 def test_begin_is_published_and_names_are_remapped(
     hub: HubThread, tmp_path: Path, client: HubClient
 ) -> None:
@@ -391,6 +395,7 @@ def test_recording_that_cannot_begin_fails(run: Run, tmp_path: Path) -> None:
 # Playing.
 
 
+@pytest.mark.long
 def test_topics_are_selected_prefixed_and_remapped(
     run: Run, hub: HubThread, tmp_path: Path
 ) -> None:
@@ -428,6 +433,7 @@ def test_clock_is_published_before_the_first_message(
 
 
 @pytest.mark.parametrize("words", [(), ("-r", "10"), ("-i",), ("-l",), ("-s", "0.01", "-l")])
+@pytest.mark.long
 def test_no_message_is_ahead_of_the_clock(
     hub: HubThread, tmp_path: Path, words: tuple[str, ...]
 ) -> None:
@@ -546,6 +552,7 @@ def test_keys_control_the_playback(hub: HubThread, tmp_path: Path, client: HubCl
     assert re.search(r" \[RUNNING\]  Bag Time: .* Duration: 1000\.000000 / 1000", terminal.output)
 
 
+@pytest.mark.long
 def test_rate_control_topic_delays_the_playback(
     hub: HubThread, tmp_path: Path, client: HubClient
 ) -> None:

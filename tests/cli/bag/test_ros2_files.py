@@ -147,6 +147,7 @@ def test_echo_of_all_topics_takes_no_topic(fibws: Tool, mixed: Path) -> None:
     assert "/n" in result.output
 
 
+@pytest.mark.long
 def test_filter_converts_to_bag_and_back(fibws: Tool, folder: Path, tmp_path: Path) -> None:
     bag, back = tmp_path / "walk.bag", tmp_path / "back.mcap"
     result = fibws("bag", "filter", "-q", folder, bag, "True")

@@ -259,6 +259,7 @@ async def test_hub_that_cannot_start_is_an_error_of_one_line(start: Start, robot
     assert err.count("\n") == 1
 
 
+@pytest.mark.long
 async def test_launch_ends_when_its_output_is_closed(begin: Begin, robot: Path) -> None:
     file = write(robot, '<node pkg="robot" type="talker" name="talker" output="screen"/>')
     seen = await begin(file)

@@ -117,6 +117,7 @@ async def test_rate_is_reported_until_ctrl_c(start: Start, hub: HubThread) -> No
     assert errors in ("", warning)
 
 
+@pytest.mark.long
 async def test_each_of_several_topics_is_reported(start: Start, hub: HubThread) -> None:
     for name in ("/a", "/b"):
         words = ("topic", "pub", "-r", "50", name, "std_msgs/Int32", "8")

@@ -265,6 +265,7 @@ def test_calls_are_bounded(slow: SlowLink) -> None:
 
 
 @pytest.mark.parametrize("op", ["cancel_goal", "older_node"])
+@pytest.mark.long
 def test_what_nobody_sends_again_passes_a_full_link_or_ends_it(slow: SlowLink, op: str) -> None:
     peer = slow.link.peer
     assert peer is not None

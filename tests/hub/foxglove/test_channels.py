@@ -318,6 +318,7 @@ def work(channels: int, clients: int) -> int:
     return lines
 
 
+@pytest.mark.long
 def test_work_grows_as_channels_and_clients_do() -> None:
     some = work(1000, 1)
     assert some < 100 * 1000  # It is 70 lines for each channel.

@@ -92,6 +92,7 @@ async def test_subscriber_that_is_stopped_costs_another_one_no_message(
     assert not lost
 
 
+@pytest.mark.long
 async def test_hub_ends_while_a_subscriber_is_stopped(
     hub: Hub, node: fibws.Node, start_reader: StartReader, caplog: pytest.LogCaptureFixture
 ) -> None:

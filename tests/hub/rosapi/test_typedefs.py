@@ -170,6 +170,7 @@ def test_unknown_type_is_an_error(name: str) -> None:
             details(name)
 
 
+@pytest.mark.long
 def test_every_standard_type_can_be_listed() -> None:
     interfaces = Interfaces()
     typedefs_of = TypeDefs(interfaces)

@@ -123,6 +123,7 @@ def test_changes_of_one_turn_are_one_report(op: str, other: str) -> None:
 
 
 @pytest.mark.parametrize(("seconds", "megabytes"), [(0.02, 14), (1, 20)])
+@pytest.mark.long
 def test_four_hundred_nodes_on_tf_take_less_than_20_megabytes(
     seconds: float, megabytes: int
 ) -> None:

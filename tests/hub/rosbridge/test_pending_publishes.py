@@ -259,6 +259,7 @@ def test_pending_messages_are_limited_and_refused_once_each() -> None:
     [{}, {"msg": {}}, {"id": "x" * 1000}, {"topic": f"/{'x' * 1000}"}],
     ids=["no message", "empty message", "long id", "long topic"],
 )
+@pytest.mark.long
 def test_small_messages_count_with_their_overhead(fields: dict[str, Any]) -> None:
     hub = FakeHub()
     client = hub.client()

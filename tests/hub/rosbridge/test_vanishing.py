@@ -124,6 +124,7 @@ def test_call_gets_one_response_for_any_two_events(first: str | None) -> None:
 
 
 @pytest.mark.parametrize("first", [None, *ACTION_DISTURBANCES])
+@pytest.mark.long
 def test_goal_gets_one_result_for_any_two_events(first: str | None) -> None:
     hub, steps = FakeHub(), {**ACTION, **ACTION_DISTURBANCES}
     for others in disturbed(first, ACTION_DISTURBANCES):
@@ -144,6 +145,7 @@ VANISHING = ["the caller leaves", "the responder leaves", "a new caller", "a new
 
 
 @pytest.mark.parametrize("others", [*permutations(VANISHING, 2)], ids=", ".join)
+@pytest.mark.long
 def test_both_clients_may_leave_in_either_order_after_any_event(others: tuple[str, str]) -> None:
     hub = FakeHub()
     for steps, disturbances in ((SERVICE, SERVICE_DISTURBANCES), (ACTION, ACTION_DISTURBANCES)):

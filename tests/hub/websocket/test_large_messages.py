@@ -53,6 +53,7 @@ async def cut(client: Client, data: bytes, seed: int) -> None:
 
 @pytest.mark.parametrize("size", [64 * KIB - 60, 64 * KIB, 64 * KIB + 1, 1_000_000, 8 * MIB])
 @pytest.mark.parametrize("key", KEYS)
+@pytest.mark.long
 async def test_large_texts_arrive_intact_with_small_ones_behind_them(
     any_hub: Hub, size: int, key: str
 ) -> None:
@@ -156,6 +157,7 @@ def used_bytes() -> Iterator[Callable[[], int]]:
 
 @pytest.mark.parametrize("how", ["reset", "close", "cut off", "killed"])
 @pytest.mark.parametrize("unfinished", UNFINISHED)
+@pytest.mark.long
 async def test_unfinished_message_is_freed_when_the_client_leaves(
     start_hub: StartHub, unfinished: str, how: str
 ) -> None:

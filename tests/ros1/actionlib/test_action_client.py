@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub import Hub
@@ -40,6 +42,7 @@ client.stop()
 """
 
 
+@pytest.mark.long
 async def test_several_goals_are_followed(
     hub: Hub, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:

@@ -22,6 +22,7 @@ FLOATS32 = ["0.0", "-1.5", "nan", "inf", "-inf", "3", "0.25"]
 ABOUT = "(C({t!r}).__slots__, C({t!r})._slot_types, C({t!r})._md5sum, C({t!r})._has_header)"
 
 
+@pytest.mark.long
 def test_standard_messages_are_the_same(agree: Agree) -> None:
     # The longest first: the real genpy makes the classes of a definition's parts with it.
     for type_ in sorted(TYPES, key=lambda type_: -len(INTERFACES.full_text(type_))):

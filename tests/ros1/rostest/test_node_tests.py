@@ -99,6 +99,7 @@ async def graph(hub: Hub) -> AsyncIterator[None]:
         ),
     ],
 )
+@pytest.mark.long
 async def test_node_is_tested(
     hub: Hub, graph: None, program: str, parameters: list[str], faults: list[str]
 ) -> None:

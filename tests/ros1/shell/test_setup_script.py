@@ -86,6 +86,7 @@ def test_existing_roscd_is_kept(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SHELLS)
+@pytest.mark.long
 def test_roscd_and_rosls_find_packages(name: str, tmp_path: Path) -> None:
     package = tmp_path / "src" / "fibonacci"
     (package / "launch").mkdir(parents=True)

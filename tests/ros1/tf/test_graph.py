@@ -169,6 +169,7 @@ async def test_time_that_goes_back_clears_the_buffer(programs: Programs) -> None
     assert "Detected jump back in time of 50.000000s. Clearing TF buffer." in script.errors
 
 
+@pytest.mark.long
 async def test_observer_of_a_robot() -> None:
     async with our_ros() as ros:
         _, said = await ros.play(

@@ -68,6 +68,7 @@ def test_sourcing_sets_up_fibws(tmp_path: Path, shell: str) -> None:
 
 
 @pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.long
 def test_sourcing_twice_changes_nothing(tmp_path: Path, shell: str) -> None:
     first, second = prepared(tmp_path / "a"), prepared(tmp_path / "b")
     assert sourced(shell, first, first) == sourced(shell, first)
@@ -79,6 +80,7 @@ def test_sourcing_twice_changes_nothing(tmp_path: Path, shell: str) -> None:
 
 
 @pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.long
 def test_other_folders_stay_on_the_paths(tmp_path: Path, shell: str) -> None:
     folder = prepared(tmp_path / "ws")
     source = str(folder / "src")
