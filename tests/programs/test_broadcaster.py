@@ -187,7 +187,7 @@ async def test_ctrl_c_ends_the_wait_for_a_hub(
 
 
 async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
-    program = await start(BROADCASTER, "--hub", hub.url, "--rate", "100")
+    program = await start(BROADCASTER, "--hub", hub.url, "--rate", "5")
     await program.line()
     program.stop_reading()
     code, _, err = await program.end()

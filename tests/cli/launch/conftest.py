@@ -28,7 +28,7 @@ print("works", flush=True)
 sys.exit("does not work")
 """
 # Shell scripts, which run directly.
-TALKER = "#!/bin/sh\nexec '{python}' -m fibws.broadcaster --rate 50 \"$@\"\n"
+TALKER = "#!/bin/sh\nexec '{python}' -m fibws.broadcaster --rate 1 \"$@\"\n"
 LISTENER = "#!/bin/sh\nexec '{python}' -m fibws.listener \"$@\"\n"
 
 LAUNCH = """<launch>
