@@ -7,6 +7,7 @@ import gc
 import logging
 import os
 import re
+import socket
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AsyncExitStack
 from pathlib import Path
@@ -45,6 +46,30 @@ try:
 except ImportError:
     UVLOOP = None
 
+
+class EventLoop(asyncio.SelectorEventLoop):
+    """asyncio's, without its loss of a connection that is accepted while its server is closed.
+
+    The loss, between ``accept()`` and the transport, leaves a socket open, and pytest blames the
+    test that happens to run when it is collected.
+    """
+
+    async def _accept_connection2(
+        self,
+        protocol_factory: Callable[[], asyncio.BaseProtocol],
+        conn: socket.socket,
+        extra: dict[str, Any],
+        sslcontext: Any = None,
+        server: asyncio.Server | None = None,
+        *timeouts: float,
+    ) -> None:
+        if server is not None and not server.is_serving():
+            conn.close()
+            return
+        accept = super()._accept_connection2  # type: ignore[misc]
+        await accept(protocol_factory, conn, extra, sslcontext, server, *timeouts)
+
+
 SWEEP_INTERVAL = 0.02
 """Seconds between two sweeps in tests, so that tests need not wait for a whole second."""
 SETTINGS: dict[str, Any] = {
@@ -70,7 +95,9 @@ def pytest_asyncio_loop_factories(
     config: pytest.Config, item: pytest.Item
 ) -> Mapping[str, LoopFactory]:
     """The event loops that a test runs on: uvloop's too, if it is installed and asked for."""
-    factories: dict[str, LoopFactory] = {"asyncio": asyncio.new_event_loop}
+    factories: dict[str, LoopFactory] = {
+        "asyncio": EventLoop if os.name != "nt" else asyncio.new_event_loop
+    }
     if item.get_closest_marker("both_loops") and UVLOOP is not None:
         factories["uvloop"] = UVLOOP
     return factories
