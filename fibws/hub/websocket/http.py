@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
+from threading import Lock
 from typing import BinaryIO, TypeAlias
 from urllib.parse import parse_qs
 
@@ -123,19 +124,27 @@ class FileResponse(Response):
         self._file = file
         self.left = size
         """Bytes that are still to be read."""
+        self._reading = Lock()
+        self._is_closed = False
 
     def read(self) -> bytes:
         """Return the next piece, in any thread; nothing if the file is shorter than it was."""
         try:
-            piece = self._file.read(min(PIECE, self.left))
-        except OSError:
+            with self._reading:
+                piece = self._file.read(min(PIECE, self.left))
+        except (OSError, ValueError):  # It cannot be read, or has been closed.
             piece = b""
         self.left -= len(piece)
+        if self._is_closed:
+            self.close()
         return piece
 
     def close(self) -> None:
-        """Close the file, while nobody reads it."""
-        self._file.close()
+        """Close the file, at any time and without waiting: after the piece that is being read."""
+        self._is_closed = True
+        if self._reading.acquire(blocking=False):
+            self._file.close()
+            self._reading.release()
 
 
 class DeferredResponse(Response):
@@ -161,8 +170,6 @@ class DeferredResponse(Response):
         self._send: Callable[[Response], object] | None = None
         """Takes the response; None once it is not wanted any more."""
         self._made: Response | None = None
-        self._is_reading = False
-        """Whether a thread reads a file, which is closed after that."""
 
     def start(self, send: Callable[[Response], object]) -> None:
         """Make the response, and give it to a function in the event loop, unless it has ended."""
@@ -182,13 +189,9 @@ class DeferredResponse(Response):
         if not isinstance(made, FileResponse) or not self.has_body or not made.left:
             return False
         pieces: list[bytes] = []
-        self._is_reading = True
 
         def done() -> None:
-            self._is_reading = False
-            if self._send is None:
-                made.close()
-            else:
+            if self._send is not None:
                 take(pieces[0])
 
         self._run(lambda: pieces.append(made.read()), done)
@@ -196,8 +199,9 @@ class DeferredResponse(Response):
 
     def end(self) -> None:
         """Forget the response."""
-        made, self._send, self._made = self._made, None, None
-        if isinstance(made, FileResponse) and not self._is_reading:
+        self._send = None  # First: a thread that makes it meanwhile closes it.
+        made, self._made = self._made, None
+        if isinstance(made, FileResponse):
             made.close()
         self._ended()
 
@@ -205,16 +209,19 @@ class DeferredResponse(Response):
         if self._send is None:
             return
         try:
-            self._made = self._make()
+            self._keep(self._make())
         except Exception:
             logger.exception("A response could not be made.")
             fault = "The hub failed; its log says why"
-            self._made = text_response(http.HTTPStatus.INTERNAL_SERVER_ERROR, fault)
+            self._keep(text_response(http.HTTPStatus.INTERNAL_SERVER_ERROR, fault))
+
+    def _keep(self, made: Response) -> None:
+        self._made = made
+        if self._send is None and isinstance(made, FileResponse):  # It ended meanwhile.
+            made.close()
 
     def _done(self) -> None:
-        if self._send is None and isinstance(self._made, FileResponse):
-            self._made.close()
-        elif self._send is not None and self._made is not None:
+        if self._send is not None and self._made is not None:
             if not self.has_body:
                 self._made.body = b""
             self._send(self._made)
