@@ -15,6 +15,7 @@ from fibws.cli.common_options import json_option, with_hub
 from fibws.client.hub_client import HubClient
 from fibws.client.parameters import ROOT, Parameters
 from fibws.errors import FibwsError, ParameterNotSet
+from fibws.files import replace_file
 from fibws.suggestions import suggestion
 from fibws.values import parameter_files
 
@@ -141,19 +142,23 @@ def dump(client: HubClient, file: str | None, namespace: str, as_json: bool, ver
     """
     value = _get(client, _global(client, namespace))
     if file is None or file == "-":
-        output.as_json(value) if as_json else output.line(
-            parameter_files.dumped(value).removesuffix("\n")
-        )
+        output.as_json(value) if as_json else output.line(_saved(value).removesuffix("\n"))
         return
-    text = (
-        json.dumps(value, ensure_ascii=False) + "\n" if as_json else parameter_files.dumped(value)
-    )
+    text = json.dumps(value, ensure_ascii=False) + "\n" if as_json else _saved(value)
+    path = Path(file)
     try:
-        Path(file).write_text(text, "utf-8")
+        if path.exists() and not path.is_file():  # Such as /dev/stdout.
+            path.write_text(text, "utf-8")
+        else:
+            replace_file(path, text.encode(), keep=True)
     except OSError as error:
         raise click.ClickException(f"Cannot write {file}: {error.strerror}") from None
     if verbose:
         output.line(f"dumped namespace [{_global(client, namespace)}] to file [{file}]")
+
+
+def _saved(value: Any) -> str:
+    return parameter_files.saved(parameter_files.native(value))
 
 
 def _global(client: HubClient, name: str) -> str:

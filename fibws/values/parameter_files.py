@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 import re
 from collections.abc import Callable, Iterator
+from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from fibws import names
 from fibws.errors import InvalidValue, ParameterError
@@ -20,6 +22,16 @@ MAX_CHARACTERS = 2**26
 """Maximum size of a file: no hub takes more, and a device may be endless."""
 NAMESPACE = "_ns"
 """The key of the namespace of a document's parameters."""
+VALUE = "!value"
+"""The tag of an object that is one value, as it has a key that cannot be a part of a name."""
+BINARY, DATE = "$binary", "$date"
+"""The keys of objects that stand for bytes and dates in the JSON of parameters."""
+ANGLES = (("!degrees", "deg"), ("!radians", "rad"))
+"""The tags of angles, and the functions that they may be written as."""
+
+
+class OneValue(dict[str, Any]):
+    """An object that is the value of one parameter, rather than a namespace."""
 
 
 def text(value: Any) -> str:
@@ -28,11 +40,50 @@ def text(value: Any) -> str:
 
 
 def dumped(value: Any) -> str:
-    """Return a value as a YAML document."""
+    """Return a value as a YAML document, in which a string such as ``deg(90)`` has quotes."""
     import yaml
 
-    document: str = yaml.safe_dump(value)
+    document: str = yaml.dump(value, Dumper=_dumper(yaml.SafeDumper))
     return document
+
+
+def saved(value: Any) -> str:
+    """Return a parameter or a namespace as a YAML document from which `entries` restores it.
+
+    Args:
+        value: with bytes, dates and NaN as such.
+    """
+    import yaml
+
+    # The faster one ends some texts in another way.
+    base = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+    document: str = yaml.dump(_with_values(value), Dumper=_dumper(base))
+    return document
+
+
+def _with_values(value: Any) -> Any:
+    """Return a value whose objects that are no namespaces are marked."""
+    if not isinstance(value, dict):
+        return value
+    if not all(key and "/" not in key for key in value):
+        return OneValue(value)
+    return {key: _with_values(each) for key, each in value.items()}
+
+
+def native(value: Any) -> Any:
+    """Return a value from the JSON of parameters with bytes, dates and NaN as such."""
+    match value:
+        case None:
+            return math.nan
+        case {"$binary": str() as text} if len(value) == 1:
+            return base64.b64decode(text)
+        case {"$date": str() as text} if len(value) == 1:
+            return datetime.fromisoformat(text)
+        case dict():
+            return {key: native(each) for key, each in value.items()}
+        case list():
+            return [native(each) for each in value]
+    return value
 
 
 def pretty(value: Any, indent: str = "") -> Iterator[str]:
@@ -75,7 +126,19 @@ def parse(text: str) -> Any:
 
 
 def parameters(text: str, namespace: str) -> list[tuple[str, str]]:
-    """Return the parameters in the text of a file, as `leaves`.
+    """Return the parameters in the text of a file with their values in JSON; see `entries`."""
+    return [
+        (name, json.dumps(value, ensure_ascii=False, default=_marked))
+        for name, value in entries(text, namespace)
+        if value != {} or isinstance(value, OneValue)
+    ]
+
+
+def entries(text: str, namespace: str) -> list[tuple[str, Any]]:
+    """Return the names and the values of the parameters in the text of a file.
+
+    Values may be bytes, dates with a time, NaN, and an empty dict for a namespace with nothing
+    in it.
 
     Args:
         text: YAML with angles, of one document or several.
@@ -85,14 +148,14 @@ def parameters(text: str, namespace: str) -> list[tuple[str, str]]:
         InvalidValue: invalid YAML.
         ParameterError: a value that parameters cannot have.
     """
-    found = []
+    found: list[tuple[str, Any]] = []
     for document in parsing.documents(text, loader()):
         above = namespace
         if isinstance(document, dict) and isinstance(document.get(NAMESPACE), str):
             inner = document.pop(NAMESPACE)
             above = inner if inner.startswith("/") else names.join(namespace, inner)
         if document is not None:
-            found += leaves(above, document)
+            found += _entries(above, document)
     return found
 
 
@@ -108,29 +171,35 @@ def leaves(name: str, value: Any) -> list[tuple[str, str]]:
         parsing.check_size(value)
     except InvalidValue as error:
         raise ParameterError(f"Parameter [{name}]: {error}") from None
-    return list(_leaves(name, value))
+    return [(each, _json(each, leaf)) for each, leaf in _entries(name, value) if leaf != {}]
 
 
-def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
-    if isinstance(value, dict):
-        for key, each in value.items():
-            if not isinstance(key, str):
-                raise ParameterError(
-                    f"Parameter [{name}]: key {key!r} is not a string: quote it, '\"{key}\"'"
-                )
-            yield from _leaves(names.join(name, key), each)
-        return
-    if name == "/":
-        raise ParameterError("/ is the root namespace: its value must be an object")
-    if _has_null(value):
-        raise ParameterError(f"Parameter [{name}]: null is not allowed; use delete to unset it")
+def _json(name: str, value: Any) -> str:
     try:
-        yield name, json.dumps(value, ensure_ascii=False, allow_nan=False, default=_refuse)
+        return json.dumps(value, ensure_ascii=False, allow_nan=False, default=_refuse)
     except ValueError as error:
         fault = str(error)
         if isinstance(value, float) and not math.isfinite(value):
             fault = f"{value} is not a JSON number"
         raise ParameterError(f"Parameter [{name}]: {fault}") from None
+
+
+def _entries(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, dict) and not isinstance(value, OneValue):
+        for key, each in value.items():
+            if not isinstance(key, str):
+                raise ParameterError(
+                    f"Parameter [{name}]: key {key!r} is not a string: quote it, '\"{key}\"'"
+                )
+            yield from _entries(names.join(name, key), each)
+        if not value and name != "/":
+            yield name, value
+        return
+    if name == "/":
+        raise ParameterError("/ is the root namespace: its value must be an object")
+    if _has_null(value):
+        raise ParameterError(f"Parameter [{name}]: null is not allowed; use delete to unset it")
+    yield name, value
 
 
 def _has_null(value: Any) -> bool:
@@ -139,7 +208,16 @@ def _has_null(value: Any) -> bool:
     return value is None
 
 
-def _refuse(value: object) -> None:
+def _marked(value: object) -> dict[str, str]:
+    """Return what JSON lacks as an object."""
+    if isinstance(value, bytes):
+        return {BINARY: base64.b64encode(value).decode()}
+    if isinstance(value, datetime):
+        return {DATE: value.isoformat()}
+    _refuse(value)
+
+
+def _refuse(value: object) -> NoReturn:
     if isinstance(value, bytes):
         raise ValueError("bytes are not allowed")
     raise ValueError(f"{value} is a {type(value).__name__} in YAML: quote it to make it a string")
@@ -152,14 +230,36 @@ def loader() -> type[yaml.SafeLoader]:
     class Loader(yaml.SafeLoader):
         pass
 
-    for tag, word, angle in (("!degrees", "deg", degrees), ("!radians", "rad", radians)):
+    def construct_value(loader: Any, node: Any) -> OneValue:
+        return OneValue(loader.construct_mapping(node, deep=True))
+
+    for (tag, _), angle in zip(ANGLES, (degrees, radians), strict=True):
 
         def construct(loader: Any, node: Any, angle: Callable[[str], float] = angle) -> float:
             return angle(str(loader.construct_scalar(node)))
 
         Loader.add_constructor(tag, construct)
-        Loader.add_implicit_resolver(tag, re.compile(rf"{word}\([^)]*\)$"), [word[0]])
+    Loader.add_constructor(VALUE, construct_value)
+    _resolve_angles(Loader)
     return Loader
+
+
+def _dumper(base: Any) -> Any:
+    class Dumper(base):  # type: ignore[misc]
+        pass
+
+    def represent_value(dumper: Any, value: OneValue) -> Any:
+        return dumper.represent_mapping(VALUE, value)
+
+    Dumper.add_representer(OneValue, represent_value)
+    _resolve_angles(Dumper)
+    return Dumper
+
+
+def _resolve_angles(reader_or_writer: Any) -> None:
+    for tag, word in ANGLES:
+        pattern = re.compile(rf"{word}\([^)]*\)$")
+        reader_or_writer.add_implicit_resolver(tag, pattern, [word[0]])
 
 
 def degrees(text: str) -> float:

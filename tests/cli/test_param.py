@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
 from pathlib import Path
 
 import pytest
@@ -119,6 +121,34 @@ def test_dumped_parameters_can_be_loaded(run: Run, tmp_path: Path) -> None:
     assert printed == Path(file).read_text()
     run("param", "load", "-", "/piped", input=printed)
     assert run("param", "get", "--json", "piped").output == robot
+
+
+def test_dump_and_load_keep_every_value(run: Run, tmp_path: Path) -> None:
+    text = "angle: 'deg(90)'\nbytes: !!binary AP8=\ndate: 2026-01-31 12:00:00\nn: [.nan, -.inf]\n"
+    result = run("param", "load", "-", "/first", input=text)
+    assert (result.exit_code, result.output) == (0, "")
+    first = run("param", "dump", "-", "/first").output
+    run("param", "load", "-", "/second", input=first)
+    assert run("param", "dump", "-", "/second").output == first
+    for shown in ("'deg(90)'", "!!binary", "2026-01-31 12:00:00", ".nan", "-.inf"):
+        assert shown in first
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no such device")
+def test_dump_that_fails_leaves_the_old_file(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    path = tmp_path / "robot.yaml"
+    path.write_text("old: 1\n")
+    monkeypatch.setattr(os, "replace", full)
+    result = run("param", "dump", str(path))
+    assert result.exit_code == 1
+    assert f"{path}: No space left on device" in result.stderr
+    assert path.read_text() == "old: 1\n" and list(tmp_path.iterdir()) == [path]
+    assert "/dev/full: No space left" in run("param", "dump", "/dev/full").stderr
 
 
 def test_dump_prints_everything(run: Run) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 import re
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from random_inputs import examples
 
@@ -22,6 +23,20 @@ VALUES: st.SearchStrategy[Any] = st.recursive(
     lambda inner: st.lists(inner, max_size=4),
     max_leaves=4,
 )
+TEXTS = st.text() | st.sampled_from(
+    ["deg(90)", "rad(x)", "1e3", "1:30", "~", "<<", "=", "2026-01-31"]
+)
+SPECIAL: st.SearchStrategy[Any] = st.recursive(
+    st.booleans()
+    | st.integers()
+    | st.floats()
+    | TEXTS
+    | st.binary()
+    | st.datetimes().map(lambda date: date.replace(fold=0)),
+    lambda inner: st.lists(inner, max_size=4),
+    max_leaves=4,
+)
+TREES = st.dictionaries(KEYS, SPECIAL | st.dictionaries(st.text(), SPECIAL, max_size=3), max_size=4)
 SPACES = st.recursive(
     st.dictionaries(KEYS, VALUES, min_size=1, max_size=4),
     lambda inner: st.dictionaries(KEYS, VALUES | inner, min_size=1, max_size=4),
@@ -46,6 +61,36 @@ def tree(leaves: list[tuple[str, str]]) -> dict[str, Any]:
 def test_dumped_parameters_are_loaded_unchanged(space: dict[str, Any]) -> None:
     space = json.loads(json.dumps(space))
     assert tree(parameter_files.parameters(parameter_files.dumped(space), "/")) == space
+
+
+def in_order(value: Any) -> Any:
+    return (
+        {key: in_order(each) for key, each in sorted(value.items())}
+        if isinstance(value, dict)
+        else value
+    )
+
+
+def restored(entries: list[tuple[str, Any]]) -> dict[str, Any]:
+    """What a parameter server has when all of these are set."""
+    root: dict[str, Any] = {}
+    for name, value in entries:
+        *above, last = name.split("/")[1:]
+        space = root
+        for key in above:
+            space = space.setdefault(key, {})
+        space[last] = value
+    return root
+
+
+@examples(0.3)
+@given(TREES)
+@example({"angle": "deg(90)", "text": "rad(x)", "none": {}, "one": {"a/b": 1}, "nan": [math.nan]})
+@example({"bytes": b"\0\xff", "date": datetime(2026, 1, 31, 12, 0, 0, 5), "inf": math.inf})
+def test_saved_parameters_are_restored_exactly(space: dict[str, Any]) -> None:
+    text = parameter_files.saved(space)
+    after = restored(parameter_files.entries(text, "/"))
+    assert repr(in_order(after)) == repr(in_order(space))  # It shows every bit.
 
 
 @pytest.mark.parametrize(
