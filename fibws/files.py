@@ -15,13 +15,16 @@ _BINARY = getattr(os, "O_BINARY", 0)
 """Without it, Windows would change line ends."""
 
 
-def replace_file(path: Path, content: bytes, mode: int = 0o666, *, keep: bool = False) -> None:
+def replace_file(
+    path: Path, content: bytes, mode: int = 0o666, *, keep: bool = False, sync: bool = False
+) -> None:
     """Write a file in one step, so that a reader gets either the old content or the new one.
 
     Args:
         mode: the permissions of the file, from which the umask is removed.
         keep: whether a file that exists keeps its owner and its permissions, and whether a
             symbolic link is followed instead of replaced.
+        sync: wait until the content is on the disk, so that the file is whole after a power cut.
 
     Raises:
         OSError: it cannot be written, or its owner cannot be kept.
@@ -33,6 +36,9 @@ def replace_file(path: Path, content: bytes, mode: int = 0o666, *, keep: bool = 
         descriptor = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, mode)
         with open(descriptor, "wb") as file:
             file.write(content)
+            if sync:
+                file.flush()
+                os.fsync(file.fileno())
         if keep and path.exists():
             _copy_owner_and_mode(path, new)
         os.replace(new, path)

@@ -50,7 +50,7 @@ BELOW = {
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
     | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"}
-    | {"exit_signals"},
+    | {"exit_signals", "values"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
@@ -110,7 +110,7 @@ BELOW_IN_HUB = {
     | {"hub.audit", "hub.byte_room", "hub.delivery", "hub.log_text", "hub.settings"}
     | {"hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
-    | {"origins", "hub.memory"}
+    | {"origins", "hub.memory", "hub.kept_file"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces"}
     | {"protocol.refusals", "protocol.websocket"}

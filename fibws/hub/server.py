@@ -202,7 +202,7 @@ class Hub:
         self._readers = WorkerThreads(loop, most=1)
         end.push_async_callback(self._readers.close)
         self._enter_own_nodes(server)
-        self._federate()
+        self._federate(await self._load_parameters())
         self._prepare_recording()
         await self._join_ros1()
         self._answer_requests()
@@ -414,12 +414,34 @@ class Hub:
         finally:
             recording.remove()
 
-    def _federate(self) -> None:
+    async def _load_parameters(self) -> dict[str, int]:
+        """Set the parameters of a file, if the settings name one, and keep it up to date.
+
+        Returns:
+            When each was set at the latest, in nanoseconds since 1970.
+        """
+        path = self.settings.params
+        if path is None:
+            return {}
+        from fibws.hub.parameter_file import ParameterFile  # Most hubs have none.
+
+        kept = ParameterFile(
+            path, self.graph.parameters, self._own.parameters, is_kept=self.settings.keep_params
+        )
+        if self.settings.keep_params:
+            self._end.enter_context(kept.file.reserved())
+        found = await kept.load()
+        if self.settings.keep_params:
+            kept.watch()
+            self._end.push_async_callback(kept.file.close)
+        return found
+
+    def _federate(self, loaded: dict[str, int]) -> None:
         """Let other hubs join this one, and prepare to join others."""
         name = self.settings.hub_name or socket.gethostname().partition(".")[0]
         hub = HubInfo(id=secrets.token_hex(8), name=name, version=__version__)
         loop = asyncio.get_running_loop()
-        self.federation = Federation(self.graph, hub, loop, self.settings, self.audit)
+        self.federation = Federation(self.graph, hub, loop, self.settings, self.audit, loaded)
         self._end.callback(self.federation.close)
         principal = partial(self._network_principal, "join")
         try:

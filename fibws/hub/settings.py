@@ -191,6 +191,12 @@ class Settings:
     record_buffer: int = _setting(
         256, "Megabytes (MiB) of messages that may wait for the disk; then the oldest are dropped."
     )
+    params: Path | None = _setting(
+        None, "YAML file of parameters to set at the start, as from `fibws param dump`."
+    )
+    keep_params: bool = _setting(
+        False, "Write the parameters to the file of --params after changes, and at the end."
+    )
     interfaces: tuple[Path, ...] = _setting(
         (), "Folder of message definitions (PACKAGE/msg/*.msg); may be repeated."
     )
@@ -322,6 +328,8 @@ class Settings:
             raise HubError(f"--log-format must be text or json, got {self.log_format}")
         self._check_tls()
         self._check_record()
+        if self.keep_params and self.params is None:
+            raise HubError("--keep-params requires --params, the file to keep them in")
         self._check_join()
         self._check_addresses()
         self._check_endpoints()

@@ -40,6 +40,7 @@ FILES: dict[str, dict[str, Any]] = {
     "ros1_state": ROS1,
     "zenoh_config": ZENOH,
     "record": {},
+    "params": {},
     "interfaces": {},
 }
 """The settings that name a file or a folder, and the settings that they need besides."""
@@ -191,6 +192,8 @@ async def everything(tmp_path: Path, authority: Authority) -> AsyncIterator[dict
             "ros1": 0,
             "ros1_state": tmp_path / "state" / "ros1.json",
             "record": tmp_path / "bags",
+            "params": tmp_path / "params.yaml",
+            "keep_params": True,
             "join": (other.url,),
             "zenoh_listen": ("tcp/127.0.0.1:0",),
             "ros2": ("tcp/127.0.0.1:0",),

@@ -12,7 +12,7 @@ no loops, and no message arrives twice.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, replace
 from functools import partial
 from typing import Any, Protocol
@@ -57,7 +57,13 @@ class Federation:
     """
 
     def __init__(
-        self, graph: Graph, hub: HubInfo, loop: Loop, settings: Settings, audit: Audit
+        self,
+        graph: Graph,
+        hub: HubInfo,
+        loop: Loop,
+        settings: Settings,
+        audit: Audit,
+        loaded: Mapping[str, int],
     ) -> None:
         self.hub = hub
         self.graph = graph
@@ -83,7 +89,7 @@ class Federation:
             flowing=self._flowing,
         )
         self._parameters = SharedParameters(
-            graph, hub.id, settings.share_params, partial(self._changed, "parameters")
+            graph, hub.id, settings.share_params, partial(self._changed, "parameters"), loaded
         )
         self._logs = LogReader(
             graph,

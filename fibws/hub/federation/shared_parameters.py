@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 from bisect import bisect_left, insort
 from collections import OrderedDict
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 
 from pydantic_core import from_json
 
@@ -37,6 +37,8 @@ class SharedParameters:
         hub: the id of this one.
         namespaces: those that are shared with all hubs, under the same names.
         changed: called with the name of a parameter whose record has changed.
+        loaded: the parameters that are older than the hub, with the times at which they were set;
+            others that are there are the hub's own, and are not shared.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class SharedParameters:
         hub: str,
         namespaces: Collection[str],
         changed: Callable[[str], object],
+        loaded: Mapping[str, int],
     ) -> None:
         self.records: dict[str, ParameterRecord] = {}
         """By name."""
@@ -54,7 +57,8 @@ class SharedParameters:
         self._hub = hub
         self._namespaces = tuple(namespaces)
         self._changed = changed
-        self._own = frozenset(graph.parameters.names())
+        self._loaded = dict(loaded)
+        self._own = frozenset(graph.parameters.names()) - self._loaded.keys()
         """Parameters that the hub sets for itself, such as /run_id."""
         self._followed: set[str] = set()
         """The namespaces whose changes are recorded."""
@@ -132,12 +136,18 @@ class SharedParameters:
         return any(_is_in(name, namespace) for namespace in self._namespaces)
 
     def _follow(self, namespace: str) -> None:
-        """Record all changes of a namespace from now on; what is there counts as set now."""
+        """Record all changes of a namespace from now on.
+
+        What is there counts as set now, unless it was loaded.
+        """
         if namespace not in self._followed:
             self._followed.add(namespace)
             self._compare(namespace)
 
     def _parameter_changed(self, name: str, node: str) -> None:
+        if self._loaded:
+            for each in (name, *self._graph.parameters.leaves(name)):
+                self._loaded.pop(each, None)
         for namespace in self._followed:
             if _is_in(name, namespace):
                 self._compare(name)
@@ -155,7 +165,8 @@ class SharedParameters:
             older = self.records.get(each)
             if value != (older.value if older is not None else None):
                 earliest = older.stamp + 1 if older is not None else 0
-                stamp = min(max(self._graph.now(), earliest), LATEST)
+                now = self._loaded.get(each) if older is None else None
+                stamp = min(max(now or self._graph.now(), earliest), LATEST)
                 self._keep(each, ParameterRecord(stamp=stamp, hub=self._hub, value=value))
                 self._changed(each)
 

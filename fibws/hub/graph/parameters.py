@@ -111,6 +111,15 @@ class Parameters:
         _write(found, parts)
         return b"".join(parts)
 
+    def tree(self) -> Namespace:
+        """Return the root namespace itself, which changes; other threads may read it.
+
+        They iterate over copies of its dicts. Values are JSON, and never change.
+        """
+        root = self._above[""]
+        assert isinstance(root, dict)
+        return root
+
     def has(self, name: str) -> bool:
         """Return whether there is a parameter or namespace of this name; raises `InvalidName`."""
         return self._find(_path(name)) is not None

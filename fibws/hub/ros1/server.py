@@ -149,7 +149,7 @@ class Ros1Server:
             if settings.ros1_state is not None:
                 state.check()
             self._end.enter_context(state.reserved())
-            for saved in state.read():
+            for saved in state.nodes():
                 self.nodes.restore(saved)
             self._end.callback(self._forget_state)
             self._end.push_async_callback(state.close)

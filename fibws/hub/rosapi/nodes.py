@@ -262,6 +262,8 @@ class OwnNodes:
         graph.reserved.update({"/rosout_agg", *PUBLISHED} - {ROSOUT})
         graph.guards[ROSOUT] = self._check_author
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port, address=address)
+        self.parameters = graph.parameters.names()
+        """The parameters that the hub sets for itself."""
         self._sources = {
             (node, topic): graph.advertise(graph.topic(topic), node, type_)
             for topic, (nodes, type_) in PUBLISHED.items()

@@ -16,7 +16,7 @@ from conftest import StartHub
 import fibws
 from fibws.errors import HubError, NodeReplaced
 from fibws.files import replace_file
-from fibws.hub import Hub
+from fibws.hub import Hub, kept_file
 from fibws.hub.ros1 import nodes as module
 from fibws.hub.ros1 import state
 from fibws.msg.std_msgs import Int32
@@ -311,17 +311,17 @@ async def test_state_file_is_written_once_its_folder_is_writable(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(state, "DELAY", 0.0)
-    monkeypatch.setattr(state, "RETRY", 0.001)
+    monkeypatch.setattr(kept_file, "RETRY", 0.001)
     attempts = 0
 
-    def counted(path: Path, text: bytes) -> None:
+    def counted(path: Path, text: bytes, **options: bool) -> None:
         nonlocal attempts
         attempts += 1
         if attempts < 4:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        replace_file(path, text)
+        replace_file(path, text, **options)
 
-    monkeypatch.setattr(state, "replace_file", counted)
+    monkeypatch.setattr(kept_file, "replace_file", counted)
     path = tmp_path / "state.json"
     hub = await start_hub(ros1=0, ros1_state=path)
     assert hub.ros1 is not None
