@@ -24,7 +24,8 @@ FROM ${PYTHON_IMAGE}
 # USER below is a number because Kubernetes' runAsNonRoot does not look up names.
 # A new volume takes the owner and the mode of the folder that it is mounted on.
 RUN useradd --create-home --uid 10001 fibws \
- && install --directory --owner fibws --group fibws --mode 750 /etc/fibws/tokens /etc/fibws/prometheus
+ && install --directory --owner fibws --group fibws --mode 750 \
+    /etc/fibws/tokens /etc/fibws/prometheus /var/lib/fibws
 COPY --from=build /opt/fibws /opt/fibws
 COPY docker/with-node-name /usr/local/bin/
 # Unbuffered, so that `docker logs` shows output at once.

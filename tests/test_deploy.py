@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import re
 import shutil
+import ssl
 import subprocess
+import sys
 import urllib.error
 import urllib.request
-from collections.abc import Iterator, Mapping
+from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -20,8 +23,13 @@ import yaml
 from conftest import StartHub
 from patience import PATIENCE
 from prometheus_client.parser import text_string_to_metric_families
+from running_programs import Start
+from running_programs import start as start
+from websockets.asyncio.client import connect
 from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.http11 import Request
+from websockets.typing import Origin
 
 from fibws.access.token_file import digest_of
 from fibws.hub import Hub, Settings
@@ -44,6 +52,8 @@ COMPOSE_FILES = {
 }
 ALERTS = DEPLOY / "compose" / "prometheus" / "alerts.yml"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+SITE = "localhost:9443"
+"""What the tests call the site of Compose."""
 SHELL_VARIABLE = re.compile(r"\$\{\w+:-([^}]+)\}")
 
 
@@ -175,13 +185,55 @@ class TestCompose:
 
     def test_folders_of_tokens_belong_to_the_user_of_the_image(self) -> None:
         """A new volume takes them from the image; nobody else on the machine may read it."""
-        image = (ROOT / "Dockerfile").read_text("utf-8")
-        found = re.search(r"install --directory --owner fibws --group fibws --mode 750 (.*)", image)
+        image = (ROOT / "Dockerfile").read_text("utf-8").replace("\\\n", "")
+        options = "--directory --owner fibws --group fibws --mode 750"
+        found = re.search(rf"install {options} ([^&\n]*)", image)
         assert found is not None
-        assert set(found[1].split()) == set(mounts(COMPOSE["services"]["token"]))
+        services = COMPOSE["services"]
+        assert set(found[1].split()) == {*mounts(services["token"]), *mounts(services["hub"])}
         (user,) = re.findall(r"^USER (\d+)$", image, re.M)
         assert f"--uid {user} fibws" in image
         assert COMPOSE["services"]["prometheus"]["group_add"] == [user]
+
+    @needs("caddy")
+    async def test_strangers_at_the_proxy_shut_nobody_out(
+        self, tmp_path: Path, start: Start
+    ) -> None:
+        """The steps at the top of the file, with programs in place of containers."""
+        token = await asyncio.to_thread(made_token, tmp_path)
+        address = f"127.{os.getpid() >> 8 & 0xFF}.{os.getpid() & 0xFF}.1"
+        flags = [
+            re.sub(r"=(/etc/|/var/)", rf"={tmp_path}\1", flag)
+            for flag in COMPOSE["services"]["hub"]["command"][3:]
+            if not flag.startswith("--log-format")
+        ]
+        subnet, site = "${FIBWS_SUBNET:-172.30.90.0/24}", "${FIBWS_SITE:-localhost}"
+        assert any(subnet in flag for flag in flags) and any(site in flag for flag in flags)
+        values = {subnet: "127.0.0.1", site: SITE}
+        flags = [SHELL_VARIABLE.sub(lambda found: values[found[0]], flag) for flag in flags]
+        hub = await start("fibws.hub", *flags, "--port=0", "--host=127.0.0.1")
+        found = re.search(r"127\.0\.0\.1:\d+", await hub.line())
+        assert found is not None
+        async with caddy(tmp_path, address, found[0]) as trusted:
+
+            def client(at: str, token: str) -> connect:
+                return connect(
+                    f"wss://{SITE}/",
+                    host=address,
+                    local_addr=(at, 0),
+                    ssl=trusted,
+                    proxy=None,
+                    origin=Origin(f"https://{SITE}"),
+                    additional_headers={"Authorization": f"Bearer {token}"},
+                )
+
+            for _ in range(30):
+                with pytest.raises((InvalidStatus, ConnectionClosed)):
+                    async with client("127.0.0.2", "wrong") as stranger:
+                        await stranger.recv()
+            async with client("127.0.0.3", token) as robot:
+                await robot.send(json.dumps({"op": "subscribe", "topic": "/rosout"}))
+                await (await robot.ping())
 
     @needs("caddy")
     @pytest.mark.parametrize("variables", [{}, {"FIBWS_SITE": "robot.example"}])
@@ -199,6 +251,72 @@ class TestCompose:
         )
         assert list(strings_in(adapted, "dial")) == ["hub:9090"]
         assert variables.get("FIBWS_SITE", "localhost") in json.dumps(adapted)
+
+
+def made_token(root: Path) -> str:
+    """Make the tokens as the first lines of the file say; return the robot's."""
+    text = (DEPLOY / "compose" / "compose.yaml").read_text("utf-8").partition("x-service:")[0]
+    steps = re.findall(r"^#   (docker compose run .*(?:\n#     .*)?)$", text, re.MULTILINE)
+    lines = [step.replace("\n#", "\n") for step in steps if " revoke " not in step]
+    assert len(lines) == 2
+    programs = root / "programs"
+    for folder in (programs, root / "etc/fibws/tokens", root / "etc/fibws/prometheus"):
+        folder.mkdir(parents=True)
+    (root / "var/lib/fibws").mkdir(parents=True)
+    scripts = {
+        "fibws": f'exec {sys.executable} -m fibws "$@"',
+        "docker": 'shift 3; [ "$1" = token ] && exec fibws "$@"; shift 3; exec sh "$@"',
+    }
+    for name, script in scripts.items():
+        (programs / name).write_text(f"#!/bin/sh\n{script}\n")
+        (programs / name).chmod(0o755)
+    printed = checked(
+        *("bash", "-eu", "-c", "\n".join(lines).replace("/etc/fibws", f"{root}/etc/fibws")),
+        PATH=f"{programs}:/usr/bin:/bin",
+        FIBWS_TOKENS=f"{root}/etc/fibws/tokens/tokens.toml",
+    )
+    token, written = printed.split()[0], (root / "etc/fibws/prometheus/token").read_text()
+    assert written.startswith("fibws_") and not written.startswith(token)
+    return token
+
+
+@asynccontextmanager
+async def caddy(folder: Path, address: str, hub: str) -> AsyncIterator[ssl.SSLContext]:
+    """Run Caddy with the file of Compose at an address; yield what trusts its certificate."""
+    text = (DEPLOY / "compose" / "caddy" / "Caddyfile").read_text("utf-8")
+    assert "hub:9090" in text
+    options = f"admin off\nskip_install_trust\nauto_https disable_redirects\ndefault_bind {address}"
+    config = folder / "Caddyfile"
+    config.write_text(f"{{\n{options}\n}}\n{text.replace('hub:9090', hub)}")
+    process = await asyncio.create_subprocess_exec(
+        *("caddy", "run", "--config", str(config), "--adapter", "caddyfile"),
+        env={
+            "HOME": str(folder),
+            "PATH": "/usr/bin:/usr/local/bin",
+            "FIBWS_SITE": "localhost:9443",
+        },
+        stderr=asyncio.subprocess.PIPE,
+    )
+    root = folder / ".local/share/caddy/pki/authorities/local/root.crt"
+    try:
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                try:
+                    trusted = ssl.create_default_context(cafile=root)
+                    _, writer = await asyncio.open_connection(
+                        address, 9443, ssl=trusted, server_hostname="localhost"
+                    )
+                except OSError:
+                    assert process.returncode is None and process.stderr is not None
+                    await asyncio.sleep(0.01)
+                else:
+                    writer.close()
+                    break
+        yield trusted
+    finally:
+        if process.returncode is None:
+            process.terminate()
+        await process.communicate()
 
 
 def prometheus_files(folder: Path, token: str = "one", **replaced: str) -> Path:

@@ -7,8 +7,11 @@ import itertools
 import json
 import os
 import re
+import shlex
 import shutil
+import signal
 import subprocess
+import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
@@ -18,12 +21,16 @@ from urllib.parse import urljoin
 import pytest
 from certificates import Authority
 from certificates import authority as authority
+from running_programs import Start
+from running_programs import start as start
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
+import fibws
 from fibws.hub import Hub, Settings
 
-PAGE = (Path(__file__).parents[1] / "docs" / "operations.md").read_text("utf-8")
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "operations.md").read_text("utf-8")
 TIMEOUT = 30
 CLIENT = "127.9.8.7"
 """The address that clients have at the proxy."""
@@ -213,3 +220,84 @@ def test_systemd_accepts_the_service(tmp_path: Path) -> None:
         ["systemd-analyze", "verify", "--man=no", str(unit)], capture_output=True, text=True
     )
     assert "NoSuchSetting" in checked.stderr
+
+
+STUBS = {
+    # What needs the network, root or systemd; all of them record how they were called.
+    "git": "",
+    "groupadd": "",
+    "chgrp": "",
+    "systemctl": "",
+    "journalctl": "",
+    "install": 'exec /usr/bin/install $(printf "%s\n" "$@" | sed "/^--group$/,+1d")',
+    "python3": """
+        mkdir -p "$3/bin"
+        printf '#!/bin/sh\n[ "$2" = pip ] || exec %s "$@"\n' "$PYTHON" > "$3/bin/python"
+        printf '#!/bin/sh\nexec %s -m fibws "$@"\n' "$PYTHON" > "$3/bin/fibws"
+        chmod +x "$3"/bin/*""",
+}
+
+
+def moved(text: str, root: Path) -> str:
+    """Return a text with all absolute paths of the installation below a folder."""
+    return re.sub(r"(/opt/|/etc/|/var/lib/)", rf"{root}\1", text)
+
+
+def installed(root: Path) -> tuple[list[str], str]:
+    """Type the page's commands for systemd; return the calls of stubs, and what was printed."""
+    section = PAGE.partition("## As a systemd service\n")[2].partition("\n## ")[0]
+    steps = re.findall(r"^```console\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
+    stubs = root / "stubs"
+    for folder in (stubs, root / "fibws", root / "opt", root / "etc/systemd/system"):
+        folder.mkdir(parents=True)
+    (root / "fibws" / "deploy").symlink_to(ROOT / "deploy")
+    for name, script in STUBS.items():
+        (stubs / name).write_text(f'#!/bin/sh\necho {name} "$@" >> {root}/calls\n{script}\n')
+        (stubs / name).chmod(0o755)
+    ran = subprocess.run(
+        ["bash", "-eu", "-c", moved("".join(steps), root)],
+        cwd=root,
+        capture_output=True,
+        text=True,
+        env={"PATH": f"{stubs}:/usr/bin:/bin", "PYTHON": sys.executable, "HOME": str(root)},
+    )
+    assert ran.returncode == 0, ran.stderr
+    return (root / "calls").read_text().splitlines(), ran.stdout
+
+
+def mode(path: Path) -> int:
+    return path.stat().st_mode & 0o777
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs bash and install")
+async def test_hub_runs_after_the_commands_for_systemd(tmp_path: Path, start: Start) -> None:
+    calls, printed = await asyncio.to_thread(installed, tmp_path)
+    assert calls[-4:-2] == ["systemctl daemon-reload", "systemctl enable --now fibws-hub"]
+    etc = tmp_path / "etc" / "fibws"
+    assert mode(etc) == 0o750
+    for name in ("tokens.toml", "hub.toml"):
+        assert mode(etc / name) == 0o640
+        assert f"chgrp fibws {etc / name}" in calls
+    (token,) = re.findall(r"^fibws_\S+$|^[A-Za-z0-9_-]{20,}$", printed, re.MULTILINE)
+    unit = moved((tmp_path / "etc/systemd/system/fibws-hub.service").read_text(), tmp_path)
+    settings = dict(line.split("=", 1) for line in unit.splitlines() if "=" in line)
+    assert settings["SupplementaryGroups"] in " ".join(calls)
+    _, _, *words = shlex.split(settings["ExecStart"])
+    state = tmp_path / "var" / "lib" / settings["StateDirectory"]
+    state.mkdir(parents=True)
+    for expected in (None, 5):
+        hub = await start(*words, "--port", "0", STATE_DIRECTORY=str(state))
+        found = re.search(r"ws://127\.0\.0\.1:\d+", await hub.line())
+        assert found is not None
+        with pytest.raises(fibws.NotAuthorized):
+            async with fibws.Node("stranger", hub=found[0]) as node:
+                await node.params.get("/speed")
+        async with fibws.Node("robot", hub=found[0], token=token) as node:
+            assert await node.params.get("/speed", None) == expected
+            await node.params.set("/speed", 5)
+        hub.send(signal.SIGTERM)
+        code, _, error = await hub.end()
+        assert code == 0, error
+    assert [each.name for each in state.iterdir() if not each.name.startswith(".")] == [
+        "params.yaml"
+    ]

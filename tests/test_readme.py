@@ -218,7 +218,7 @@ def test_generated_module_of_the_users_own_package_can_be_imported(folder: Path)
 def commands(page: str) -> Iterator[list[str]]:
     """Yield the words of each command in a page's blocks for terminals, comments left out."""
     for block in re.findall(r"^```console[^\n]*\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
-        for line in block.splitlines():
+        for line in block.replace("\\\n", "").splitlines():
             for part in line.split(" && "):
                 yield shlex.split(part.removesuffix(" &"), comments=True)
 
