@@ -15,8 +15,10 @@ from urllib.parse import quote, unquote
 
 from websockets.http11 import Response
 
+from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError
 from fibws.hub.access.authentication import Authentication
+from fibws.hub.audit import Audit
 from fibws.hub.byte_room import ByteRoom, Reservation
 from fibws.hub.recording import Recording
 from fibws.hub.websocket.http import (
@@ -45,6 +47,7 @@ class RecordingRoute:
         authentication: None on a hub without authentication.
         threads: read the files.
         room: for files on their way to clients.
+        audit: records refusals.
     """
 
     PATH = "/recordings/"
@@ -56,8 +59,10 @@ class RecordingRoute:
         authentication: Authentication | None,
         threads: WorkerThreads,
         room: ByteRoom,
+        audit: Audit,
     ) -> None:
         self._requests = requests
+        self._audit = audit
         self._recording = recording
         self._authentication = authentication
         self._threads = threads
@@ -69,10 +74,13 @@ class RecordingRoute:
         if refusal is not None:
             return text_response(http.HTTPStatus.FORBIDDEN, refusal)
         try:
-            if not self._is_admin(get):
+            principal = self._principal(get)
+            if principal is not None and not principal.rights.admin:
                 fault = "recordings need a token with the right admin"
+                self._audit.refused("right", fault, principal=principal.title, ip=get.address)
                 return text_response(http.HTTPStatus.FORBIDDEN, fault)
         except AuthenticationError as error:
+            self._audit.refused("authentication", f"{self.PATH}: {error}", ip=get.address)
             found = text_response(http.HTTPStatus.UNAUTHORIZED, str(error))
             found.headers["WWW-Authenticate"] = "Bearer"
             return found
@@ -87,13 +95,14 @@ class RecordingRoute:
         make = partial(self._make, path, reservation)
         return DeferredResponse(make, self._threads.run, reservation.end)
 
-    def _is_admin(self, get: Get) -> bool:
+    def _principal(self, get: Get) -> Principal | None:
+        """Return who asks; None on a hub without authentication."""
         if self._authentication is None:
-            return True
+            return None
         login = self._authentication.log_in(get.headers, "/", (), get.certificate, get.address)
         if login is None:
             raise AuthenticationError("missing token")
-        return login.principal.rights.admin
+        return login.principal
 
     def _make(self, path: Path, reservation: Reservation) -> Response:
         """Open a file; in any thread."""

@@ -207,6 +207,7 @@ class AssetRoute:
         authentication: None on a hub without authentication.
         threads: read and compress the files.
         room: for files on their way to clients, by any protocol.
+        refused: records why a login was refused, and the client's address.
     """
 
     PATH = "/assets/package/"
@@ -218,8 +219,10 @@ class AssetRoute:
         authentication: Authentication | None,
         threads: WorkerThreads,
         room: ByteRoom,
+        refused: Callable[[str, str], object],
     ) -> None:
         self._requests = requests
+        self._refused = refused
         self._assets = assets
         self._authentication = authentication
         self._threads = threads
@@ -234,6 +237,7 @@ class AssetRoute:
         try:
             named = self._assets.named(self._rights(get))
         except AuthenticationError as error:
+            self._refused(f"{self.PATH}: {error}", get.address)
             found = _refusal(http.HTTPStatus.UNAUTHORIZED, str(error))
             found.headers["WWW-Authenticate"] = "Bearer"
             return _shared(found, origin)

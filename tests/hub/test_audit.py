@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
+import urllib.error
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -223,6 +226,58 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
         found = events(caplog)[-1]
         assert (found["event"], found["reason"], found["ip"]) == ("refused", reason, "127.0.0.1")
         assert found.get("principal") == (None if reason == "authentication" else "guest")
+
+    async def test_operations_without_a_token_are_recorded_once(
+        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        async with connected(guarded.port) as client:
+            for _ in range(3):
+                await client.send_operation("call_service", service="/rosapi/get_time")
+                assert (await client.receive())["op"] == "status"
+        (found,) = events(caplog)
+        assert found == {"event": "refused", "reason": "authentication", "ip": "127.0.0.1"}
+        (record,) = (each for each in caplog.records if each.levelno >= logging.WARNING)
+        assert "call_service: this hub needs a token" in record.getMessage()
+        assert guarded.audit.refusals["authentication"] == 1
+
+    @pytest.mark.parametrize("protocol", ["foxglove.sdk.v1", "fibws.hub.v1", "fibws.v1", ""])
+    async def test_client_without_a_token_is_recorded_in_each_protocol(
+        self,
+        start_hub: StartHub,
+        tmp_path: Path,
+        caplog: pytest.LogCaptureFixture,
+        protocol: str,
+    ) -> None:
+        path = tmp_path / "tokens.toml"
+        path.write_text(self.FILE, "utf-8")
+        hub = await start_hub(tokens=path, auth_timeout=0.01)
+        headers: dict[str, Any] = {"Sec-WebSocket-Protocol": protocol} if protocol else {}
+        async with connected(hub.port, **headers) as client:
+            await client.is_closed()
+        (found,) = events(caplog)
+        assert found == {"event": "refused", "reason": "authentication", "ip": "127.0.0.1"}
+
+    @pytest.mark.parametrize("token", [None, "wrong"])
+    @pytest.mark.parametrize("path", ["/metrics", "/assets/package/a/b.stl", "/recordings/a.bag"])
+    async def test_requests_that_need_a_token_are_recorded(
+        self,
+        start_hub: StartHub,
+        tmp_path: Path,
+        caplog: pytest.LogCaptureFixture,
+        path: str,
+        token: str | None,
+    ) -> None:
+        tokens = tmp_path / "tokens.toml"
+        tokens.write_text(self.FILE, "utf-8")
+        hub = await start_hub(tokens=tokens, record=tmp_path / "bags", record_at_start=False)
+        headers = {"Authorization": f"Bearer {token}"} if token is not None else {}
+        request = urllib.request.Request(f"http://127.0.0.1:{hub.port}{path}", headers=headers)
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            await asyncio.to_thread(urllib.request.urlopen, request)
+        refused.value.close()
+        assert refused.value.code == 401
+        (found,) = events(caplog)
+        assert found == {"event": "refused", "reason": "authentication", "ip": "127.0.0.1"}
 
     async def test_missing_right_is_recorded_whatever_needs_it(
         self, guarded: Hub, caplog: pytest.LogCaptureFixture

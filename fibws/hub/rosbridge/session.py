@@ -145,7 +145,7 @@ class TokenWait:
         self._rosbridge = rosbridge
         self._opening = opening
         self._serialized = serialized
-        self._statuses = Statuses("a client without a token", opening.queue, codes=serialized)
+        self._statuses = Statuses("", opening.queue, codes=serialized, is_logged=False)
         self._refused = 0
 
     def receive_text(self, data: Payload) -> Work:
@@ -213,6 +213,8 @@ class TokenWait:
 
     def _refuse(self, id_: object, text: str, code: str) -> None:
         self._refused += 1
+        if self._refused == 1:  # The others are of the same client, which is closed in the end.
+            self._opening.refused(text)
         if self._refused > MOST_REFUSED:
             self._opening.close(MISSING_TOKEN)
         else:

@@ -31,12 +31,14 @@ class Statuses:
         node: the client's name, for the log.
         report: reports each error to others than the client and the log.
         codes: whether errors are sent with their codes, as on connections of ``fibws.v1``.
+        is_logged: whether errors are logged.
     """
 
     __slots__ = (
         "_codes",
         "_displaced",
         "_errors",
+        "_is_logged",
         "_level",
         "_node",
         "_queue",
@@ -45,12 +47,19 @@ class Statuses:
     )
 
     def __init__(
-        self, node: str, queue: SendQueue, report: Report = ignore, *, codes: bool
+        self,
+        node: str,
+        queue: SendQueue,
+        report: Report = ignore,
+        *,
+        codes: bool,
+        is_logged: bool = True,
     ) -> None:
         self._node = node
         self._report = report
         self._queue = queue
         self._codes = codes
+        self._is_logged = is_logged
         self._displaced = 0
         self._errors = ErrorLog(node)
         self.set_level("error")
@@ -70,7 +79,8 @@ class Statuses:
             fault: an error within the hub, whose traceback is logged.
             code: names the error for programs.
         """
-        self._errors.add(text, code=code, fault=fault)
+        if self._is_logged:
+            self._errors.add(text, code=code, fault=fault)
         self._send("error", id_, text, code)
         self._report(self._node, text)
 

@@ -497,6 +497,7 @@ class Connection(asyncio.BufferedProtocol):
             address=self.peer,
             principal=self.principal,
             log_in=log_in,
+            refused=partial(shared.audit.refused, "authentication", ip=self.address),
             replace=self._enter,
             count_operations=self._reader.count_operations,
             limit_unsent=partial(limit_unsent, self._transport),

@@ -144,6 +144,7 @@ class Opening:
         principal: the client's principal; None before its login, or without authentication.
         log_in: returns the principal of a token, or raises `AuthenticationError`; None on a hub
             without authentication.
+        refused: records why an operation was refused that came before the login.
         replace: gives the connection to another endpoint.
         count_operations: counts operations of a message beyond the first as messages, too.
         limit_unsent: sets how many bytes may wait at the socket before the queue is paused.
@@ -157,6 +158,7 @@ class Opening:
     close: Callable[[CloseReason], None]
     principal: Principal | None = None
     log_in: Callable[[str], Principal] | None = None
+    refused: Callable[[str], None] = lambda reason: None
     replace: Callable[[Endpoint], None] | None = None
     count_operations: Callable[[int], None] = lambda count: None
     limit_unsent: Callable[[int], None] = lambda size: None
