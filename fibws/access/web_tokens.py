@@ -10,6 +10,7 @@ Which algorithm counts is a setting and not the token's choice (RFC 8725, sectio
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -104,7 +105,7 @@ class WebTokens:
         except jwt.ExpiredSignatureError:
             raise AuthenticationError("the token expired") from None
         except (jwt.PyJWTError, ValueError) as error:
-            raise AuthenticationError(f"invalid token: {error}") from None
+            raise AuthenticationError(f"invalid token: {self._fault(error)}") from None
         try:
             name = check_name(claims["sub"])
             if name == ANONYMOUS:
@@ -123,6 +124,26 @@ class WebTokens:
         except OverflowError:
             raise AuthenticationError("invalid token: exp is too large") from None
         return Principal(name, parsed, expires, limits, "JWT")
+
+    def _fault(self, error: Exception) -> str:
+        """Return why the library refuses a token."""
+        jwt = self._jwt
+        named = re.search(r"\((exp|nbf|iat)\)", str(error))
+        match error:
+            case jwt.ImmatureSignatureError():
+                return f"it is not valid yet ({named[1] if named else 'nbf'})"
+            case jwt.InvalidSignatureError():
+                return "its signature is not by the hub's key"
+            case jwt.InvalidAlgorithmError():
+                return f"its algorithm (alg) must be {self._algorithm}"
+            case jwt.MissingRequiredClaimError():
+                return f"missing {error.claim}"
+            case jwt.InvalidAudienceError():
+                expected = f" but {self._audience}" if self._audience else ""
+                return f"its audience (aud) is not this hub{expected}"
+        if "Subject" in str(error):  # Older versions of the library have no class for it.
+            return "sub must be a string"
+        return f"{named[1]} must be an integer" if named else "it is not a JSON web token"
 
     def _key_for(self, token: str) -> Any:
         wanted = self._jwt.get_unverified_header(token).get("kid")
@@ -174,10 +195,20 @@ class WebTokens:
         return key
 
     def _key_set(self, data: bytes) -> list[tuple[str | None, Any]]:
+        fault = f"{self._path} is not a set of keys (JWKS)"
         try:
-            keys = self._jwt.PyJWKSet.from_dict(json.loads(data)).keys
-        except (ValueError, TypeError, AttributeError, self._jwt.PyJWTError) as error:
-            raise AccessError(f"{self._path} is not a set of keys (JWKS): {error}") from None
+            document = json.loads(data)
+        except json.JSONDecodeError as error:
+            place = f"line {error.lineno}, column {error.colno}"
+            raise AccessError(f"{fault}: invalid JSON ({place})") from None
+        except (ValueError, RecursionError):
+            raise AccessError(f"{fault}: invalid JSON") from None
+        if "kty" in document:
+            raise AccessError(f'{fault} but one key; write {{"keys": [KEY]}}')
+        try:
+            keys = self._jwt.PyJWKSet.from_dict(document).keys
+        except (ValueError, TypeError, AttributeError, self._jwt.PyJWTError):
+            raise AccessError(f'{fault}: it needs "keys", a list with valid public keys') from None
         found = [
             (each.key_id, self._strong(each.key))
             for each in keys

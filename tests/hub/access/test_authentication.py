@@ -304,6 +304,11 @@ WRONG: dict[str, str] = {
     ),
     "expiry among the rights": signed({"fibws": {"expires": "2027-01-01"}}),
     "expiry beyond numbers": signed({"exp": 10**400}),
+    "odd expiry": signed({"exp": "soon"}),
+    "odd issue": signed({"iat": "x"}),
+    "issued later": signed({"iat": 4_000_000_000}),
+    "no text for a subject": signed({"sub": 5}),
+    "no JSON": "YQ.YQ.YQ",
     "odd claim": signed({"fibws": "admin"}),
     "somebody else's": signed({"aud": "other"}),
     "not a token": "a.b.c",
@@ -317,6 +322,33 @@ def test_wrong_web_token_is_refused(tmp_path: Path, token: str) -> None:
     with pytest.raises(AuthenticationError) as raised:
         authentication.log_in_by_token(token, ADDRESS)
     assert len(str(raised.value)) < 500
+
+
+@pytest.mark.parametrize(
+    ("token", "fault"),
+    [
+        ("another key", "its signature is not by the hub's key"),
+        ("no signature", "its algorithm (alg) must be HS256"),
+        ("another algorithm", "its algorithm (alg) must be HS256"),
+        ("expired", "the token expired"),
+        ("not yet valid", "it is not valid yet (nbf)"),
+        ("no subject", "missing sub"),
+        ("odd expiry", "exp must be an integer"),
+        ("expiry beyond numbers", "exp is too large"),
+        ("odd issue", "iat must be an integer"),
+        ("issued later", "it is not valid yet (iat)"),
+        ("no text for a subject", "sub must be a string"),
+        ("somebody else's", "its audience (aud) is not this hub"),
+        ("not a token", "it is not a JSON web token"),
+        ("no JSON", "it is not a JSON web token"),
+    ],
+)
+def test_error_says_what_is_wrong_with_a_web_token(tmp_path: Path, token: str, fault: str) -> None:
+    """In words of the hub, none of the library."""
+    authentication = web_tokens(tmp_path, SECRET)
+    with pytest.raises(AuthenticationError) as raised:
+        authentication.log_in_by_token(WRONG[token], ADDRESS)
+    assert str(raised.value).removeprefix("invalid token: ") == fault
 
 
 def test_public_key_is_no_secret(tmp_path: Path) -> None:
@@ -349,7 +381,11 @@ def test_audience_must_be_the_hub(tmp_path: Path) -> None:
         (SECRET, "HS512", "HS256"),
         (b"no key", "RS256", "PEM"),
         (b'{"keys": []}', "RS256", "JWKS"),
-        (b'{"keys": 1}', "RS256", "JWKS"),
+        (b'{"keys": 1}', "RS256", "JWKS.* list with valid public keys$"),
+        (b'{"keys": [{"kty": "RSA", "n": "x"}]}', "RS256", "list with valid public keys$"),
+        (b'{"keys": ', "RS256", r"invalid JSON \(line 1, column 10\)$"),
+        (b"{" * 100_000, "RS256", "invalid JSON"),
+        (json.dumps(jwk(private_keys()["RS256"], "RS256")).encode(), "RS256", "but one key"),
         (pem(private_keys()["EdDSA"]), "RS256", "PEM$"),
         (pem(ec.generate_private_key(ec.SECP384R1())), "ES256", "ES256"),
         (b"-----BEGIN CERTIFICATE-----", "RS256", "openssl x509"),
