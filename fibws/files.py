@@ -59,6 +59,19 @@ def state_folder() -> Path:
     return Path(state) / "fibws"
 
 
+def make_private(folder: Path) -> None:
+    """Create a folder, with those above it that are missing, for this user alone.
+
+    The umask adds nothing: whoever may write to a folder can replace what is in it.
+
+    Raises:
+        OSError: it cannot be created.
+    """
+    if not folder.is_dir():
+        make_private(folder.parent)
+        folder.mkdir(mode=0o700, exist_ok=True)
+
+
 def check_writable(folder: Path) -> None:
     """Create a folder if it is missing, and a file in it, which is removed again.
 

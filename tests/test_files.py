@@ -14,6 +14,7 @@ import pytest
 from fibws.files import (
     check_not_written,
     locked,
+    make_private,
     open_to_write,
     replace_file,
     replacing,
@@ -47,6 +48,21 @@ def test_failure_leaves_the_folder_unchanged(tmp_path: Path) -> None:
     with pytest.raises(OSError):
         replace_file(tmp_path / "folder", b"text")
     assert [each.name for each in tmp_path.iterdir()] == ["folder"]
+
+
+@posix
+@pytest.mark.parametrize("umask", [0, 0o077])
+def test_private_folders_are_so_whatever_the_umask(tmp_path: Path, umask: int) -> None:
+    tmp_path.chmod(0o755)
+    old = os.umask(umask)
+    try:
+        make_private(tmp_path / "a" / "b")
+        make_private(tmp_path / "a" / "b")
+    finally:
+        os.umask(old)
+    for folder in (tmp_path / "a", tmp_path / "a" / "b"):
+        assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert stat.S_IMODE(tmp_path.stat().st_mode) == 0o755
 
 
 @posix

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from fibws.errors import HubError
-from fibws.files import check_writable, replace_file, reserved
+from fibws.files import check_writable, make_private, replace_file, reserved
 
 logger = logging.getLogger("fibws.hub")
 
@@ -71,6 +71,7 @@ class KeptFile(Generic[Snapshot]):
             HubError: it cannot be read, or its folder cannot be written to.
         """
         try:
+            make_private(self.path.parent)
             check_writable(self.path.parent)
             return self.read()
         except FileNotFoundError:
@@ -88,7 +89,7 @@ class KeptFile(Generic[Snapshot]):
         """
         with ExitStack() as stack:
             try:
-                self.path.parent.mkdir(parents=True, exist_ok=True)
+                make_private(self.path.parent)
                 stack.enter_context(reserved(self.path))
             except BlockingIOError:
                 fault = f"another hub uses {self.path}; choose another file"
@@ -139,7 +140,7 @@ class KeptFile(Generic[Snapshot]):
             is_edited = self._stamp != self._found()
             if content == self._content and not is_edited:
                 return
-            self.path.parent.mkdir(parents=True, exist_ok=True)
+            make_private(self.path.parent)
             if is_edited and self._keeps_edits:
                 self._keep_edited()
             replace_file(self.path, content, keep=True, sync=True)

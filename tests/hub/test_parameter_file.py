@@ -145,8 +145,8 @@ async def test_file_is_written_after_changes(start_hub: StartHub, path: Path, di
     await until(lambda: len(disk.written) == 2)
     hub.graph.parameters.set("/a", 2)
     hub.graph.parameters.delete("/a")
-    await until(lambda: saved(path) == {})
-    assert len(disk.written) == 3
+    await until(lambda: len(disk.written) == 3)
+    assert saved(path) == {}
 
 
 @pytest.mark.usefixtures("at_once")

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from fibws.errors import HubError
-from fibws.files import locked, replace_file, state_folder
+from fibws.files import locked, make_private, replace_file, state_folder
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -70,7 +70,7 @@ def ensure_certificate(addresses: Iterable[str]) -> Files:
         ) from None
     found = files()
     try:
-        found.certificate.parent.mkdir(parents=True, exist_ok=True)
+        make_private(found.certificate.parent)
         found.certificate.parent.chmod(0o700)  # Whoever may write to it could replace the keys.
         with locked(found.certificate):  # Several hubs may start at once.
             _Maker(found, _names(), {"127.0.0.1", "::1", *addresses}).ensure()
