@@ -353,7 +353,7 @@ def _fault(error: Exception) -> str:
     refusal = Refusal(
         response.status_code, response.reason_phrase, content_type, bytes(response.body or b"")
     )
-    texts = (400, 403, 404, 429, 503)  # 503: the hub is full, or about to end.
+    texts = (400, 403, 404, 426, 429, 503)  # 503: the hub is full, or about to end.
     is_explained = refusal.status in (
         texts if content_type.startswith("text/plain") else (400, 403)
     )
@@ -363,4 +363,5 @@ def _fault(error: Exception) -> str:
 
 
 def _not_a_hub(fault: str) -> str:
-    return f"the server is not a hub ({fault})"
+    what, semicolon, remedy = fault.partition("; ")
+    return f"the server is not a hub ({what}){semicolon}{remedy}"

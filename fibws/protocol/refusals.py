@@ -32,6 +32,7 @@ class Refusal(NamedTuple):
         if text.startswith("<") or "html" in self.content_type:
             title = _TITLE.search(text)
             text = title[1].strip() if title is not None else ""
+            text = text.removeprefix(f"{self.status} ")  # As nginx writes it.
         elif self.content_type and not self.content_type.startswith("text/plain"):
             return ""
         return text.rstrip(".")[:LONGEST]
@@ -45,5 +46,6 @@ class Refusal(NamedTuple):
         if self.status == 400 and "https" in text.lower():
             return "; use wss://"
         if 200 <= self.status < 300:  # A page, or a proxy that has not passed on the request whole.
-            return "; check the address's path, and that a proxy passes on the header Upgrade"
+            slash = "which may need a slash at its end"
+            return f"; check the address's path, {slash}, and that a proxy passes on Upgrade"
         return ""

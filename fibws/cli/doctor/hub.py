@@ -60,11 +60,12 @@ def reach(hub: str | None) -> HubClient | Finding:
         return wrong("hub", text, f"Start one: {error.remedy}. Or {other}")
     except HubUnreachable as error:
         what, _, remedy = error.cause.partition("; ")
-        if scheme == "wss" and remedy:
+        if remedy:
             text = f"The hub at {error.url} cannot be reached: {what}"
             return wrong("hub", text, f"{remedy[0].upper()}{remedy[1:]}.")
-        text = f"{error}. {http_server(error.url)}"
-        return wrong("hub", text, f"Check which program listens there, or {other}")
+        if (server := http_server(error.url)) is None:
+            return wrong("hub", f"{error}", f"Check the address and the network, or {other}")
+        return wrong("hub", f"{error}. {server}", f"Check which program listens there, or {other}")
 
 
 def _accepted(client: HubClient) -> HubClient:
@@ -115,12 +116,12 @@ def _source(hub: str | None) -> str:
     return f"{'from ' if is_set else ''}{hub_address.ENVIRONMENT}{'' if is_set else ' is not set'}"
 
 
-def http_server(url: str) -> str:
-    """Describe the HTTP server at an address."""
+def http_server(url: str) -> str | None:
+    """Describe the HTTP server at an address; None if there is none."""
     try:
         status, headers, _ = hub_pages.get(url, "")
     except (OSError, ValueError, HubUnreachable):
-        return "It does not answer HTTP requests either"
+        return None
     server = headers.get("server", "")
     return f"It answers HTTP requests with {status}{f' (server: {server})' if server else ''}"
 

@@ -566,7 +566,7 @@ def text_response(status: http.HTTPStatus, text: str) -> Response:
 def _respond_without_upgrade() -> Response:
     """Respond to a WebSocket's handshake that a proxy has made a plain request."""
     fault = (
-        "This WebSocket handshake has no header Upgrade. A proxy before the hub must pass on "
+        "This WebSocket handshake has no header Upgrade; a proxy before the hub must pass on "
         "the headers Upgrade and Connection"
     )
     found = text_response(http.HTTPStatus.UPGRADE_REQUIRED, fault)

@@ -41,11 +41,15 @@ def serve() -> Iterator[Serve]:
 
     def serve(status: int = 200, body: bytes = b"") -> str:
         class Handler(BaseHTTPRequestHandler):
+            protocol_version = "HTTP/1.1"
             server_version = "Other/1.0"
 
             def do_GET(self) -> None:
                 self.send_response(status)
                 self.send_header("Content-Length", str(len(body)))
+                self.send_header("Connection", "close")
+                if body.startswith(b"<"):
+                    self.send_header("Content-Type", "text/html")
                 self.end_headers()
                 self.wfile.write(body)
 
@@ -103,12 +107,59 @@ def test_other_http_server_is_described(serve: Serve) -> None:
     assert "404" in finding.text and "Other/1.0" in finding.text
 
 
+def test_proxy_that_passes_on_no_upgrade_is_named(hub: HubThread) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as proxy:
+        thread = threading.Thread(target=pass_on_without_upgrade, args=(proxy, hub.port))
+        thread.start()
+        finding = failure(f"ws://127.0.0.1:{proxy.getsockname()[1]}")
+        thread.join(60)
+    assert finding.verdict == "wrong"
+    assert "no header Upgrade" in finding.text and "not a hub" not in finding.text
+    assert "proxy" in finding.advice and "Upgrade and Connection" in finding.advice
+
+
+def pass_on_without_upgrade(proxy: socket.socket, port: int) -> None:
+    """Pass on one request as a proxy does that knows no WebSockets."""
+    client, _ = proxy.accept()
+    with client, socket.create_connection(("127.0.0.1", port)) as hub:
+        head = client.recv(2**16)
+        lines = [each for each in head.split(b"\r\n") if not each.startswith((b"Upgrade", b"Conn"))]
+        hub.sendall(b"\r\n".join(lines))
+        while data := hub.recv(2**16):
+            client.sendall(data)
+
+
+PLAIN_TO_TLS = b"<html><title>400 The plain HTTP request was sent to HTTPS port</title>"
+
+
+@pytest.mark.parametrize(
+    ("status", "body", "advice"),
+    [(400, PLAIN_TO_TLS, "Use wss://."), (200, b"", "path, .* slash .* proxy passes on Upgrade")],
+)
+def test_advice_is_that_of_the_fault(serve: Serve, status: int, body: bytes, advice: str) -> None:
+    finding = failure(serve(status, body))
+    assert re.search(advice, finding.advice)
+    assert finding.text.count("(") == finding.text.count(")")
+
+
+def test_hub_with_tls_is_named(authority: Authority) -> None:
+    certificate, key = authority.issue("127.0.0.1")
+    with HubThread(Settings(port=0, cert=certificate, key=key)) as hub:
+        finding = failure(f"ws://127.0.0.1:{hub.port}")
+    assert "TLS" in finding.text and "wss://" in finding.advice
+
+
+def test_address_that_nothing_answers_is_not_said_to_be_a_program() -> None:
+    finding = failure("ws://nowhere.invalid:9090")
+    assert "program" not in finding.advice and "address" in finding.advice
+
+
 def test_server_without_http_is_described(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fibws.client.websocket.PATIENCE", 0.2)
     monkeypatch.setattr("fibws.client.hub_pages.PATIENCE", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         finding = failure(f"ws://127.0.0.1:{silent.getsockname()[1]}")
-    assert "0.2 s" in finding.text and "HTTP" in finding.text
+    assert "0.2 s" in finding.text and "network" in finding.advice
 
 
 def test_hub_is_not_checked_at_an_invalid_address() -> None:
