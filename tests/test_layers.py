@@ -36,7 +36,7 @@ BELOW = {
     "hub_address": {"errors"},
     "tls": {"errors"},
     "credentials": {"errors", "hub_address", "protocol"},
-    "client_handshake": set[str](),
+    "client_handshake": {"hub_address"},
     "command_names": set[str](),
     "definition_folders": set[str](),
     "origins": set[str](),

@@ -18,7 +18,6 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
-from urllib.parse import parse_qs
 
 from websockets.asyncio.client import connect
 from websockets.exceptions import (
@@ -34,7 +33,7 @@ from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
 from fibws import credentials
-from fibws.client_handshake import ClientHandshake
+from fibws.client_handshake import ClientHandshake, RedirectedToTls
 from fibws.credentials import Credentials
 from fibws.errors import (
     AccessDenied,
@@ -46,7 +45,7 @@ from fibws.errors import (
     NodeReplaced,
     NoHub,
 )
-from fibws.hub_address import node_url, redirected
+from fibws.hub_address import node_url
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
 from fibws.node.session import Session
@@ -125,35 +124,12 @@ class _Handshake(ClientHandshake):
         elif rest:  # The body of a refusal.
             super().data_received(rest)
 
-    async def handshake(self, *arguments: Any, **named: Any) -> None:
-        """Do the handshake; `connect` follows a redirect, of which it knows only ws and wss."""
-        try:
-            await super().handshake(*arguments, **named)
-        except InvalidStatus as error:
-            headers, uri = error.response.headers, self.protocol.uri
-            if location := headers.get("Location"):
-                url = f"{'wss' if uri.secure else 'ws'}://{uri.host}:{uri.port}{uri.path}"
-                target = redirected(url, location)
-                if target.startswith("wss:") and not uri.secure:
-                    raise _RedirectedToTls(target) from None
-                [node] = parse_qs(uri.query)["node"]
-                del headers["Location"]
-                headers["Location"] = node_url(target, node)
-            raise
-
     def process_event(self, event: Event) -> None:
         """Handle what the library has read."""
         if self.websocket is not None and isinstance(event, Frame) and event.opcode in _DATA:
             self.websocket.on_fragment(event)
         else:
             super().process_event(event)
-
-
-class _RedirectedToTls(Exception):
-    """A server without TLS has redirected the node to one with it, at ``url``."""
-
-    def __init__(self, url: str) -> None:
-        self.url = url
 
 
 class WebSocket(asyncio.BufferedProtocol):
@@ -509,7 +485,7 @@ class Connection:
             )
             assert isinstance(handshake, _Handshake)
             return handshake
-        except _RedirectedToTls as redirect:
+        except RedirectedToTls as redirect:
             return await self._shake_hands(redirect.url)
         except InvalidStatus as error:
             status = error.response.status_code

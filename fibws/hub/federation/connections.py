@@ -18,7 +18,7 @@ from websockets.typing import Subprotocol
 
 from fibws import credentials
 from fibws.access.rights import Principal
-from fibws.client_handshake import ClientHandshake
+from fibws.client_handshake import ClientHandshake, RedirectedToTls
 from fibws.credentials import Credentials
 from fibws.errors import AuthenticationError, FederationError, FibwsError, HubUnreachable
 from fibws.hub.federation.backplane import Peer
@@ -348,14 +348,22 @@ class Join:
             await asyncio.shield(_close(websocket, wire.reason))
             await asyncio.wait({*tasks, closing})
 
-    async def _open(self, token: str | None) -> ClientConnection:
+    async def _open(self, token: str | None, url: str | None = None) -> ClientConnection:
+        """Connect to the other hub.
+
+        Args:
+            url: where it has redirected this one to, which does not get the token.
+        """
+        if url is not None:
+            token = None
+        url = url or self.url
         prefix = self._view.prefix
         node = f"{prefix}/hub" if prefix else unique_node("hub", self._federation.hub)
-        is_tls = self.url.startswith("wss:")
+        is_tls = url.startswith("wss:")
         try:
             websocket = await connect(
-                node_url(self.url, node),
-                ssl=self._tls.context(self.url) if is_tls else None,
+                node_url(url, node),
+                ssl=self._tls.context(url) if is_tls else None,
                 create_connection=ClientHandshake,
                 additional_headers=credentials.headers(token),
                 logger=credentials.handshake_log(),
@@ -372,6 +380,8 @@ class Join:
                 raise HubUnreachable(self.url, f"it does not speak {SUBPROTOCOL}")
             limit_unsent(websocket.transport, UNSENT)
             return websocket
+        except RedirectedToTls as redirect:
+            return await self._open(token, redirect.url)
         except InvalidStatus as error:
             raise _Refused(_end_of_handshake(error.response)) from None
 

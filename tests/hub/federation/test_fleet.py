@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from certificates import Authority
 from certificates import authority as authority
+from client.servers import redirecting_server
 from conftest import StartHub
 from patience import PATIENCE
 from running_programs import Start
@@ -77,6 +78,53 @@ async def test_hub_without_a_token_is_refused_and_both_sides_log_why(
     robot = await start_hub(hub_name="robot", join=(cloud.url,))
     await logged(caplog, r"Not joined to ws://127.0.0.1:\d+.* \(.*missing token")
     assert cloud.federation.peers == robot.federation.peers == []
+
+
+async def test_hub_is_joined_where_a_proxy_redirects_to(start_hub: StartHub) -> None:
+    cloud = await start_hub(hub_name="cloud")
+    with redirecting_server(f"http://127.0.0.1:{cloud.port}/robot/") as url:
+        robot = await start_hub(hub_name="robot", join=(url,))
+        await until(lambda: cloud.federation.peers and robot.federation.peers, cloud)
+
+
+async def test_hub_is_joined_where_a_server_without_tls_redirects_to_tls(
+    start_hub: StartHub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIBWS_CA", str(authority.file))
+    certificate, key = authority.issue("127.0.0.1")
+    cloud = await start_hub(hub_name="cloud", cert=certificate, key=key)
+    with redirecting_server(f"https://127.0.0.1:{cloud.port}/robot/") as url:
+        robot = await start_hub(hub_name="robot", join=(url,))
+        await until(lambda: cloud.federation.peers and robot.federation.peers, cloud)
+
+
+@pytest.mark.parametrize("has_tls", [False, True])
+async def test_another_server_that_redirects_does_not_get_the_token_passed_on(
+    start_hub: StartHub,
+    authority: Authority,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    has_tls: bool,
+) -> None:
+    monkeypatch.setenv("FIBWS_CA", str(authority.file))
+    tokens = tmp_path / "tokens.toml"
+    tokens.write_text(entry("robot", "admin = true"))
+    certificate, key = authority.issue("127.0.0.1") if has_tls else (None, None)
+    cloud = await start_hub(hub_name="cloud", tokens=tokens, cert=certificate, key=key)
+    scheme = "https" if has_tls else "http"
+    with redirecting_server(f"{scheme}://127.0.0.1:{cloud.port}/") as url:
+        await start_hub(hub_name="robot", join=(f"{url}?token=robot",))
+        await logged(caplog, r"Not joined to ws://127.0.0.1:\d+/robot \(.*missing token")
+    assert cloud.federation.peers == []
+
+
+async def test_redirect_to_no_hub_is_logged(
+    start_hub: StartHub, caplog: pytest.LogCaptureFixture
+) -> None:
+    with redirecting_server("ftp://lab/") as url:
+        await start_hub(hub_name="robot", join=(url,))
+        await logged(caplog, r"Not joined to .*ftp://lab/.* redirects to it")
 
 
 async def test_hub_whose_token_does_not_allow_its_node_is_refused_and_logs_why(
