@@ -44,7 +44,7 @@ BELOW = {
     "exit_signals": set[str](),
     "access": {"errors", "files", "suggestions"},
     "bag_recorder": {"bags", "command_names", "errors", "exit_signals", "files"},
-    "interfaces": {"errors", "files", "names", "suggestions"},
+    "interfaces": {"definition_folders", "errors", "files", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "bags": {"errors", "files", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},

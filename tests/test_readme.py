@@ -198,18 +198,23 @@ async def test_hub_and_node_use_a_definition_of_the_users_own(folder: Path) -> N
             await process.wait()
 
 
-def test_generated_module_of_the_users_own_package_can_be_imported(folder: Path) -> None:
-    command = "-m fibws.interfaces.generator --interfaces . fibonacci"
+@pytest.mark.slow  # mypy reads all that pydantic has.
+def test_type_checker_knows_the_users_own_packages_by_stubs(folder: Path) -> None:
+    command = "-m fibws.interfaces.generator --stubs typings"
     assert f"python {command}" in NODES
-    source = subprocess.run(
-        [sys.executable, *command.split()], cwd=folder, check=True, capture_output=True, text=True
-    ).stdout
-    (folder / "fibonacci_msgs.py").write_text(source)
-    check = "from fibonacci_msgs import Fibonacci; print(Fibonacci(index=7, value=13))"
-    printed = subprocess.run(
-        [sys.executable, "-c", check], cwd=folder, check=True, capture_output=True, text=True
-    ).stdout
-    assert printed == "Fibonacci(index=7, value=13)\n"
+    environment = os.environ | {"FIBWS_INTERFACES": str(folder)}
+    subprocess.run([sys.executable, *command.split()], cwd=folder, check=True, env=environment)
+    settings = re.search(r"```toml\n(\[tool\.mypy\]\n.*?)```", NODES, re.DOTALL)
+    assert settings is not None
+    (folder / "pyproject.toml").write_text(f"{settings[1]}strict = true\n")
+    program = folder / "indexed_broadcaster.py"
+    program.write_text(PROGRAMS["indexed_broadcaster"])
+    mypy = (sys.executable, "-m", "mypy", ".")
+    found = subprocess.run(mypy, cwd=folder, capture_output=True, text=True)
+    assert found.returncode == 0, found.stdout + found.stderr
+    program.write_text(PROGRAMS["indexed_broadcaster"].replace("index=index", "indx=index"))
+    found = subprocess.run(mypy, cwd=folder, capture_output=True, text=True)
+    assert 'did you mean "index"' in found.stdout
 
 
 # The commands.

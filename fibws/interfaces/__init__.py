@@ -11,6 +11,7 @@
     Interfaces ─ cbor, json_text, long_integers ─> valid dicts as CBOR and JSON
     Interfaces ─ generator, with class_source ─> Python classes in fibws.msg, .srv and .action
     generator ─ generated_modules ─> files of the standard packages' classes
+    generator ─ stubs ─> .pyi files of the user's packages for type checkers
     message, times ─> the base classes of messages and times
 
 There is no clock, no environment and no socket here. A type's file is read when it is first needed.

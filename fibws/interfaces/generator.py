@@ -4,8 +4,8 @@ Two commands:
 
     python -m fibws.interfaces.generator
         writes fibws/msg/*.py, fibws/srv/*.py and fibws/action/*.py, as builds of fibws do
-    python -m fibws.interfaces.generator --interfaces FOLDER [--kind srv] PACKAGE
-        prints one of the user's own
+    python -m fibws.interfaces.generator --stubs FOLDER
+        writes stubs of the user's packages, by which editors and type checkers know them
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fibws.errors import FibwsError, InterfaceError
 from fibws.interfaces import class_source, generated_modules
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import MessageDefinition, ServiceDefinition
-from fibws.interfaces.folders import KINDS, Kind
+from fibws.interfaces.folders import Kind
 
 _Classes: TypeAlias = dict[str, list[str]]
 """The lines of classes, in order, by their names."""
@@ -90,8 +90,8 @@ def _head(package: str, kind: Kind, imported: set[str], body: list[str]) -> Iter
     if typed:
         yield from (f"from typing import {', '.join(typed)}", "")
     yield "import fibws.interfaces as ros"
-    if imported:
-        yield f"from fibws.msg import {', '.join(sorted(imported))}"
+    # Not `from fibws.msg import`: pyright would look for stubs of the user's packages there alone.
+    yield from (f"import fibws.msg.{each} as {each}" for each in sorted(imported))
 
 
 def _names(classes: _Classes) -> Iterator[str]:
@@ -127,33 +127,47 @@ def _nested_types(definition: MessageDefinition) -> Iterator[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Write the standard packages' modules, or print one of a package."""
+    """Write the standard packages' modules, or stubs of the user's packages."""
     import argparse  # a node that imports a user's package has no use for it
 
     options = argparse.ArgumentParser(
         prog="python -m fibws.interfaces.generator",
         description="Write the Python classes of ROS messages, services and actions.",
     )
-    options.add_argument("--interfaces", type=Path, action="append", default=[], metavar="FOLDER")
     options.add_argument(
-        "--kind", choices=KINDS, default="msg", help="kind of types to print (default: %(default)s)"
+        "--stubs",
+        type=Path,
+        metavar="FOLDER",
+        help="write stubs (.pyi) of all your own packages into FOLDER; without, write the modules "
+        "of the standard packages",
     )
-    options.add_argument("package", nargs="?", help="print its module; without: write them all")
+    options.add_argument(
+        "--interfaces",
+        type=Path,
+        action="append",
+        metavar="FOLDER",
+        help="folder of your own packages, or a package; can be repeated "
+        "(default: those in FIBWS_INTERFACES)",
+    )
     options.add_argument(
         "--into",
         type=Path,
         default=generated_modules.MODULES,
         metavar="FOLDER",
-        help="without PACKAGE, write the modules into the folders msg, srv and action of FOLDER "
+        help="write the standard packages' modules into the folders msg, srv and action of FOLDER "
         "(default: those of fibws)",
     )
     chosen = options.parse_args(arguments)
     try:
-        if chosen.package is not None:
-            interfaces = Interfaces(chosen.interfaces)
-            print(generate(chosen.package, interfaces, chosen.kind), end="")
+        if chosen.stubs is None:
+            generated_modules.write_modules(chosen.into)
             return
-        generated_modules.write_modules(chosen.into)
+        from fibws.definition_folders import named_folders
+        from fibws.interfaces.stubs import write_stubs
+
+        folders = chosen.interfaces or [Path(each) for each in named_folders()]
+        for written in write_stubs(Interfaces(folders), chosen.stubs):
+            print(written)
     except (FibwsError, OSError) as error:
         options.exit(1, f"{error}\n")
 

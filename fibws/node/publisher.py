@@ -347,7 +347,7 @@ class Publisher(Registration, Generic[M, P]):
         if len(fields) == 1 and not named and isinstance(fields[0], Message):
             message = fields[0]
             if not isinstance(message, message_class):
-                raise TypeError(f"expected [{self.type}] but got [{message._type}]")
+                raise self._codec.mismatch(message)
         elif fields and named:
             raise TypeError("publish() can be called with arguments or keywords, but not both.")
         else:

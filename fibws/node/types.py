@@ -88,9 +88,16 @@ class MessageCodec(Generic[N]):
             TypeError: it is neither.
         """
         if not isinstance(given, self.message_class) and not isinstance(given, Mapping):
-            found = given._type if isinstance(given, Message) else type(given).__name__
-            raise TypeError(f"expected [{self.type}] but got [{found}]")
+            raise self.mismatch(given)
         return self._validate(_plain(given))
+
+    def mismatch(self, given: object) -> TypeError:
+        """Return the error for something that is not a message of the class."""
+        found = given._type if isinstance(given, Message) else type(given).__name__
+        text = f"expected [{self.type}] but got [{found}]"
+        if found == self.type:
+            text += f": {_full_name(type(given))} is not {_full_name(self.message_class)}"
+        return TypeError(text)
 
     def read(self, values: Any) -> N:
         """Return the message that JSON values are.
@@ -319,6 +326,10 @@ class Types:
         if self._interfaces.is_users(self._interfaces.action(type_).package):
             return self._interfaces.action_text(type_)
         return None
+
+
+def _full_name(class_: type) -> str:
+    return f"{class_.__module__}.{class_.__qualname__}"
 
 
 def _refuse_json(values: Any) -> dict[str, Any]:

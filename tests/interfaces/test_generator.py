@@ -117,7 +117,7 @@ def test_odd_package_passes_the_linters(folder: Path, tmp_path: Path) -> None:
         source = generator.generate(package, interfaces, kind)
         (modules / kind).mkdir(parents=True, exist_ok=True)
         (modules / kind / f"{package}.py").write_text(
-            source.replace("from fibws.msg import", "from msg import"), "utf-8"
+            source.replace("import fibws.msg.", "import msg."), "utf-8"
         )
     for tool in (
         ("ruff", "check", "--isolated", "--line-length=100", "--select=E,F,W", "."),
@@ -134,19 +134,43 @@ def test_odd_package_passes_the_linters(folder: Path, tmp_path: Path) -> None:
         assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_command_prints_a_users_package(
-    folder: Path, capsys: pytest.CaptureFixture[str], kind: Kind
+def test_command_writes_stubs_of_all_packages_of_the_users_folder(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    generator.main(["--interfaces", str(folder), "--kind", kind, "odd_msgs"])
-    assert capsys.readouterr().out == generator.generate("odd_msgs", Interfaces([folder]), kind)
+    stubs = tmp_path / "typings"
+    generator.main(["--interfaces", str(folder), "--stubs", str(stubs)])
+    written: set[tuple[Kind, str]] = {
+        ("msg", "bytes_msgs"),
+        *((kind, "odd_msgs") for kind in KINDS),
+    }
+    paths = {stubs / "fibws" / kind / f"{package}.pyi" for kind, package in written}
+    assert set(map(Path, capsys.readouterr().out.splitlines())) == paths
+    assert {path for path in stubs.rglob("*") if path.is_file()} == paths
+    for kind, package in written:
+        text = (stubs / "fibws" / kind / f"{package}.pyi").read_text("utf-8")
+        assert text == generator.generate(package, Interfaces([folder]), kind)
 
 
-def test_command_prints_messages_by_default(
-    capsys: pytest.CaptureFixture[str],
+def test_stubs_of_types_that_are_gone_are_removed(folder: Path, tmp_path: Path) -> None:
+    stubs = tmp_path / "typings"
+    generator.main(["--interfaces", str(folder), "--stubs", str(stubs)])
+    own = stubs / "fibws" / "srv" / "bytes_msgs.pyi"
+    own.write_text("x: int", "utf-8")
+    for action in (folder / "odd_msgs" / "action").iterdir():
+        action.unlink()
+    generator.main(["--interfaces", str(folder), "--stubs", str(stubs)])
+    assert not (stubs / "fibws" / "action" / "odd_msgs.pyi").exists()
+    assert own.exists()  # The command has not written it.
+
+
+def test_stubs_need_packages_of_the_user(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    generator.main(["std_msgs"])
-    assert capsys.readouterr().out == generator.generate("std_msgs", Interfaces())
+    monkeypatch.delenv("FIBWS_INTERFACES", raising=False)
+    with pytest.raises(SystemExit) as caught:
+        generator.main(["--stubs", str(tmp_path)])
+    assert caught.value.code == 1
+    assert "FIBWS_INTERFACES" in capsys.readouterr().err
 
 
 def test_command_writes_the_standard_packages(tmp_path: Path) -> None:
@@ -160,6 +184,6 @@ def test_command_writes_the_standard_packages(tmp_path: Path) -> None:
 
 def test_command_reports_errors(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as caught:
-        generator.main(["nobodys_msgs"])
+        generator.main(["--stubs", "typings", "--interfaces", "nowhere"])
     assert caught.value.code == 1
-    assert "package nobodys_msgs" in capsys.readouterr().err
+    assert "nowhere" in capsys.readouterr().err

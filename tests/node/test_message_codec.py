@@ -8,7 +8,7 @@ import pytest
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import Message, Time
-from fibws.msg.geometry_msgs import Point, PointStamped, Polygon, Vector3
+from fibws.msg.geometry_msgs import Point, Point32, PointStamped, Polygon, Vector3
 from fibws.msg.std_msgs import Header
 from fibws.node.types import Types
 
@@ -35,6 +35,13 @@ def test_message_and_nested_messages_may_be_dicts(types: Types, given: Any) -> N
 def test_other_objects_are_refused(types: Types, given: object, name: str) -> None:
     with pytest.raises(TypeError, match=rf"expected \[geometry_msgs/Point\] but got \[{name}\]"):
         types.codec(Point).write(given)
+
+
+def test_two_classes_of_one_type_are_told_apart(types: Types) -> None:
+    with pytest.raises(
+        TypeError, match=r"test_message_codec\.Handmade is not fibws\.msg\.geometry_"
+    ):
+        types.codec(Point32).write(Handmade())
 
 
 def test_invalid_values_are_refused_in_both_directions(types: Types) -> None:

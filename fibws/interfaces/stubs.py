@@ -1,0 +1,48 @@
+"""Stubs of the user's packages: what editors and type checkers read in place of running a program.
+
+A program's classes are made when it imports them (`fibws.msg`), so there is no file that a type
+checker could read. A stub describes the same module, and nothing imports it: there is one class of
+each type, however the program came to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from fibws.errors import InterfaceError
+from fibws.files import replace_file
+from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.folders import KINDS
+from fibws.interfaces.generated_modules import GENERATED
+from fibws.interfaces.generator import generate
+
+
+def write_stubs(interfaces: Interfaces, folder: Path) -> Iterator[Path]:
+    """Write a stub for each module of the user's packages; yield the paths of what was written.
+
+    Args:
+        interfaces: the types, with the user's folders.
+        folder: the search path of the type checker: stubs go to ``fibws/msg/PACKAGE.pyi`` in it,
+            and so on. A stub of types that are gone is removed.
+
+    Raises:
+        InterfaceError: there are no packages of the user, or one of their definitions is wrong.
+        OSError: a stub cannot be written.
+    """
+    packages = [each for each in interfaces.packages() if interfaces.is_users(each)]
+    if not packages:
+        raise InterfaceError(
+            "no packages of your own: name the folder that holds them by --interfaces or "
+            "FIBWS_INTERFACES"
+        )
+    for package in packages:
+        for kind in KINDS:
+            stub = folder / "fibws" / kind / f"{package}.pyi"
+            if interfaces.types(package, kind):
+                source = generate(package, interfaces, kind)
+                stub.parent.mkdir(parents=True, exist_ok=True)
+                replace_file(stub, source.encode())
+                yield stub
+            elif stub.is_file() and GENERATED in stub.read_text("utf-8").partition("\n")[0]:
+                stub.unlink()
