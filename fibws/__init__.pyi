@@ -1,5 +1,6 @@
 """The public names, each loaded when it is first used; a new one is added here alone."""
 
+from . import action as action, hub as hub, msg as msg, srv as srv, tf as tf
 from .errors import (
     AccessDenied as AccessDenied,
     AccessError as AccessError,
@@ -28,6 +29,7 @@ from .errors import (
     WaitTimeout as WaitTimeout,
 )
 from .hub.server import Hub as Hub
+from .hub.settings import Settings as Settings
 from .interfaces import (
     Action as Action,
     Duration as Duration,

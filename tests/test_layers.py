@@ -25,7 +25,7 @@ IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "sel
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
 CLASSES = {"msg", "srv", "action"}
-NODE = {*fibws.__all__} - {"Hub"}
+NODE = {*fibws.__all__} - {"Hub", "Settings", "hub", "tf"} - CLASSES
 """The public names of the node library."""
 LOWEST = {"errors", "files", "names", "suggestions", "hub_address", "tls", "credentials", "access"}
 BELOW = {

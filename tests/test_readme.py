@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import asyncio
 import dataclasses
 import os
@@ -12,7 +13,9 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from importlib import import_module
+from inspect import isawaitable
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
@@ -25,6 +28,7 @@ from fibws.hub.settings import flag_of
 from fibws.msg.geometry_msgs import TransformStamped, Twist
 from fibws.msg.std_msgs import Float64, Header, String
 from fibws.msg.tf2_msgs import TFMessage
+from fibws.testing import wait_until
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
@@ -215,6 +219,27 @@ def test_type_checker_knows_the_users_own_packages_by_stubs(folder: Path) -> Non
     program.write_text(PROGRAMS["indexed_broadcaster"].replace("index=index", "indx=index"))
     found = subprocess.run(mypy, cwd=folder, capture_output=True, text=True)
     assert 'did you mean "index"' in found.stdout
+
+
+async def test_cells_of_the_notebook_run_one_after_the_other() -> None:
+    names: dict[str, Any] = {}
+    shown = []
+    for cell in re.findall(r"```python\n(.*?)```", PAGES[DOCS / "jupyter.md"], re.DOTALL):
+        if cell == "newest.data\n":
+            await wait_until(lambda: names["newest"].data == 8)
+        # As IPython runs it: `await` may be anywhere, and the last expression is shown.
+        tree = ast.parse(cell)
+        if isinstance(tree.body[-1], ast.Expr):
+            tree.body[-1] = ast.Assign([ast.Name("_", ast.Store())], tree.body[-1].value)
+        code = compile(
+            ast.fix_missing_locations(tree), "cell", "exec", ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
+        )
+        running = eval(code, names)
+        if isawaitable(running):
+            await running
+        shown.append(names.pop("_", None))
+    await names["following"]
+    assert [each for each in shown if each is not None] == [5, 8]
 
 
 # The commands.

@@ -93,11 +93,11 @@ the whole backlog."""
 
 
 class Hub:
-    """A hub that listens while its ``async with`` block runs.
+    """A hub that listens while its ``async with`` block runs, or from `start` to `close`.
 
     It is the hub of ``python -m fibws.hub``, for programs that have one of their own:
 
-        async with fibws.Hub(Settings(port=0)) as hub:
+        async with fibws.Hub(fibws.Settings(port=0)) as hub:
             async with fibws.Node("robot", hub=hub.url) as node:
                 ...
 
@@ -178,13 +178,21 @@ class Hub:
         self._vacant = _set_event()
         """Set while no client is connected."""
 
-    async def __aenter__(self) -> Self:
+    async def start(self) -> Self:
+        """Listen until `close`, without ``async with``, such as in a notebook; return the hub.
+
+        Raises:
+            HubError: as on entering.
+        """
         try:
             await self._start()
         except BaseException:
             await self.close()
             raise
         return self
+
+    async def __aenter__(self) -> Self:
+        return await self.start()
 
     async def _start(self) -> None:
         """Start one part after the other; how each is ended goes to `_end`, which `close` runs."""

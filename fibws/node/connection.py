@@ -379,6 +379,7 @@ class Connection:
         self._found = asyncio.Event()
         """Set once there was a hub, or will never be one."""
         self._is_missing = False
+        self._is_closed = False
         self._task: asyncio.Task[None] | None = None
 
     async def open(self) -> None:
@@ -401,10 +402,14 @@ class Connection:
             raise
 
     async def close(self) -> None:
-        """Send what waits within `FLUSH_TIMEOUT`, disconnect, and log what was not sent."""
+        """Send what waits within `FLUSH_TIMEOUT`, disconnect, and log what was not sent.
+
+        Does nothing when called again.
+        """
         self._session.end()
-        if self._task is None:
+        if self._task is None or self._is_closed:
             return
+        self._is_closed = True
         if not self._session.outgoing.connected:
             self._task.cancel()
         try:

@@ -94,16 +94,17 @@ class Identity:
 class Node:
     """A node of the ROS graph: ``async with fibws.Node("talker") as node``.
 
-    A node is entered once, which waits until the hub answers. Leaving it sends pending messages for
-    up to 0.6 s, and logs a warning with the number of those that were not sent. It also cancels the
-    handlers of services and actions; a warning names those that have not ended in that time. In
-    between the node reconnects whenever the hub is lost, and registers everything again. Messages
-    are serialized (`fibws.v1`) with a fibws hub, and JSON with a rosbridge_suite server.
+    A node is entered once, which waits until the hub answers; `start` does the same, and `close`
+    leaves it. Leaving it sends pending messages for up to 0.6 s, and logs a warning with the number
+    of those that were not sent. It also cancels the handlers of services and actions; a warning
+    names those that have not ended in that time. In between the node reconnects whenever the hub is
+    lost, and registers everything again. Messages are serialized (`fibws.v1`) with a fibws hub, and
+    JSON with a rosbridge_suite server.
 
     All names are resolved and remapped as in ROS (http://wiki.ros.org/Names). Besides the errors in
     their docstrings all methods may raise `InvalidName` for an illegal name, `InterfaceError` for
     an unknown type, and `NodeClosed`, or the error that ended the node, after its end. Methods that
-    wait for the hub raise RuntimeError before the node is entered.
+    use the hub raise RuntimeError before the node is entered.
 
     Args:
         name: a name without a namespace; a remapping of ``__name`` overrides it.
@@ -277,7 +278,7 @@ class Node:
         """
         check_queue_size(queue_size)
         publisher: Publisher[M, Any] = self._topics.advertise(
-            self.resolve(topic),
+            self._used(topic),
             self._types.codec(self._types.message_class(type)),
             queue_size=queue_size,
             latch=latch,
@@ -316,7 +317,7 @@ class Node:
         """
         check_queue_size(queue_size)
         publisher: Publisher[Any, ...] = self._topics.advertise(
-            self.resolve(topic),
+            self._used(topic),
             self._types.serialized(type, md5sum, definition),
             queue_size=queue_size,
             latch=latch,
@@ -356,7 +357,7 @@ class Node:
         if queue_size is not None:
             check_queue_size(queue_size)
         return self._topics.subscribe(
-            self.resolve(topic),
+            self._used(topic),
             self._types.codec(self._types.message_class(type)),
             queue_size=queue_size,
             headers=headers,
@@ -374,7 +375,7 @@ class Node:
             take: is called in the node's loop, while the socket is read; it must not raise.
         """
         return self._topics.subscribe(
-            self.resolve(topic),
+            self._used(topic),
             self._types.serialized(ANY_TYPE, None, None),
             queue_size=None,
             headers=True,
@@ -460,7 +461,7 @@ class Node:
             TypeError: the handler is not callable.
         """
         service = self._types.service_class(type)
-        server = self._services.serve(self.resolve(name), service, handler, headers=headers)
+        server = self._services.serve(self._used(name), service, handler, headers=headers)
         await self._registered(server)
         return server
 
@@ -495,7 +496,7 @@ class Node:
         check_timeout(timeout)
         service = self._types.service_class(type)
         return await self._calls.call(
-            self.resolve(name), service, request, within=timeout, headers=headers
+            self._used(name), service, request, within=timeout, headers=headers
         )
 
     async def call_with_header(
@@ -515,7 +516,7 @@ class Node:
         check_timeout(timeout)
         service = self._types.service_class(type)
         return await self._calls.call_with_header(
-            self.resolve(name), service, request, timeout, headers
+            self._used(name), service, request, timeout, headers
         )
 
     async def wait_for_service(self, name: str, *, timeout: float | None = None) -> None:
@@ -529,7 +530,7 @@ class Node:
             WaitTimeout: the time is over (a TimeoutError, too).
         """
         check_timeout(timeout)
-        await self._calls.wait_for_service(self.resolve(name), timeout)
+        await self._calls.wait_for_service(self._used(name), timeout)
 
     async def action_server(
         self,
@@ -565,7 +566,7 @@ class Node:
             OperationRejected: the hub refuses the server.
         """
         server = self._actions.serve(
-            self.resolve(name),
+            self._used(name),
             self._types.action_class(type),
             execute,
             over=over,
@@ -587,7 +588,7 @@ class Node:
         Raises:
             ValueError: ``over`` is neither ``"topics"`` nor ``"operations"``.
         """
-        return self._actions.client(self.resolve(name), self._types.action_class(type), over=over)
+        return self._actions.client(self._used(name), self._types.action_class(type), over=over)
 
     @cached_property
     def _actions(self) -> Actions:
@@ -628,7 +629,16 @@ class Node:
         """
         await self._session.ended()
 
-    async def __aenter__(self) -> Self:
+    async def start(self) -> Self:
+        """Enter the node without ``async with``, such as in a notebook; return the node itself.
+
+        It stays in the graph until `close`, or until the event loop ends.
+
+        Raises:
+            RuntimeError: the node has been entered already.
+            HubUnreachable: the hub refuses the node, or its address cannot be used.
+            ParameterError: a private parameter of the command line is invalid.
+        """
         if self._session.begun:
             raise RuntimeError("a node can be entered only once")
         Console.running.append(self.name)
@@ -643,7 +653,7 @@ class Node:
         try:
             await self._set_parameters()
         except BaseException:
-            await self.__aexit__()
+            await self.close()
             raise
         if self._use_sim_time is None:
             self._use_sim_time = self._session.is_simulated
@@ -652,7 +662,8 @@ class Node:
             self._session.tasks.start(self._follow_clock(), f"clock of {self.name}")
         return self
 
-    async def __aexit__(self, *error: object) -> None:
+    async def close(self) -> None:
+        """Leave the graph, as the end of ``async with`` does. Does nothing when called again."""
         began = asyncio.get_running_loop().time()
         try:
             await self._connection.close()
@@ -661,6 +672,12 @@ class Node:
                 await self._session.end_of(self._session.tasks, began)
             finally:
                 self._leave_log()
+
+    async def __aenter__(self) -> Self:
+        return await self.start()
+
+    async def __aexit__(self, *error: object) -> None:
+        await self.close()
 
     async def _set_parameters(self) -> None:
         """Set the private parameters of the command line.
@@ -691,13 +708,17 @@ class Node:
         except FibwsError as error:
             self.log.error("The time stands still: cannot subscribe to /clock: %s", error)
 
-    async def _registered(self, registration: Registration) -> None:
-        """Wait until the hub knows a registration; take it back if that fails.
+    def _used(self, name: str) -> str:
+        """Return the global name of something that the node is to use.
 
-        A node that has not been entered yet registers on entering.
+        Raises:
+            RuntimeError: the node has not been entered: nothing would ever happen.
         """
-        if not self._session.begun:
-            return
+        self._session.check_entered()
+        return self.resolve(name)
+
+    async def _registered(self, registration: Registration) -> None:
+        """Wait until the hub knows a registration; take it back if that fails."""
         registration.is_awaited = True
         try:
             await self._calls.round_trip()

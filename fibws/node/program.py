@@ -45,6 +45,8 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
             refuses it (`HubUnreachable`); with exit code 77 if that is because of its token or its
             rights (`AccessDenied`); with exit code 0, if stdout has no reader any more, as behind
             ``| head``.
+        TypeError: ``main`` is not a coroutine, such as when its parentheses are missing.
+        RuntimeError: an event loop is running already; there, write ``await main()``.
         Exception: any other error that ``main`` raises.
     """
     try:
@@ -62,10 +64,33 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
 
 def run_until_signal(main: Coroutine[Any, Any, T]) -> T | None:
     """Run a coroutine as `run` does; its errors are raised as they are."""
+    _check_can_run(main)
     try:
         return asyncio.run(_until_signal(main))
     except KeyboardInterrupt:  # Where the event loop handles no signals, as on Windows.
         return None
+
+
+def _check_can_run(main: object) -> None:
+    """Raise an error that says what to write, where asyncio's own would not.
+
+    Raises:
+        TypeError: it is not a coroutine.
+        RuntimeError: an event loop is running in this thread.
+    """
+    name = getattr(main, "__name__", "main")
+    if not isinstance(main, Coroutine):
+        called = f": write fibws.run({name}()), with parentheses" if callable(main) else ""
+        raise TypeError(f"fibws.run takes a coroutine, got {main!r}{called}")
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return
+    main.close()  # Python would warn that it was never awaited.
+    raise RuntimeError(
+        f"an event loop is running, as in a notebook: write await {name}() in place of "
+        f"fibws.run({name}())"
+    )
 
 
 async def _until_signal(main: Coroutine[Any, Any, T]) -> T | None:

@@ -307,13 +307,18 @@ class Session:
             NodeClosed: the node has ended; or the error that ended it.
             RuntimeError: the node has not been entered, so that there will never be a hub.
         """
-        self._check_begun()
+        self.check_entered()
         while True:
             await self.outgoing.wait_for_hub()
             await self.outgoing.room()
             self.check()
             if self.outgoing.connected:
                 return
+
+    def check_entered(self) -> None:
+        """Raise RuntimeError if the node has not been entered."""
+        if not self.begun and not self.over:
+            raise RuntimeError("enter the node first: async with node, or await node.start()")
 
     # Called by the node and its connection
 
@@ -430,7 +435,7 @@ class Session:
             RuntimeError: the node has not been entered.
         """
         if not self.over:
-            self._check_begun()
+            self.check_entered()
             loop = asyncio.get_running_loop()
             waiter = waiter or loop.create_future()
             timer = loop.call_later(within, _release, waiter) if within is not None else None
@@ -451,10 +456,6 @@ class Session:
             throw(self._error)
         if self.over:
             raise NodeClosed("the node has ended")
-
-    def _check_begun(self) -> None:
-        if not self.begun and not self.over:
-            raise RuntimeError("enter the node first: async with node")
 
     def _deliver(self, fields: dict[str, Any]) -> bool:
         """Deliver a message to its readers; return False if it has none, or is something else.

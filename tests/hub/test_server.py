@@ -13,6 +13,7 @@ import pytest
 from conftest import StartHub
 from websockets.asyncio.client import connect
 
+import fibws
 from fibws.errors import HubError, InterfaceError
 from fibws.hub import Hub, Settings, server
 
@@ -351,3 +352,12 @@ def _allow_files(count: int) -> None:
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft < count:
         resource.setrlimit(resource.RLIMIT_NOFILE, (min(count, hard), hard))
+
+
+async def test_hub_may_be_started_and_closed_without_a_block() -> None:
+    hub = Hub(Settings(port=0))
+    assert await hub.start() is hub
+    async with fibws.Node("guest", hub=hub.url) as node:
+        assert "/guest" in await node.graph.nodes()
+    await hub.close()
+    await hub.close()

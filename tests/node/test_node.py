@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import re
+from collections.abc import Callable
 from http import HTTPStatus
+from inspect import isawaitable
 
 import pytest
 
@@ -295,16 +297,60 @@ async def test_node_can_be_entered_only_once(hub: ScriptedHub) -> None:
             pass
 
 
-async def test_publishers_and_subscribers_may_be_created_before_entering(
-    hub: ScriptedHub,
-) -> None:
-    node = fibws.Node("listener", hub=hub.url)
-    numbers = node.subscribe("fibonacci", Int32)
-    async with node:
-        peer = await hub.peer()
-        assert (await peer.expect("subscribe"))["topic"] == "/fibonacci"
-        await peer.send("publish", topic="/fibonacci", msg={"data": 1})
-        assert await anext(numbers) == Int32(1)
+async def test_node_may_be_started_and_closed_without_a_block(hub: ScriptedHub) -> None:
+    node = fibws.Node("talker", hub=hub.url)
+    assert await node.start() is node
+    peer = await hub.peer()
+    await node.advertise("numbers", Int32)
+    await peer.expect("advertise")
+    with pytest.raises(RuntimeError, match="entered only once"):
+        await node.start()
+    await node.close()
+    await node.close()
+    with pytest.raises(fibws.NodeClosed):
+        node.subscribe("numbers", Int32)
+
+
+async def test_node_that_was_never_started_can_be_closed() -> None:
+    await fibws.Node("talker", hub="127.0.0.1:1").close()
+
+
+USES: dict[str, Callable[[fibws.Node], object]] = {
+    "advertise": lambda node: node.advertise("a", Int32),
+    "advertise_serialized": lambda node: node.advertise_serialized("a", "std_msgs/Int32"),
+    "subscribe": lambda node: node.subscribe("a", Int32),
+    "subscribe_serialized": lambda node: node.subscribe_serialized("a", lambda *message: None),
+    "wait_for_message": lambda node: node.wait_for_message("a", Int32),
+    "service": lambda node: node.service("a", "std_srvs/Trigger", lambda request: (True, "")),
+    "call": lambda node: node.call("a", "std_srvs/Trigger"),
+    "call_with_header": lambda node: node.call_with_header("a", "std_srvs/Trigger", headers={}),
+    "wait_for_service": lambda node: node.wait_for_service("a"),
+    "action_server": lambda node: node.action_server(
+        "a", "actionlib_tutorials/Fibonacci", lambda goal: {}
+    ),
+    "action_client": lambda node: node.action_client("a", "actionlib_tutorials/Fibonacci"),
+    "rate": lambda node: anext(node.rate(10)),
+    "flush": lambda node: node.flush(),
+    "spin": lambda node: node.spin(),
+    "params": lambda node: node.params.get("a"),
+    "graph": lambda node: node.graph.nodes(),
+}
+"""What uses the hub, of all methods and properties."""
+OFFLINE = {"close", "hub", "log", "name", "namespace", "now", "resolve", "serialized", "start"}
+
+
+@pytest.mark.parametrize("use", USES)
+async def test_methods_raise_before_the_node_is_entered(use: str) -> None:
+    node = fibws.Node("talker", hub="127.0.0.1:1")
+    with pytest.raises(RuntimeError, match="enter the node first"):
+        found = USES[use](node)
+        if isawaitable(found):
+            await found
+
+
+def test_all_methods_are_tried_before_the_node_is_entered() -> None:
+    node = fibws.Node("talker", hub="127.0.0.1:1")
+    assert {name for name in dir(node) if not name.startswith("_")} == USES.keys() | OFFLINE
 
 
 # Services

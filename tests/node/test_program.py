@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -211,3 +212,23 @@ fibws.run(main())
         assert process.stdout.readline() == "cleaning up\n"
         process.terminate()
         assert process.wait(60) == -signal.SIGTERM
+
+
+async def test_running_loop_is_named_with_what_to_write() -> None:
+    async def work() -> None:
+        pass
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(RuntimeError, match=r"write await work\(\) in place"):
+            fibws.run(work())
+
+
+def test_missing_parentheses_are_named() -> None:
+    async def work() -> None:
+        pass
+
+    with pytest.raises(TypeError, match=r"write fibws\.run\(work\(\)\)"):
+        fibws.run(work)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="takes a coroutine, got 5"):
+        fibws.run(5)  # type: ignore[arg-type]
