@@ -121,7 +121,7 @@ class ObjectStyle:
 
 
 Message._style = ObjectStyle(
-    python_name, {"time": Time, "duration": Duration}, "__post_init__", "list", exact=True
+    python_name, {"time": Time, "duration": Duration}, "_carry", "list", exact=True
 )
 Message._find_interfaces = cache(Interfaces)
 
