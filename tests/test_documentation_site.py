@@ -40,6 +40,27 @@ def test_api_page_has_all_public_names() -> None:
     assert sorted(names) == sorted(_public_names())
 
 
+@pytest.mark.parametrize(
+    "class_",
+    [
+        *(fibws.Publisher, fibws.Subscription, fibws.Peers, fibws.ClientGoal, fibws.ServerGoal),
+        *(fibws.Hub, fibws.Params, fibws.Graph, fibws.Node, fibws.Rate),
+    ],
+)
+def test_classes_offer_what_the_api_page_has(class_: type) -> None:
+    page = (DOCS / "api.md").read_text("utf-8")
+    listed = re.search(
+        rf"^::: fibws\.{class_.__name__}\n    options:\n      members: \[(.*)\]", page, re.M
+    )
+    offered = {name for name in dir(class_) if not name.startswith("_")}
+    if listed is not None:
+        members = set(listed[1].split(", "))
+        assert offered <= members
+        assert members - offered <= {"peers", "port"}  # Attributes of each object.
+    assert class_.__doc__ is not None
+    assert "session" not in class_.__doc__  # Users construct Node and Hub alone.
+
+
 @pytest.mark.slow  # MkDocs imports all of fibws, for 7 s of CPU time.
 def test_site_has_the_readme_and_docstrings(tmp_path: Path) -> None:
     pytest.importorskip("mkdocs")

@@ -174,7 +174,7 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
     exit_signals.install(loop)
     _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
-        manager = ServiceManager(loop, hub.status)
+        manager = ServiceManager(loop, hub._status)
         hub.stop_requested = lambda reason: _stop_for(reason, stop)
         _reload_on_hangup(hub, manager, stop)
         _write(url_file, hub.url)
@@ -226,7 +226,7 @@ def _reload(hub: Hub, manager: ServiceManager) -> None:
     except FibwsError as error:
         hub.audit.reload_failed("certificates, tokens and keys", str(error))
     else:
-        hub.audit.reloaded("certificates, tokens and keys", changes, hub.files)
+        hub.audit.reloaded("certificates, tokens and keys", changes, hub._files)
     finally:
         manager.ready()
 

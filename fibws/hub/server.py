@@ -315,7 +315,7 @@ class Hub:
             flusher=flusher,
             turns=Turns(loop.call_later, flusher.flush),
             limits=self._limits,
-            observer=self,
+            observer=_Reports(self),
             authentication=self._authentication,
             audit=self.audit,
             is_simulated=lambda: self.graph.clock.simulated is not None,
@@ -643,7 +643,7 @@ class Hub:
         return changes
 
     @property
-    def files(self) -> list[Path]:
+    def _files(self) -> list[Path]:
         """The files that `reload` reads."""
         own = (self.settings.tokens, self.settings.jwt_key)
         return [*filter(None, own), *(self._tls.files if self._tls is not None else ())]
@@ -665,7 +665,7 @@ class Hub:
                 closed += 1
         return closed
 
-    def status(self) -> str:
+    def _status(self) -> str:
         """Return one line about the hub, for the service manager."""
         state = "draining, " if self._probes.is_draining else ""
         return f"{state}{self._limits.clients} clients, {len(self.graph.topics)} topics"
@@ -769,36 +769,6 @@ class Hub:
                 self.port,
             )
 
-    # What connections report.
-
-    def opened(self, connection: Connection) -> None:
-        """Count a socket that has been opened."""
-        self._connections.add(connection)
-        self._empty.clear()
-        if self._closing:
-            connection.abort()
-
-    def connected(self, connection: Connection) -> None:
-        """Count a client that has finished its handshake."""
-        self._clients.connected += 1
-        self._limits.clients += 1
-        self._vacant.clear()
-
-    def entered(self, connection: Connection) -> None:
-        """Add a client that is a node now."""
-        self._own.connected(connection)
-
-    def ponged(self, connection: Connection, data: bytes) -> None:
-        """Take note of a client's pong."""
-        self._own.ponged(connection, data)
-
-    def lost(self, connection: Connection) -> None:
-        """Remove a connection that is closed."""
-        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
-            stack.callback(self._count_out, connection)
-            stack.callback(self._own.disconnected, connection)
-            stack.callback(self._clients.left, connection)
-
     def _count_out(self, connection: Connection) -> None:
         self._connections.discard(connection)
         if connection.endpoint is not None:
@@ -834,6 +804,41 @@ class Hub:
             self._handle_exception(loop, context)
         else:
             loop.default_exception_handler(context)
+
+
+class _Reports:
+    """What connections report to their hub."""
+
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+
+    def opened(self, connection: Connection) -> None:
+        """Count a socket that has been opened."""
+        self._hub._connections.add(connection)
+        self._hub._empty.clear()
+        if self._hub._closing:
+            connection.abort()
+
+    def connected(self, connection: Connection) -> None:
+        """Count a client that has finished its handshake."""
+        self._hub._clients.connected += 1
+        self._hub._limits.clients += 1
+        self._hub._vacant.clear()
+
+    def entered(self, connection: Connection) -> None:
+        """Add a client that is a node now."""
+        self._hub._own.connected(connection)
+
+    def ponged(self, connection: Connection, data: bytes) -> None:
+        """Take note of a client's pong."""
+        self._hub._own.ponged(connection, data)
+
+    def lost(self, connection: Connection) -> None:
+        """Remove a connection that is closed."""
+        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
+            stack.callback(self._hub._count_out, connection)
+            stack.callback(self._hub._own.disconnected, connection)
+            stack.callback(self._hub._clients.left, connection)
 
 
 def local_url(settings: Settings, port: int, tls: ServerTls | None = None) -> str:

@@ -11,8 +11,8 @@ what the node has registered and which responses it waits for. The session outli
 
 One message, from `Publisher.publish` to the socket and from the socket to ``async for``:
 
-    Publisher.publish → encode_serialized (bytes of MessageCodec.serialize behind the WebSocket
-    header) → send → OutgoingQueue.put → WebSocket.write, or `_flush` at the end of the loop's turn
-    WebSocket.buffer_updated → FrameParser.receive → Topics._on_binary → Subscription.offer
+    Publisher.publish → _frame_of (bytes of MessageCodec.serialize behind the WebSocket
+    header) → OutgoingQueue.put → WebSocket.write, or `_flush` at the end of the loop's turn
+    WebSocket.buffer_updated → FrameParser.receive → Topics._on_binary → Subscription._offer
     ... Subscription.__anext__ → MessageCodec.deserialize
 """

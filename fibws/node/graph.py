@@ -23,16 +23,14 @@ class Graph:
 
     Unknown names give None or empty lists. While there is no hub, all methods wait.
 
-    Args:
-        calls: the node's.
-        resolve: returns the global name of a name.
-
     Raises:
         InvalidName: the name is not legal.
         ServiceError: the hub refuses, as the text says.
         NodeClosed: the node has ended.
     """
 
+    # calls: the node's.
+    # resolve: returns the global name of a name.
     def __init__(self, calls: Calls, resolve: Callable[[str], str]) -> None:
         self._ask = calls.query_rosapi
         self._resolve = resolve

@@ -186,7 +186,7 @@ class Rosout(logging.Handler):
         if not self._topics.over:
             message.topics = self._topics.names()  # In the loop's thread, which changes them.
             with suppress(MessageTooLarge):  # The console has shown it.
-                self._publisher.send_while_open(self._publisher.encode(message))
+                self._publisher._send_while_open(self._publisher._encode(message))
 
 
 class Loggers:

@@ -702,7 +702,7 @@ class Node:
             clock = self.subscribe("/clock", "rosgraph_msgs/Clock", queue_size=CLOCK_QUEUE)
             async with clock as messages:
                 # In the order in which the hub sent it among all messages.
-                messages.hand_to(lambda message: self._clock.set(message.clock.to_nanoseconds()))
+                messages._hand_to(lambda message: self._clock.set(message.clock.to_nanoseconds()))
                 async for _ in messages:
                     pass
         except FibwsError as error:
@@ -719,7 +719,7 @@ class Node:
 
     async def _registered(self, registration: Registration) -> None:
         """Wait until the hub knows a registration; take it back if that fails."""
-        registration.is_awaited = True
+        registration._is_awaited = True
         try:
             await self._calls.round_trip()
             if registration.fault is not None:
@@ -728,7 +728,7 @@ class Node:
             registration.close()
             raise
         finally:
-            registration.is_awaited = False
+            registration._is_awaited = False
 
     def _leave_log(self) -> None:
         """Remove the node's handler from its logger, which may outlive it."""

@@ -22,16 +22,14 @@ class Params:
     node alone; ``/`` is the whole tree. A value is any JSON value except null, and a dict is a
     namespace (http://wiki.ros.org/Parameter%20Server). While there is no hub, all methods wait.
 
-    Args:
-        calls: the node's.
-        resolve: returns the global name of a name.
-
     Raises:
         InvalidName: a parameter's name is not legal.
         ServiceError: the hub refuses, or was lost, as the text says.
         NodeClosed: the node has ended.
     """
 
+    # calls: the node's.
+    # resolve: returns the global name of a name.
     def __init__(self, calls: Calls, resolve: Callable[[str], str]) -> None:
         self._ask = calls.call_rosapi
         self._resolve = resolve

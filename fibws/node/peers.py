@@ -60,7 +60,7 @@ class Peers:
         finally:
             self._readers.remove(waiting)
 
-    def update(self, names: list[str]) -> None:
+    def _update(self, names: list[str]) -> None:
         """Set the peers' names."""
         if names != self._names:
             self._names = names
@@ -68,21 +68,21 @@ class Peers:
                 waiting.append(names)
             self._news.set()
 
-    def change(self, removed: Iterable[str], added: Iterable[str]) -> None:
+    def _change(self, removed: Iterable[str], added: Iterable[str]) -> None:
         """Remove peers, and then add others, or some of those."""
         left, joined = set(removed), set(added)
         before = self._names or []
         remaining = [name for name in before if name not in left] if left else before
         if left & joined:
-            self.update(remaining)
-        self.update(sorted(joined.union(remaining)))
+            self._update(remaining)
+        self._update(sorted(joined.union(remaining)))
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Forget the peers: there is no hub."""
         if self._names:
-            self.update([])
+            self._update([])
 
-    def end(self) -> None:
+    def _end(self) -> None:
         """End all iterations of `changes`."""
         self._names = None
         self._ended = True

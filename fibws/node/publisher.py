@@ -35,20 +35,15 @@ P = ParamSpec("P", default=...)
 class Publisher(Registration, Generic[M, P]):
     """Publishes messages of one type on one topic.
 
-    `publish` is three steps, for programs with threads to take one by one: `encode` in any of them,
-    and in the loop `room`, which may be left out, and `send`.
-
     Leave it with `close`, or by ``async with``, to stop publishing before the node does.
-
-    Args:
-        session: the node's.
-        operation: the advertisement, as for a server without `fibws.v1`.
-        number: the publisher's number on connections of `fibws.v1`.
-        codec: the codec of its messages.
-        withdraw: takes the advertisement back.
-        refused: is called if the hub refuses the advertisement and `Node` does not raise that.
     """
 
+    # session: the node's.
+    # operation: the advertisement, as for a server without `fibws.v1`.
+    # number: the publisher's number on connections of `fibws.v1`.
+    # codec: the codec of its messages.
+    # withdraw: takes the advertisement back.
+    # refused: is called if the hub refuses the advertisement and `Node` does not raise that.
     def __init__(
         self,
         session: Session,
@@ -72,7 +67,7 @@ class Publisher(Registration, Generic[M, P]):
         """The bytes before a message of a size, and this size: that of the last message."""
         self._lane = PublisherLane(operation.queue_size, operation.topic, self._to_json)
         self._peers = Peers()
-        self.latched: bytes | None = None
+        self._latched: bytes | None = None
         """The frame of the message to send again on each new connection."""
         self._will: SetWill | None = None
         self._closed = False
@@ -126,7 +121,7 @@ class Publisher(Registration, Generic[M, P]):
             OperationRejected: the hub refused the topic.
             NodeClosed: the publisher or its node was closed.
         """
-        frame = self._encode(fields, named)
+        frame = self._frame_of(fields, named)
         outgoing = self._outgoing
         if not outgoing.ready:
             await outgoing.room()
@@ -136,14 +131,17 @@ class Publisher(Registration, Generic[M, P]):
             self._retain(frame)
         outgoing.put(frame, self._lane)
 
-    @overload
-    def encode(self, message: M, /) -> bytes: ...
+    # `publish` is three steps, for fibws's programs with threads to take one by one: `_encode` in
+    # any of them, and in the loop `_room`, which may be left out, and `_send`.
 
     @overload
-    def encode(self, *fields: P.args, **named: P.kwargs) -> bytes: ...
+    def _encode(self, message: M, /) -> bytes: ...
 
-    def encode(self, *fields: Any, **named: Any) -> bytes:
-        """Return the frame of a message, given as to `publish`, for `send`.
+    @overload
+    def _encode(self, *fields: P.args, **named: P.kwargs) -> bytes: ...
+
+    def _encode(self, *fields: Any, **named: Any) -> bytes:
+        """Return the frame of a message, given as to `publish`, for `_send`.
 
         It changes nothing, waits for nothing, and may be called in any thread.
 
@@ -152,26 +150,26 @@ class Publisher(Registration, Generic[M, P]):
             MessageTooLarge: the hub does not take messages of this size.
             TypeError: fields both in order and by name, or a message of another class.
         """
-        return self._encode(fields, named)
+        return self._frame_of(fields, named)
 
     @overload
-    def encode_to(self, node: str, message: M, /) -> bytes: ...
+    def _encode_to(self, node: str, message: M, /) -> bytes: ...
 
     @overload
-    def encode_to(self, node: str, /, *fields: P.args, **named: P.kwargs) -> bytes: ...
+    def _encode_to(self, node: str, /, *fields: P.args, **named: P.kwargs) -> bytes: ...
 
-    def encode_to(self, node: str, /, *fields: Any, **named: Any) -> bytes:
+    def _encode_to(self, node: str, /, *fields: Any, **named: Any) -> bytes:
         """Return a frame for one subscriber alone: a node's global name, such as `peers` has it.
 
         It is discarded if that node does not subscribe, and never latched. A rosbridge_suite server
         sends it to all subscribers.
 
         Raises:
-            InvalidMessage, TypeError: as `encode`.
+            InvalidMessage, TypeError: as `_encode`.
         """
-        return self._encode(fields, named, node)
+        return self._frame_of(fields, named, node)
 
-    def encode_serialized(self, message: bytes, node: str | None = None) -> bytes:
+    def _encode_serialized(self, message: bytes, node: str | None = None) -> bytes:
         """Return the frame of a serialized message, of which only the size is checked.
 
         Args:
@@ -184,26 +182,26 @@ class Publisher(Registration, Generic[M, P]):
         return self._checked(self._prefix_to(node)(len(message)) + message)
 
     @property
-    def has_room(self) -> bool:
-        """Whether `room` returns at once, in the node's loop."""
+    def _has_room(self) -> bool:
+        """Whether `_room` returns at once, in the node's loop."""
         return self._outgoing.has_room
 
     @property
-    def is_idle(self) -> bool:
+    def _is_idle(self) -> bool:
         """Whether everything that the node sent has been given to its socket."""
         return not self._outgoing.size
 
-    async def room(self) -> None:
+    async def _room(self) -> None:
         """Wait while the connection is slower than the program, and give other tasks their turns.
 
         Without a hub it only does the latter.
         """
         await self._outgoing.room()
 
-    def send(self, frame: bytes) -> None:
-        """Send what `encode` returned, in the node's loop, without waiting.
+    def _send(self, frame: bytes) -> None:
+        """Send what `_encode` returned, in the node's loop, without waiting.
 
-        While there is no `room`, or no hub, the newest ``queue_size`` messages are kept.
+        While there is no `_room`, or no hub, the newest ``queue_size`` messages are kept.
 
         Raises:
             OperationRejected: the hub refused the topic.
@@ -215,8 +213,8 @@ class Publisher(Registration, Generic[M, P]):
             self._retain(frame)
         self._outgoing.put(frame, self._lane)
 
-    def send_while_open(self, frame: bytes) -> None:
-        """Send a frame, as `send`, even while the node ends; do nothing once this is closed."""
+    def _send_while_open(self, frame: bytes) -> None:
+        """Send a frame, as `_send`, even while the node ends; do nothing once this is closed."""
         if not self._closed:
             if self._operation.latch:
                 self._retain(frame)
@@ -254,7 +252,7 @@ class Publisher(Registration, Generic[M, P]):
             raise ValueError(
                 f"timeout must be between {SHORTEST_WILL:g} and {LONGEST_WILL:g} s, got {timeout:g}"
             )
-        frame = self._encode(message, fields)
+        frame = self._frame_of(message, fields)
         _, _, payload = read_publish(client_payload(frame))
         values = self._codec.write(self._codec.deserialize(payload))
         self._will = SetWill(
@@ -272,7 +270,7 @@ class Publisher(Registration, Generic[M, P]):
             if not self._closed:
                 self._session.send(ClearWill(topic=self.topic))
 
-    def introduce(self, headers: Mapping[str, str]) -> None:
+    def _introduce(self, headers: Mapping[str, str]) -> None:
         """From now on send subscribers other headers; see `Node.advertise`.
 
         Raises:
@@ -283,7 +281,7 @@ class Publisher(Registration, Generic[M, P]):
             return
         self._operation = self._operation.model_copy(update={"headers": checked})
         if not self._closed:
-            self._session.send(self.registration())
+            self._session.send(self._registration())
 
     def close(self) -> None:
         """Stop publishing. Does nothing when called again."""
@@ -300,21 +298,11 @@ class Publisher(Registration, Generic[M, P]):
     # Called by `Topics`
 
     @property
-    def id(self) -> str:
+    def _id(self) -> str:
         """The id of the advertisement."""
         return str(self._operation.id)
 
-    @property
-    def lane(self) -> PublisherLane:
-        """Its share of the queue of outgoing frames."""
-        return self._lane
-
-    @property
-    def will(self) -> SetWill | None:
-        """The operation that sets the will, on each new connection."""
-        return self._will
-
-    def registration(self) -> Advertise:
+    def _registration(self) -> Advertise:
         """Return the advertisement for the current connection."""
         if not self._session.serialized:
             return self._operation
@@ -322,17 +310,17 @@ class Publisher(Registration, Generic[M, P]):
             update={"publisher": self._number, "md5sum": self._codec.md5sum}
         )
 
-    def refuse(self, fault: OperationRejected) -> None:
+    def _refuse(self, fault: OperationRejected) -> None:
         """Handle the hub's refusal of the topic."""
         self._fault = fault
         self._close()
-        if self._refused is not None and not self.is_awaited:
+        if self._refused is not None and not self._is_awaited:
             self._refused(fault)
 
     def _close(self) -> None:
         self._closed = True
         self._lane.limit = 0  # The next hub is sent nothing more of it.
-        self._peers.end()
+        self._peers._end()
 
     def _raise(self) -> None:
         self._session.check()
@@ -340,7 +328,7 @@ class Publisher(Registration, Generic[M, P]):
             throw(self._fault)
         raise NodeClosed(f"the publisher of {self.topic} was closed")
 
-    def _encode(
+    def _frame_of(
         self, fields: tuple[Any, ...], named: dict[str, Any], node: str | None = None
     ) -> bytes:
         message_class = self._class
@@ -377,7 +365,7 @@ class Publisher(Registration, Generic[M, P]):
 
     def _retain(self, frame: bytes) -> None:
         if read_publish(client_payload(memoryview(frame))).node is None:
-            self.latched = frame
+            self._latched = frame
 
     def _to_json(self, frame: bytes) -> bytes:
         """Return a frame's message as rosbridge's operation; nothing if its bytes are invalid."""

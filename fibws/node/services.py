@@ -50,15 +50,13 @@ class ServiceServer(Registration, Generic[Req, Res]):
     """Handles the calls of one service, each in a task of its own.
 
     Leave it with `close`, or by ``async with``, to end the service before the node does.
-
-    Args:
-        session: the node's.
-        operation: the registration.
-        type_: the service's type.
-        handler: handles a call; it is given the header, too, if the operation asks for headers.
-        withdraw: takes the registration back.
     """
 
+    # session: the node's.
+    # operation: the registration.
+    # type_: the service's type.
+    # handler: handles a call; it is given the header, too, if the operation asks for headers.
+    # withdraw: takes the registration back.
     def __init__(
         self,
         session: Session,
@@ -266,7 +264,7 @@ class Services(OperationHandler):
         for server in self._servers.values():
             if server.operation.id == id_:
                 del self._servers[server.name]
-                if not server.is_awaited:
+                if not server._is_awaited:
                     log = self._session.log
                     log.error("The hub refused the service %s: %s", server.name, error)
                 server.end(error)

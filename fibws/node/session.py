@@ -137,7 +137,7 @@ class Tasks:
 class Registration(ABC):
     """A publisher, a service or an action server, which the hub registers or refuses."""
 
-    is_awaited = False
+    _is_awaited = False
     """Whether `Node` waits for the hub's answer: it raises a refusal, which is logged otherwise."""
 
     @property

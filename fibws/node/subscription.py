@@ -49,16 +49,14 @@ class Subscription(Generic[M]):
     A slow reader gets the newest ``queue_size`` messages; `dropped` counts the others. Messages are
     decoded when they are read. Leave it with `close`, or by ``async with``, to stop listening
     before the node does. From a rosbridge_suite server infinity arrives as NaN.
-
-    Args:
-        operation: the subscription, as for a server without `fibws.v1`.
-        codec: the codec of its messages.
-        queue_size: most messages that wait for the reader; None for no limit.
-        withdraw: takes the subscription back.
-        log: logs messages that do not fit the type.
-        refused: is called if the hub refuses the subscription.
     """
 
+    # operation: the subscription, as for a server without `fibws.v1`.
+    # codec: the codec of its messages.
+    # queue_size: most messages that wait for the reader; None for no limit.
+    # withdraw: takes the subscription back.
+    # log: logs messages that do not fit the type.
+    # refused: is called if the hub refuses the subscription.
     def __init__(
         self,
         operation: Subscribe,
@@ -81,7 +79,7 @@ class Subscription(Generic[M]):
         self._ended = False
         self._fault: Exception | None = None
         self._dropped = 0
-        self.skipped = 0
+        self._skipped = 0
         """Messages that were too large to be read."""
         self._header: dict[str, str] = {}
         self._headers: dict[bytes, dict[str, str]] = {}
@@ -128,7 +126,7 @@ class Subscription(Generic[M]):
         """
         return self._header
 
-    def hand_to(self, take: Callable[[M], object]) -> None:
+    def _hand_to(self, take: Callable[[M], object]) -> None:
         """Call a function with each message, in the loop, instead of queueing it for a reader.
 
         This is for programs with queues of their own; ``async for`` then only waits for the end.
@@ -142,18 +140,18 @@ class Subscription(Generic[M]):
 
         self._take = read_and_take
 
-    def hand_undecoded_to(self, take: Callable[[Received], object]) -> None:
-        """Call a function with each message as it arrived, as `hand_to`, for `decode` to decode."""
+    def _hand_undecoded_to(self, take: Callable[[Received], object]) -> None:
+        """Call a function with each message as it arrived, as `_hand_to`, for `_decode`."""
         self._take = take
 
-    def hand_serialized_to(self, take: TakeSerialized) -> None:
-        """Call a function with the bytes of each message, in the loop, as `hand_to`.
+    def _hand_serialized_to(self, take: TakeSerialized) -> None:
+        """Call a function with the bytes of each message, in the loop, as `_hand_to`.
 
         From a rosbridge_suite server it gets nothing.
         """
         self._take_serialized = take
 
-    def decode(self, received: Received) -> M | None:
+    def _decode(self, received: Received) -> M | None:
         """Decode a message; return None, and log it, if the message does not fit its type.
 
         It changes nothing, and may be called in any thread.
@@ -171,7 +169,7 @@ class Subscription(Generic[M]):
         """Stop listening and discard what was not read. Does nothing when called again."""
         if not self._ended:
             self._messages.clear()
-            self.end()
+            self._end()
             self._withdraw(self)
 
     def __aiter__(self) -> Subscription[M]:
@@ -199,11 +197,11 @@ class Subscription(Generic[M]):
     # Called by `Topics`
 
     @property
-    def id(self) -> str:
+    def _id(self) -> str:
         """The id of the subscription."""
         return str(self._operation.id)
 
-    def registration(self, *, serialized: bool) -> Subscribe:
+    def _registration(self, *, serialized: bool) -> Subscribe:
         """Return the operation that subscribes.
 
         Args:
@@ -220,16 +218,16 @@ class Subscription(Generic[M]):
             }
         )
 
-    def found(self, type_: ReportedType) -> None:
+    def _found(self, type_: ReportedType) -> None:
         """Note the topic's type, as the hub reports it."""
         if self._codec.type == ANY_TYPE:
             self._type = type_.name
             self._md5sum = type_.md5sum
 
-    def offer_serialized(
+    def _offer_serialized(
         self, message: memoryview, header: bytes, received: int, type_: ReportedType
     ) -> bool:
-        """Queue a message in ROS 1's serialization, as `offer`.
+        """Queue a message in ROS 1's serialization, as `_offer`.
 
         One without its header, if headers were asked for, was sent before the hub knew of this
         subscription, for another one of the node: it is left out.
@@ -241,12 +239,12 @@ class Subscription(Generic[M]):
         if self._operation.headers and not header:
             return False
         if self._take_serialized is None:
-            return self.offer(message, header)
+            return self._offer(message, header)
         if not self._ended:
             self._take_serialized(message, header, received, type_)
         return False
 
-    def offer(self, message: Any, header: bytes | dict[str, str] | None = None) -> bool:
+    def _offer(self, message: Any, header: bytes | dict[str, str] | None = None) -> bool:
         """Queue a message; return whether the queue is full now.
 
         Args:
@@ -270,27 +268,27 @@ class Subscription(Generic[M]):
         messages.append((message, header))
         return waiting + 1 == self._queue_size
 
-    def skip(self) -> None:
+    def _skip(self) -> None:
         """Count a message that was too large to be read."""
         self._dropped += 1
-        self.skipped += 1
+        self._skipped += 1
 
-    def refuse(self, fault: OperationRejected) -> None:
+    def _refuse(self, fault: OperationRejected) -> None:
         """Handle the hub's refusal of the subscription."""
-        self.end(fault)
+        self._end(fault)
         if self._refused is not None:
             self._refused(fault)
 
-    def end(self, fault: Exception | None = None) -> None:
+    def _end(self, fault: Exception | None = None) -> None:
         """End the iteration once all messages are read, by raising ``fault`` unless it is None."""
         self._ended = True
         self._fault = fault
         self._news.set()
-        self.peers.end()
+        self.peers._end()
 
     def _read(self, received: Received) -> M | None:
-        """Decode a message, as `decode`, and note its connection header."""
-        message = self.decode(received)
+        """Decode a message, as `_decode`, and note its connection header."""
+        message = self._decode(received)
         if message is not None and self._operation.headers:
             # Without: another subscription of the node may have asked for headers.
             header = received[1]

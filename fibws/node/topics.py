@@ -99,8 +99,8 @@ class Topics(OperationHandler):
             self._unadvertise,
             refused or partial(self._log_refusal, topic),
         )
-        self._publishers[publisher.id] = publisher
-        self._session.send(publisher.registration())
+        self._publishers[publisher._id] = publisher
+        self._session.send(publisher._registration())
         return publisher
 
     def subscribe(
@@ -120,8 +120,8 @@ class Topics(OperationHandler):
         Args:
             topic: the topic's global name.
             codec: the codec of its messages.
-            take: is called with each message instead of queueing it; see `Subscription.hand_to`.
-            take_serialized: as ``take``; see `Subscription.hand_serialized_to`.
+            take: is called with each message instead of queueing it; see `Subscription._hand_to`.
+            take_serialized: as ``take``; see `Subscription._hand_serialized_to`.
             refused: is called if the hub refuses the subscription.
         """
         self._session.check()
@@ -139,12 +139,12 @@ class Topics(OperationHandler):
             operation, codec, queue_size, self._unsubscribe, self._session.log, refused
         )
         if take is not None:
-            subscription.hand_to(take)
+            subscription._hand_to(take)
         if take_serialized is not None:
-            subscription.hand_serialized_to(take_serialized)
-        self._subscriptions[subscription.id] = subscription
+            subscription._hand_serialized_to(take_serialized)
+        self._subscriptions[subscription._id] = subscription
         self._readers[topic] = [*self._readers.get(topic, ()), subscription]
-        self._session.send(subscription.registration(serialized=self._session.serialized))
+        self._session.send(subscription._registration(serialized=self._session.serialized))
         return subscription
 
     @property
@@ -162,11 +162,11 @@ class Topics(OperationHandler):
     def registrations(self) -> Iterator[Operation]:
         """Yield all advertisements and subscriptions."""
         for publisher in self._publishers.values():
-            yield publisher.registration()
-            if publisher.will is not None:
-                yield publisher.will
+            yield publisher._registration()
+            if publisher._will is not None:
+                yield publisher._will
         for subscription in self._subscriptions.values():
-            yield subscription.registration(serialized=self._session.serialized)
+            yield subscription._registration(serialized=self._session.serialized)
 
     def retained(self) -> Iterator[tuple[bytes, PublisherLane]]:
         """Yield the latched messages, except those that wait to be sent anyway.
@@ -175,17 +175,17 @@ class Topics(OperationHandler):
         """
         waiting: set[int] | None = None
         for publisher in self._publishers.values():
-            latched = publisher.latched
+            latched = publisher._latched
             if latched is not None:
                 try:
                     self._session.outgoing.check_size(latched, publisher.topic)
                 except MessageTooLarge as fault:
                     self._session.log.error("Dropped: %s", fault)
-                    publisher.latched = None
+                    publisher._latched = None
                     continue
                 waiting = self._session.outgoing.waiting() if waiting is None else waiting
                 if id(latched) not in waiting:
-                    yield latched, publisher.lane
+                    yield latched, publisher._lane
 
     def receive(self, reply: Reply) -> bool:
         """Handle an operation; it may arrive after its topic's last reader has left."""
@@ -202,9 +202,9 @@ class Topics(OperationHandler):
                 if owner is None:
                     pass
                 elif reply.nodes is not None:
-                    owner.peers.update(reply.nodes)
+                    owner.peers._update(reply.nodes)
                 else:
-                    owner.peers.change(reply.removed, reply.added)
+                    owner.peers._change(reply.removed, reply.added)
             case _:
                 return False
         return True
@@ -212,10 +212,10 @@ class Topics(OperationHandler):
     def refuse(self, id_: str, error: OperationRejected) -> bool:
         """End a publisher or a subscription that the hub refuses."""
         if (publisher := self._publishers.pop(id_, None)) is not None:
-            publisher.refuse(error)
+            publisher._refuse(error)
             return True
         if (subscription := self._forget(id_)) is not None:
-            subscription.refuse(error)
+            subscription._refuse(error)
             return True
         return False
 
@@ -223,8 +223,8 @@ class Topics(OperationHandler):
         """Count a message that was too long to be read as dropped by its readers."""
         readers = self._confirmed.get(read_topic(beginning), ())
         for subscription, _ in readers:
-            subscription.skip()
-        if readers and (count := readers[0][0].skipped) == 10 ** (len(str(count)) - 1):
+            subscription._skip()
+        if readers and (count := readers[0][0]._skipped) == 10 ** (len(str(count)) - 1):
             text = "Dropped a message on %s: %s; %d so far"
             self._session.log.error(text, readers[0][0].topic, fault, count)
         return bool(readers)
@@ -234,16 +234,16 @@ class Topics(OperationHandler):
         self._confirmed.clear()
         self._topic_numbers.clear()
         for publisher in self._publishers.values():
-            publisher.peers.on_disconnect()
+            publisher.peers._on_disconnect()
         for subscription in self._subscriptions.values():
-            subscription.peers.on_disconnect()
+            subscription.peers._on_disconnect()
 
     def end(self, error: Exception | None) -> None:
         """End all iterations."""
         for publisher in self._publishers.values():
-            publisher.peers.end()
+            publisher.peers._end()
         for subscription in self._subscriptions.values():
-            subscription.end(error)
+            subscription._end(error)
 
     def _confirm(self, subscription: Subscription[Any], reply: Subscribed) -> None:
         """Deliver the messages of a topic's number to a subscription from now on.
@@ -253,7 +253,7 @@ class Topics(OperationHandler):
         """
         number = reply.topic_id
         type_ = ReportedType(reply.type, reply.md5sum, reply.definition or "")
-        subscription.found(type_)
+        subscription._found(type_)
         # A new list, as in `_forget`. The hub may give a topic's number to another topic.
         others = (
             each
@@ -271,14 +271,14 @@ class Topics(OperationHandler):
             self._session.log.warning("The hub sent an %s", error)
             return
         for subscription, type_ in self._confirmed.get(number, ()):
-            if subscription.offer_serialized(message, header, received, type_):
+            if subscription._offer_serialized(message, header, received, type_):
                 self._session.give_readers_a_turn()
 
     def _on_json(self, topic: str, message: Any, header: dict[str, str] | None) -> bool:
         """Queue a message for its readers; return whether there are any."""
         readers = self._readers.get(topic, ())
         for subscription in readers:
-            if subscription.offer(message, header):
+            if subscription._offer(message, header):
                 self._session.give_readers_a_turn()
         return bool(readers)
 
@@ -287,12 +287,12 @@ class Topics(OperationHandler):
         self._session.log.error("The hub refused the publisher of %s: %s", topic, error)
 
     def _unadvertise(self, publisher: Publisher[Any, ...]) -> None:
-        if self._publishers.pop(publisher.id, None) is not None:
-            self._session.send(Unadvertise(id=publisher.id, topic=publisher.topic))
+        if self._publishers.pop(publisher._id, None) is not None:
+            self._session.send(Unadvertise(id=publisher._id, topic=publisher.topic))
 
     def _unsubscribe(self, subscription: Subscription[Any]) -> None:
-        if self._forget(subscription.id) is not None:
-            self._session.send(Unsubscribe(id=subscription.id, topic=subscription.topic))
+        if self._forget(subscription._id) is not None:
+            self._session.send(Unsubscribe(id=subscription._id, topic=subscription.topic))
 
     def _forget(self, id_: str) -> Subscription[Any] | None:
         subscription = self._subscriptions.pop(id_, None)

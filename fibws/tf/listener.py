@@ -44,8 +44,8 @@ class TransformListener:
         )
         # Transforms are added while the socket is read, so that each is of the time of its arrival:
         # one that waited while time went back would outlast the removal of the others.
-        self._moving.hand_to(partial(self._add, self._moving, static=False))
-        self._static.hand_to(partial(self._add, self._static, static=True))
+        self._moving._hand_to(partial(self._add, self._moving, static=False))
+        self._static._hand_to(partial(self._add, self._static, static=True))
         self._updated = fibws.Time()
         self._invalid_frames: set[str] = set()
         self._news = asyncio.Event()

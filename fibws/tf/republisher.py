@@ -143,7 +143,7 @@ class Republisher:
             self._node.log.warning("Invalid goal %s: %s", goal.id, error)
             return goal.aborted(text=str(error))
         if len(self._goals) == MAX_GOALS:
-            self._goals.pop(0).request_cancel()
+            self._goals.pop(0)._request_cancel()
         self._goals.append(goal)
         try:
             await self._publish_feedback(goal, feedback, selection, 1 / rate, subscribers)

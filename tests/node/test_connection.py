@@ -348,7 +348,7 @@ async def _publish_until_it_waits(
 
     task = asyncio.create_task(publish())
     async with asyncio.timeout(PATIENCE):
-        while texts.has_room or peer.websocket.transport.is_reading():  # noqa: ASYNC110 - no event.
+        while texts._has_room or peer.websocket.transport.is_reading():  # noqa: ASYNC110 - no event.
             await asyncio.sleep(0)
     task.cancel()
     await asyncio.wait({task})
@@ -440,7 +440,7 @@ async def test_other_tasks_run_during_a_burst(hub: ScriptedHub) -> None:
         peer = await hub.peer()
         turns = 0
         received: Counter[int] = Counter()
-        node.subscribe("numbers", Int32).hand_to(lambda number: received.update([turns]))
+        node.subscribe("numbers", Int32)._hand_to(lambda number: received.update([turns]))
         await sends_a_burst(peer)
         async with asyncio.timeout(60):
             while received.total() < 1000:
@@ -469,7 +469,7 @@ async def test_messages_that_were_read_before_a_loss_are_delivered(
                 transports[0].abort()  # As when a write fails.
             received.append(number.data)
 
-        node.subscribe("numbers", Int32).hand_to(take)
+        node.subscribe("numbers", Int32)._hand_to(take)
         lines = Lines(node.log)
         await sends_a_burst(peer, 4 * TURN)
         assert "Lost the hub" in await lines.next()

@@ -41,17 +41,17 @@ async def published(node: fibws.Node) -> None:
 
 async def sent(node: fibws.Node) -> None:
     publisher = await node.advertise("large", String)
-    publisher.send(publisher.encode(LARGE))
+    publisher._send(publisher._encode(LARGE))
 
 
 async def sent_as_bytes(node: fibws.Node) -> None:
     publisher = await node.advertise("large", String)
-    publisher.send(publisher.encode_serialized(b"\0" * LIMIT))
+    publisher._send(publisher._encode_serialized(b"\0" * LIMIT))
 
 
 async def sent_to_one(node: fibws.Node) -> None:
     publisher = await node.advertise("large", String)
-    publisher.send(publisher.encode_to("/other", String(LARGE)))
+    publisher._send(publisher._encode_to("/other", String(LARGE)))
 
 
 async def will(node: fibws.Node) -> None:

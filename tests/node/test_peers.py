@@ -32,7 +32,7 @@ async def test_peers_are_empty_before_the_first_report() -> None:
 async def test_changes_begin_with_the_known_names_even_if_empty() -> None:
     for known in ([], ["/a", "/b"]):
         peers = Peers()
-        peers.update(known)
+        peers._update(known)
         assert peers.names == known
         assert await anext(peers.changes()) == known
     assert repr(peers) == "<Peers /a, /b>"
@@ -42,20 +42,20 @@ async def test_slow_reader_gets_every_change() -> None:
     peers = Peers()
     changes = peers.changes()
     steps = [["/a"], [], ["/a"], ["/a", "/b"]]
-    peers.update(steps[0])
+    peers._update(steps[0])
     first = await anext(changes)
     for names in steps[1:]:
-        peers.update(names)
+        peers._update(names)
     assert [first, *[await anext(changes) for _ in steps[1:]]] == steps
 
 
 async def test_oldest_changes_are_dropped_at_the_limit() -> None:
     peers = Peers()
     changes = peers.changes()
-    peers.update([])
+    peers._update([])
     assert await anext(changes) == []
     for number in range(MOST_CHANGES + 5):
-        peers.update([str(number)])
+        peers._update([str(number)])
     assert await anext(changes) == ["5"]
 
 
@@ -63,8 +63,8 @@ async def test_repeated_report_is_not_a_change() -> None:
     peers = Peers()
     reader = await reading(peers)
     for _ in range(2):
-        peers.update(["/a"])
-    peers.end()
+        peers._update(["/a"])
+    peers._end()
     assert await reader == [["/a"]]
 
 
@@ -72,15 +72,15 @@ async def test_all_readers_get_all_changes() -> None:
     peers = Peers()
     readers = [await reading(peers) for _ in range(2)]
     for names in (["/a"], ["/b"]):
-        peers.update(names)
+        peers._update(names)
         await asyncio.sleep(0)
-    peers.end()
+    peers._end()
     assert [await reader for reader in readers] == 2 * [[["/a"], ["/b"]]]
 
 
 async def test_readers_get_copies() -> None:
     peers = Peers()
-    peers.update(["/a"])
+    peers._update(["/a"])
     (await anext(peers.changes())).clear()
     peers.names.clear()
     assert peers.names == ["/a"]
@@ -89,20 +89,20 @@ async def test_readers_get_copies() -> None:
 async def test_peers_are_empty_until_reconnected() -> None:
     peers = Peers()
     reader = await reading(peers)
-    peers.on_disconnect()
-    peers.update(["/a"])
-    peers.on_disconnect()
+    peers._on_disconnect()
+    peers._update(["/a"])
+    peers._on_disconnect()
     assert peers.names == []
-    peers.on_disconnect()
-    peers.update(["/a"])
-    peers.end()
+    peers._on_disconnect()
+    peers._update(["/a"])
+    peers._end()
     assert await reader == [["/a"], [], ["/a"]]
 
 
 async def test_ended_peers_have_no_names_and_no_changes() -> None:
     peers = Peers()
-    peers.update(["/a"])
-    peers.end()
+    peers._update(["/a"])
+    peers._end()
     assert peers.names == []
     assert await rest(peers) == []
 
@@ -112,26 +112,26 @@ async def test_reader_that_timed_out_misses_nothing() -> None:
     reader = await reading(peers)
     reader.cancel()
     await asyncio.wait({reader})
-    peers.update(["/a"])
+    peers._update(["/a"])
     assert await anext(peers.changes()) == ["/a"]
 
 
 def test_first_report_makes_peers_known() -> None:
     peers = Peers()
     assert not peers.known
-    peers.update([])
+    peers._update([])
     assert peers.known
 
 
 async def test_changes_are_applied_to_the_known_names() -> None:
     peers = Peers()
     reader = await reading(peers)
-    peers.update(["/b", "/d"])
-    peers.change([], ["/a", "/c"])
-    peers.change(["/b", "/unknown"], [])
-    peers.change(["/c"], ["/e"])
+    peers._update(["/b", "/d"])
+    peers._change([], ["/a", "/c"])
+    peers._change(["/b", "/unknown"], [])
+    peers._change(["/c"], ["/e"])
     assert peers.names == ["/a", "/d", "/e"]
-    peers.end()
+    peers._end()
     assert await reader == [
         ["/b", "/d"],
         ["/a", "/b", "/c", "/d"],
@@ -143,7 +143,7 @@ async def test_changes_are_applied_to_the_known_names() -> None:
 async def test_leaving_and_returning_peer_is_reported() -> None:
     peers = Peers()
     reader = await reading(peers)
-    peers.update(["/a", "/b"])
-    peers.change(["/a"], ["/a", "/c"])
-    peers.end()
+    peers._update(["/a", "/b"])
+    peers._change(["/a"], ["/a", "/c"])
+    peers._end()
     assert await reader == [["/a", "/b"], ["/b"], ["/a", "/b", "/c"]]

@@ -56,7 +56,7 @@ def test_frame_has_the_publishers_number_and_the_serialized_message(
     codec = types.codec(Point)
     numbers = set()
     for publisher in (first, second):
-        frame = publisher.encode(1, 2, 3)
+        frame = publisher._encode(1, 2, 3)
         assert frame[2:6] == bytes(4), "the masking key"
         number, node, message = read_publish(client_payload(frame))
         assert (node, bytes(message)) == (None, codec.serialize(Point(1, 2, 3)))
@@ -67,27 +67,27 @@ def test_frame_has_the_publishers_number_and_the_serialized_message(
 async def test_advertisement_has_number_and_md5_only_with_a_hub_of_fibws(
     session: FakeSession, points: Publisher[Point]
 ) -> None:
-    plain = points.registration()
+    plain = points._registration()
     assert (plain.publisher, plain.md5sum) == (None, None)
     session.serialized = True
-    ours = points.registration()
-    number = read_publish(client_payload(points.encode())).publisher
+    ours = points._registration()
+    number = read_publish(client_payload(points._encode())).publisher
     assert (ours.publisher, ours.md5sum) == (number, "4a842b65f413084dc2b10fb484ea7f17")
     assert ours.id == plain.id
 
 
 async def test_headers_can_be_changed(session: FakeSession, points: Publisher[Point]) -> None:
-    points.introduce({})
+    points._introduce({})
     assert sent_operations(session) == []
-    points.introduce({"user": "ann"})
+    points._introduce({"user": "ann"})
     (advertised,) = sent_operations(session)
     assert (advertised["op"], advertised["headers"]) == ("advertise", {"user": "ann"})
-    assert advertised["id"] == points.id
+    assert advertised["id"] == points._id
     assert [each.get("headers") for each in reconnected(session)] == [{"user": "ann"}]
     with pytest.raises(ValueError, match="headers must be an object of strings"):
-        points.introduce({"": "nobody"})
+        points._introduce({"": "nobody"})
     points.close()
-    points.introduce({"user": "bob"})
+    points._introduce({"user": "bob"})
     assert [each["op"] for each in sent_operations(session)] == ["unadvertise"]
 
 
@@ -99,16 +99,16 @@ async def test_publisher_can_be_closed_before_its_node(
         await points.publish()
     with pytest.raises(NodeClosed, match="the publisher of /points was closed"):
         await points.publish()
-    points.send_while_open(points.encode())
+    points._send_while_open(points._encode())
     points.close()
     assert [each["op"] for each in sent_operations(session)] == ["publish", "unadvertise"]
 
 
 async def test_refused_publisher_raises(session: FakeSession, points: Publisher[Point]) -> None:
-    deliver(session, "status", level="error", id=points.id, msg="no", code="not_allowed")
+    deliver(session, "status", level="error", id=points._id, msg="no", code="not_allowed")
     for _ in range(2):
         with pytest.raises(OperationRejected, match="no") as refusal:
-            points.send(points.encode())
+            points._send(points._encode())
         assert refusal.value.code == "not_allowed"
     assert points.fault is refusal.value
     assert reconnected(session) == []
@@ -119,8 +119,8 @@ async def test_while_the_node_ends_a_frame_can_still_be_sent(
 ) -> None:
     session.end()
     with pytest.raises(NodeClosed, match="the node has ended"):
-        points.send(points.encode())
-    points.send_while_open(points.encode(1))
+        points._send(points._encode())
+    points._send_while_open(points._encode(1))
     assert published(session) == [[1, 0, 0]]
 
 
@@ -133,12 +133,12 @@ async def test_other_arguments_raise(
     with pytest.raises(TypeError):
         await points.publish(*fields, **named)
     with pytest.raises(TypeError):
-        points.encode_to("/listener", *fields, **named)
+        points._encode_to("/listener", *fields, **named)
 
 
 def test_message_of_another_class_raises(points: Publisher[Point]) -> None:
     with pytest.raises(TypeError, match=r"expected \[geometry_msgs/Point\] but got"):
-        points.encode(Vector3())
+        points._encode(Vector3())
 
 
 async def test_invalid_message_raises_and_is_not_sent(
@@ -156,7 +156,7 @@ async def test_newest_messages_are_kept_without_a_hub(
     for number in range(3):
         await points.publish(number)
     for number in range(3, 5):
-        points.send(points.encode(number))
+        points._send(points._encode(number))
     assert points.dropped == 3
     session.reopen()
     assert published(session) == [[3, 0, 0], [4, 0, 0]]
@@ -166,19 +166,19 @@ async def test_message_can_be_encoded_in_another_thread(
     session: FakeSession, points: Publisher[Point]
 ) -> None:
     frames = await asyncio.to_thread(
-        lambda: [points.encode(Point(1, 2, 3)), points.encode(1), points.encode(z=3)]
+        lambda: [points._encode(Point(1, 2, 3)), points._encode(1), points._encode(z=3)]
     )
     assert published(session) == []
     for frame in frames:
-        await points.room()
-        points.send(frame)
+        await points._room()
+        points._send(frame)
     assert published(session) == [[1, 2, 3], [1, 0, 0], [0, 0, 3]]
 
 
 async def test_publisher_waits_for_room(session: FakeSession, points: Publisher[Point]) -> None:
-    assert (points.has_room, points.is_idle) == (True, True)
+    assert (points._has_room, points._is_idle) == (True, True)
     session.fill()
-    assert (points.has_room, points.is_idle) == (False, False)
+    assert (points._has_room, points._is_idle) == (False, False)
     waiting = asyncio.create_task(points.publish(1))
     await asyncio.sleep(0)
     assert published(session) == []
@@ -191,9 +191,9 @@ async def test_publisher_waits_for_room(session: FakeSession, points: Publisher[
 async def test_message_for_one_subscriber_names_it(
     session: FakeSession, points: Publisher[Point]
 ) -> None:
-    points.send(points.encode_to("/listener", Point(1, 2, 3)))
-    points.send(points.encode_to("/grün", z=3))
-    points.send(points.encode())
+    points._send(points._encode_to("/listener", Point(1, 2, 3)))
+    points._send(points._encode_to("/grün", z=3))
+    points._send(points._encode())
     assert [each.get("to") for each in sent_operations(session)] == ["/listener", "/grün", None]
 
 
@@ -201,8 +201,8 @@ async def test_message_for_one_subscriber_is_not_latched(
     session: FakeSession, topics: Topics, types: Types
 ) -> None:
     points = advertise(topics, types, latch=True)
-    points.send(points.encode(1))
-    points.send(points.encode_to("/listener", 2))
+    points._send(points._encode(1))
+    points._send(points._encode_to("/listener", 2))
     assert [each["msg"]["x"] for each in reconnected(session)[1:]] == [1]
 
 
@@ -210,8 +210,8 @@ async def test_message_that_is_serialized_already_is_sent_as_it_is(
     session: FakeSession, points: Publisher[Point], types: Types
 ) -> None:
     message = types.codec(Point).serialize(Point(1, 2, 3))
-    points.send(points.encode_serialized(message))
-    points.send(points.encode_serialized(message, "/listener"))
+    points._send(points._encode_serialized(message))
+    points._send(points._encode_serialized(message, "/listener"))
     assert published(session) == 2 * [[1, 2, 3]]
 
 
@@ -221,13 +221,13 @@ async def test_serialized_messages_are_published_as_bytes(
 ) -> None:
     codec = types.serialized(type_, "1" * 32, "float64 x")
     publisher = topics.advertise("/points", codec, queue_size=2)
-    operation = publisher.registration()
+    operation = publisher._registration()
     assert (operation.type, operation.definition) == (type_, "float64 x")
     data = types.codec(Point).serialize(Point(1, 2, 3))
-    frame = publisher.encode(data)
-    assert frame == publisher.encode_serialized(data)
+    frame = publisher._encode(data)
+    assert frame == publisher._encode_serialized(data)
     assert bytes(read_publish(client_payload(frame)).message) == data
-    as_json = publisher.lane.to_json(frame)
+    as_json = publisher._lane.to_json(frame)
     if type_ == "geometry_msgs/Point":
         assert as_json.endswith(b'"msg":{"x":1.0,"y":2.0,"z":3.0}}')
     else:
@@ -244,7 +244,7 @@ def test_definition_of_serialized_standard_types_is_not_sent(types: Types) -> No
 async def test_invalid_bytes_are_not_sent_to_a_server_without_fibws_v1(
     points: Publisher[Point], lines: Lines
 ) -> None:
-    assert points.lane.to_json(points.encode_serialized(b"short")) == b""
+    assert points._lane.to_json(points._encode_serialized(b"short")) == b""
     (line,) = lines.seen()
     assert line.startswith("Dropped a message for /points: ")
 
@@ -252,10 +252,10 @@ async def test_invalid_bytes_are_not_sent_to_a_server_without_fibws_v1(
 async def test_infinity_is_exact_and_nan_is_null_in_json(
     session: FakeSession, points: Publisher[Point]
 ) -> None:
-    points.send(points.encode(float("inf"), float("nan"), 1))
+    points._send(points._encode(float("inf"), float("nan"), 1))
     assert published(session) == [[float("inf"), None, 1]]
 
 
 def test_definition_of_standard_types_is_not_sent(points: Publisher[Point]) -> None:
-    assert isinstance(points.registration(), Advertise)
-    assert points.registration().definition is None
+    assert isinstance(points._registration(), Advertise)
+    assert points._registration().definition is None

@@ -57,7 +57,7 @@ def subscribed(session: FakeSession, subscription: Subscription[Int32], topic_id
     deliver(
         session,
         "subscribed",
-        id=subscription.id,
+        id=subscription._id,
         topic=subscription.topic,
         topic_id=topic_id,
         type="std_msgs/Int32",
@@ -100,10 +100,10 @@ async def test_latched_messages_follow_registrations_unless_newer_ones_wait(
     unlatched = advertise(topics, "/unlatched")
     advertise(topics, "/silent", latch=True)
     for each in (sent, waiting, unlatched):
-        each.send(each.encode(1))
+        each._send(each._encode(1))
     sent_operations(session)
     session.on_disconnect()
-    waiting.send(waiting.encode(2))
+    waiting._send(waiting._encode(2))
     session.connect(session.frames, serialized=False, hold=True)
     operations = session.frames.operations
     first = [operations.get_nowait() for _ in range(operations.qsize())]
@@ -117,10 +117,10 @@ async def test_latched_message_is_sent_again_though_one_for_another_node_waits(
     session: FakeSession, topics: Topics
 ) -> None:
     publisher = advertise(topics, "/a", latch=True)
-    publisher.send(publisher.encode(1))
+    publisher._send(publisher._encode(1))
     sent_operations(session)
     session.on_disconnect()
-    publisher.send(publisher.encode_to("/b", 2))
+    publisher._send(publisher._encode_to("/b", 2))
     session.reconnect()
     assert [each.get("to") for each in sent_operations(session)[1:]] == [None, "/b"]
 
@@ -199,10 +199,10 @@ async def test_refusal_ends_its_publisher_alone(session: FakeSession, topics: To
     refusals: list[NodeError] = []
     refused = advertise(topics, "/a", refused=refusals.append)
     other = advertise(topics, "/b", refused=refusals.append)
-    deliver(session, "status", level="error", id=refused.id, msg="no")
+    deliver(session, "status", level="error", id=refused._id, msg="no")
     with pytest.raises(OperationRejected, match="no"):
-        refused.send(refused.encode())
-    other.send(other.encode())
+        refused._send(refused._encode())
+    other._send(other._encode())
     assert topics.names() == ["/b"]
     assert refusals == [refused.fault]
 
@@ -213,7 +213,7 @@ async def test_refusal_of_a_publisher_is_logged_unless_its_owner_is_called(
     refusals: list[NodeError] = []
     for refused in (None, refusals.append):
         publisher = advertise(topics, "/a", refused=refused)
-        deliver(session, "status", level="error", id=publisher.id, msg="no room")
+        deliver(session, "status", level="error", id=publisher._id, msg="no room")
     assert lines.seen() == ["The hub refused the publisher of /a: no room"]
 
 
@@ -221,7 +221,7 @@ async def test_refusal_ends_its_subscription_alone(session: FakeSession, topics:
     refusals: list[OperationRejected] = []
     refused = subscribe(topics, "/a", refused=refusals.append)
     other = subscribe(topics, "/b")
-    deliver(session, "status", level="error", id=refused.id, msg="no")
+    deliver(session, "status", level="error", id=refused._id, msg="no")
     deliver(session, "publish", topic="/b", msg={"data": 1})
     with pytest.raises(OperationRejected, match="no"):
         await anext(refused)
@@ -233,8 +233,8 @@ async def test_warning_about_a_registration_does_not_end_it(
     session: FakeSession, topics: Topics
 ) -> None:
     publisher = advertise(topics, "/a")
-    deliver(session, "status", level="warning", id=publisher.id, msg="hm")
-    publisher.send(publisher.encode())
+    deliver(session, "status", level="warning", id=publisher._id, msg="hm")
+    publisher._send(publisher._encode())
 
 
 async def test_names_are_those_of_all_registrations(session: FakeSession, topics: Topics) -> None:
@@ -242,7 +242,7 @@ async def test_names_are_those_of_all_registrations(session: FakeSession, topics
     closed = advertise(topics, "/c")
     subscription = subscribe(topics, "/a")
     assert topics.names() == ["/a", "/b", "/c"]
-    deliver(session, "status", level="error", id=refused.id, msg="no")
+    deliver(session, "status", level="error", id=refused._id, msg="no")
     closed.close()
     assert topics.names() == ["/a"]
     subscription.close()
@@ -262,22 +262,22 @@ async def test_peers_are_reported_by_the_registrations_id(
 ) -> None:
     first, second = advertise(topics, "/a", peers=True), advertise(topics, "/b", peers=True)
     subscription = subscribe(topics, "/a", peers=True)
-    deliver(session, "peers", id=first.id, topic="/a", nodes=["/listener"])
-    deliver(session, "peers", id=subscription.id, topic="/a", nodes=["/talker"])
+    deliver(session, "peers", id=first._id, topic="/a", nodes=["/listener"])
+    deliver(session, "peers", id=subscription._id, topic="/a", nodes=["/talker"])
     deliver(session, "peers", id="unknown", topic="/a", nodes=["/nobody"])
     deliver(session, "peers", id="unknown", added=["/nobody"])
     assert [each.peers.names for each in (first, second)] == [["/listener"], []]
     assert subscription.peers.names == ["/talker"]
-    deliver(session, "peers", id=first.id, added=["/ear"])
+    deliver(session, "peers", id=first._id, added=["/ear"])
     assert first.peers.names == ["/ear", "/listener"]
-    deliver(session, "peers", id=first.id, removed=["/listener"])
+    deliver(session, "peers", id=first._id, removed=["/listener"])
     assert first.peers.names == ["/ear"]
 
 
 @pytest.mark.parametrize("end", ["disconnect", "close", "refuse", "end"])
 async def test_peers_are_forgotten(session: FakeSession, topics: Topics, end: str) -> None:
     publisher, subscription = advertise(topics, "/a", peers=True), subscribe(topics, "/a")
-    for id_ in (publisher.id, subscription.id):
+    for id_ in (publisher._id, subscription._id):
         deliver(session, "peers", id=id_, topic="/a", nodes=["/b"])
     match end:
         case "disconnect":
@@ -286,7 +286,7 @@ async def test_peers_are_forgotten(session: FakeSession, topics: Topics, end: st
             publisher.close()
             subscription.close()
         case "refuse":
-            for id_ in (publisher.id, subscription.id):
+            for id_ in (publisher._id, subscription._id):
                 deliver(session, "status", level="error", id=id_, msg="no")
         case "end":
             session.end()
@@ -319,7 +319,7 @@ async def test_queue_size_is_sent_to_the_hub(session: FakeSession, topics: Topic
 async def test_reconnection_repeats_registrations_with_their_ids(
     session: FakeSession, topics: Topics
 ) -> None:
-    ids = [advertise(topics, "/a").id, subscribe(topics, "/s").id]
+    ids = [advertise(topics, "/a")._id, subscribe(topics, "/s")._id]
     assert [each["id"] for each in reconnected(session)] == ids
 
 
@@ -364,7 +364,7 @@ async def test_messages_have_the_type_that_their_topic_had(
         take_serialized=lambda message, header, received, type_: taken.append(type_.name),
     )
     subscribed(session, any_)
-    fields = {"id": any_.id, "topic": "/s", "md5sum": "0" * 32}
+    fields = {"id": any_._id, "topic": "/s", "md5sum": "0" * 32}
     deliver(session, "subscribed", **fields, topic_id=8, type="std_msgs/UInt32")
     for number in (7, 8):
         session.receive_binary(deliver_head(number, 0, b"{}") + bytes(4))

@@ -34,11 +34,11 @@ async def program(node: fibws.Node) -> None:
     await named.publish(5, what="ever")
     kept: fibws.Publisher[Int32] = numbers
     await kept.publish(Int32(5))
-    numbers.send(numbers.encode(5))
-    numbers.send(numbers.encode_to("/listener", data=5))
-    numbers.encode("five")  # type: ignore[call-overload]
-    numbers.encode_to("/listener", String("x"))  # type: ignore[call-overload]
-    numbers.encode_to(data=5)  # type: ignore[call-overload]
+    numbers._send(numbers._encode(5))
+    numbers._send(numbers._encode_to("/listener", data=5))
+    numbers._encode("five")  # type: ignore[call-overload]
+    numbers._encode_to("/listener", String("x"))  # type: ignore[call-overload]
+    numbers._encode_to(data=5)  # type: ignore[call-overload]
     async for names in numbers.peers.changes():
         assert_type(names, list[str])
     await node.advertise("numbers", Int32, headers={"user": 5})  # type: ignore[dict-item]
@@ -47,7 +47,7 @@ async def program(node: fibws.Node) -> None:
     all_ = node.subscribe("numbers", Int32, queue_size=None, headers=True, peers=True)
     assert_type(all_, fibws.Subscription[Int32])
     assert_type(all_.connection_header, dict[str, str])
-    all_.hand_to(lambda number: assert_type(number, Int32))
+    all_._hand_to(lambda number: assert_type(number, Int32))
 """
 
 

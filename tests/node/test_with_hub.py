@@ -97,7 +97,7 @@ async def test_serialized_messages_arrive_with_their_publisher_time_and_type(
         publisher = await talker.advertise_serialized(
             "image", Image._type, latch=True, keep_seq=True
         )
-        publisher.send(publisher.encode_serialized(b"\x09\0\0\0" + bytes(33)))
+        publisher._send(publisher._encode_serialized(b"\x09\0\0\0" + bytes(33)))
         message, header, received, type_ = await arrived.get()
     assert bytes(message) == b"\x09\0\0\0" + bytes(33)
     assert json.loads(header) == {"callerid": "/talker", "latching": "1"}
@@ -590,7 +590,7 @@ async def test_message_for_a_new_subscriber_reaches_only_that_one(real_hub: Hub)
         async def greet(most: int) -> None:
             async for names in numbers.peers.changes():
                 for name in sorted({*names} - greeted):
-                    numbers.send(numbers.encode_to(name, len(greeted)))
+                    numbers._send(numbers._encode_to(name, len(greeted)))
                     greeted.add(name)
                 if len(greeted) == most:
                     return
@@ -646,7 +646,7 @@ async def test_unbounded_queue_loses_nothing(real_hub: Hub) -> None:
         numbers = await node.advertise("numbers", Int32, queue_size=count)
         subscription = node.subscribe("numbers", Int32, queue_size=None)
         for number in range(count):
-            numbers.send(numbers.encode(number))
+            numbers._send(numbers._encode(number))
         last = count - 1
         got: list[int] = []
         async with asyncio.timeout(60):
@@ -687,7 +687,7 @@ async def test_serialized_message_is_forwarded(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         numbers = await node.advertise("numbers", Int32, latch=True)
         subscription = node.subscribe("numbers", Int32)
-        numbers.send(numbers.encode_serialized(b"\x07\x00\x00\x00"))
+        numbers._send(numbers._encode_serialized(b"\x07\x00\x00\x00"))
         assert (await anext(subscription)).data == 7
 
 

@@ -108,8 +108,8 @@ class Outlet:
         publisher = self.publisher
         if callerid != self._callerid:
             self._callerid = callerid
-            publisher.introduce(_headers(callerid))
-        publisher.send(publisher.encode_serialized(data))
+            publisher._introduce(_headers(callerid))
+        publisher._send(publisher._encode_serialized(data))
 
 
 def _headers(callerid: str) -> dict[str, str]:
@@ -243,7 +243,7 @@ class Player:
 
     async def _room(self) -> None:
         for publisher in self._one_of_each.values():
-            await publisher.room()
+            await publisher._room()
 
     async def _wait_for_others(self) -> None:
         """Give subscribers time to connect, as rosbag does."""
@@ -318,7 +318,7 @@ class Player:
         )
 
     def _publish_state(self) -> None:
-        self._state.send_while_open(self._state.encode(self._current_state()))
+        self._state._send_while_open(self._state._encode(self._current_state()))
 
     def _publish_time(self, time: int) -> None:
         """Publish a time on /clock, unless it is the last one that was published."""
@@ -328,7 +328,7 @@ class Player:
     def _publish_clock(self, time: int) -> None:
         assert self._clock is not None
         self._time = time
-        self._clock.send_while_open(self._clock.encode(Time.from_nanoseconds(time)))
+        self._clock._send_while_open(self._clock._encode(Time.from_nanoseconds(time)))
 
     def _report_skip(self, span: int) -> None:
         """Say that a span without messages is skipped, unless that is as long as was asked for."""

@@ -147,7 +147,7 @@ class RecordingNode:
 
     def _announce(self, path: Path) -> None:
         if self._announcer is not None:
-            self._announcer.send_while_open(self._announcer.encode(str(path)))
+            self._announcer._send_while_open(self._announcer._encode(str(path)))
 
     # Topics
 

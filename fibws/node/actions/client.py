@@ -19,14 +19,11 @@ HUB_LOST = "the connection to the hub was lost"
 
 
 class ClientGoal(Generic[R, F]):
-    """A goal that was sent: its status, its feedback and its result.
+    """A goal that was sent: its status, its feedback and its result."""
 
-    Args:
-        id_: its id.
-        queue_size: how much feedback is kept for a slow reader; then the oldest is dropped.
-        cancel: asks the server to cancel the goal of an id.
-    """
-
+    # id_: its id.
+    # queue_size: how much feedback is kept for a slow reader; then the oldest is dropped.
+    # cancel: asks the server to cancel the goal of an id.
     def __init__(self, id_: str, queue_size: int, cancel: Callable[[str], None]) -> None:
         self._id = id_
         self._cancel = cancel
@@ -100,22 +97,22 @@ class ClientGoal(Generic[R, F]):
 
     # Called by the client
 
-    def update(self, status: GoalStatus) -> None:
+    def _update(self, status: GoalStatus) -> None:
         """Set the status that the server reported."""
         self._status = status
 
-    def offer(self, feedback: F) -> None:
+    def _offer(self, feedback: F) -> None:
         """Queue feedback for the reader."""
         self._dropped += len(self._feedback) == self._feedback.maxlen
         self._feedback.append(feedback)
         self._changed.set()
 
-    def succeed(self, result: R) -> None:
+    def _succeed(self, result: R) -> None:
         """End the goal with its result."""
         self._result = result
         self._end(GoalStatus.SUCCEEDED)
 
-    def fail(self, status: GoalStatus, error: Exception) -> None:
+    def _fail(self, status: GoalStatus, error: Exception) -> None:
         """End the goal with an error, which `result` raises."""
         self._error = error
         self._end(status)
@@ -130,13 +127,11 @@ class ActionClient(OperationHandler, Generic[G, R, F]):
     """Sends goals to the server of one action.
 
     To stop before the node ends, call `close` or use ``async with``.
-
-    Args:
-        session: the node's session.
-        name: the action's global name.
-        type_: the action's type.
     """
 
+    # session: the node's session.
+    # name: the action's global name.
+    # type_: the action's type.
     def __init__(self, session: Session, name: str, type_: ActionType[G, R, F]) -> None:
         self._session = session
         self._name = name
@@ -251,13 +246,13 @@ class ActionClient(OperationHandler, Generic[G, R, F]):
 
     def _succeed(self, goal: ClientGoal[R, F], result: R) -> None:
         self._forget(goal)
-        goal.succeed(result)
+        goal._succeed(result)
 
     def _fail(
         self, goal: ClientGoal[R, F], status: GoalStatus, text: str, result: R | None = None
     ) -> None:
         self._forget(goal)
-        goal.fail(status, ActionError(self.name, status, text, result))
+        goal._fail(status, ActionError(self.name, status, text, result))
 
     def _forget(self, goal: ClientGoal[R, F]) -> None:
         """Remove a goal that ends; every goal that ends is passed to this once."""
@@ -301,4 +296,4 @@ class ActionClient(OperationHandler, Generic[G, R, F]):
                 wait.reschedule(0)  # A time in the past: it expires at once.
         for goal in list(self._goals.values()):
             self._forget(goal)
-            goal.fail(GoalStatus.LOST, error)
+            goal._fail(GoalStatus.LOST, error)

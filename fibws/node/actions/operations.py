@@ -80,7 +80,7 @@ class OperationActionServer(ActionServer[G, R, F]):
         self._goals.clear()
         self._next = None
         for goal in goals:
-            goal.request_cancel()
+            goal._request_cancel()
 
     def _on_goal(self, id_: str, args: Any) -> None:
         try:
@@ -172,8 +172,8 @@ class OperationActionClient(ActionClient[G, R, F]):
             self._session.log.error("Dropped feedback of %s: %s", self.name, error)
             return
         if goal.status is GoalStatus.PENDING:
-            goal.update(GoalStatus.ACTIVE)
-        goal.offer(feedback)
+            goal._update(GoalStatus.ACTIVE)
+        goal._offer(feedback)
 
     def _on_result(self, goal: ClientGoal[R, F], reply: ActionResult) -> None:
         status = status_from_ros2(reply.status)

@@ -29,14 +29,12 @@ class ServerGoal(Generic[G, R, F]):
 
     The function returns the goal's result. The goal has then succeeded, unless the function called
     `canceled` or `aborted`.
-
-    Args:
-        record: the goal's public state.
-        request: the goal's message.
-        result: the class of its result.
-        publish: sends feedback of the goal.
     """
 
+    # record: the goal's public state.
+    # request: the goal's message.
+    # result: the class of its result.
+    # publish: sends feedback of the goal.
     def __init__(
         self,
         record: Record,
@@ -44,13 +42,14 @@ class ServerGoal(Generic[G, R, F]):
         result: type[R],
         publish: Callable[[ServerGoal[G, R, F], F | Mapping[str, Any]], Awaitable[None]],
     ) -> None:
-        self.record = record
+        self._record = record
         """Its public state."""
         self._request = request
         self._result = result
         self._publish = publish
         self._cancel = asyncio.Event()
         self._ending = (Transition.SUCCEED, "")
+        """How the goal ends once the function returns, and the reason."""
 
     def __repr__(self) -> str:
         return f"<ServerGoal {self.id} {self.status.name}>"
@@ -58,7 +57,7 @@ class ServerGoal(Generic[G, R, F]):
     @property
     def id(self) -> str:
         """Its id."""
-        return self.record.id
+        return self._record.id
 
     @property
     def request(self) -> G:
@@ -68,7 +67,7 @@ class ServerGoal(Generic[G, R, F]):
     @property
     def status(self) -> GoalStatus:
         """Its status, as the client sees it."""
-        return self.record.status
+        return self._record.status
 
     @property
     def cancel_requested(self) -> bool:
@@ -119,14 +118,9 @@ class ServerGoal(Generic[G, R, F]):
 
     # Called by the server
 
-    def request_cancel(self) -> None:
+    def _request_cancel(self) -> None:
         """Ask the function to stop."""
         self._cancel.set()
-
-    @property
-    def ending(self) -> tuple[Transition, str]:
-        """How the goal ends once the function returns, and the reason."""
-        return self._ending
 
     def _end(self, transition: Transition, result: R | None, text: str) -> R:
         self._ending = (transition, text)
@@ -147,20 +141,18 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
     are aborted, and their tasks canceled. When the hub is lost, goals over topics continue, as in
     ROS; goals over operations are asked to stop, because their results cannot be delivered.
 
-    Args:
-        session: the node's session.
-        name: the action's global name.
-        type_: the action's type.
-        execute: executes a goal. If it raises an exception the goal is aborted, with the
-            exception's text; BrokenPipeError, however, ends the node: stdout has no reader.
-        concurrent: whether goals are executed at the same time. If not, a new goal cancels the
-            current one and begins when that has ended, as with actionlib's SimpleActionServer.
-
     Raises:
         TypeError: ``execute`` is not callable.
         AlreadyOffered: the node already has a server of this action.
     """
 
+    # session: the node's session.
+    # name: the action's global name.
+    # type_: the action's type.
+    # execute: executes a goal. If it raises an exception the goal is aborted, with the
+    #     exception's text; BrokenPipeError, however, ends the node: stdout has no reader.
+    # concurrent: whether goals are executed at the same time. If not, a new goal cancels the
+    #     current one and begins when that has ended, as with actionlib's SimpleActionServer.
     def __init__(
         self,
         session: Session,
@@ -267,14 +259,14 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
             self._next = None
             self._finish(goal, Transition.CANCEL)
         else:
-            if goal.record.go(Transition.CANCEL_REQUEST):
+            if goal._record.go(Transition.CANCEL_REQUEST):
                 self._send_status()
-            goal.request_cancel()
+            goal._request_cancel()
 
     def _refuse(self, error: NodeError) -> None:
         """Close the server because the hub refused it; log it if nobody may be waiting for it."""
         if not self._ended.is_set():
-            if not self.is_awaited:
+            if not self._is_awaited:
                 log = self._session.log
                 log.error("The hub refused the action server %s: %s", self.name, error)
             self._close(error)
@@ -305,17 +297,17 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
         Only the newest goal waits; older ones are canceled.
         """
         newest = self._next or current
-        if goal.record.stamp < newest.record.stamp:
+        if goal._record.stamp < newest._record.stamp:
             self._finish(goal, Transition.CANCEL, text=SUPERSEDED)
             return
         if self._next is not None:
             self._finish(self._next, Transition.CANCEL, text=SUPERSEDED)
         self._next = goal
-        current.request_cancel()
+        current._request_cancel()
 
     def _start(self, goal: ServerGoal[G, R, F]) -> None:
         self._current = goal
-        goal.record.go(Transition.ACCEPT)
+        goal._record.go(Transition.ACCEPT)
         self._send_status()
         name = f"the handler of action {self.name} (goal {goal.id})"
         self._tasks.start(self._run(goal), name)
@@ -352,7 +344,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
         except asyncio.CancelledError:
             # Of a task that the function awaited; or of this task, whose goal has ended by then.
             return Transition.ABORT, None, "it was interrupted"
-        transition, text = goal.ending
+        transition, text = goal._ending
         try:
             return transition, self._type.result.write(result), without_surrogates(text)
         except Exception as error:
@@ -377,8 +369,8 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
         """End a goal and send its result, unless that was done before."""
         if self._goals.get(goal.id) is goal:
             del self._goals[goal.id]
-            goal.record.go(transition, text)
-            self._send_result(goal.record, values)
+            goal._record.go(transition, text)
+            self._send_result(goal._record, values)
 
     async def _publish_feedback(
         self, goal: ServerGoal[G, R, F], feedback: F | Mapping[str, Any]
@@ -388,7 +380,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
             raise RuntimeError(f"goal {goal.id} of {self.name} has ended")
         await self._session.outgoing.room()
         if self._goals.get(goal.id) is goal:
-            self._send_feedback(goal.record, values)
+            self._send_feedback(goal._record, values)
 
     def _close(self, error: Exception | None) -> None:
         self.end(error)

@@ -153,7 +153,7 @@ class ActionPublisher:
 
     def publish(self, **fields: Any) -> None:
         """Publish a message of these JSON values; the default stamp of a header is the time."""
-        self._publisher.send_while_open(self._publisher.encode(self._codec.read(fields)))
+        self._publisher._send_while_open(self._publisher._encode(self._codec.read(fields)))
 
     def close(self) -> None:
         """Stop publishing."""
@@ -322,7 +322,7 @@ class TopicActionClient(ActionClient[G, R, F]):
         """Handle an ``ActionFeedback``."""
         goal = self._update(message.status.goal_id.id, message.status)
         if goal is not None:
-            goal.offer(message.feedback)
+            goal._offer(message.feedback)
 
     def _on_result(self, message: Any) -> None:
         """Handle an ``ActionResult``."""
@@ -342,7 +342,7 @@ class TopicActionClient(ActionClient[G, R, F]):
         watchdog.confirmed, watchdog.last_heard = True, _now()
         goal = self._goals[id_]
         with suppress(ValueError):  # Numbers that actionlib does not define are ignored.
-            goal.update(GoalStatus(status.status))
+            goal._update(GoalStatus(status.status))
         return goal
 
     def _check_silence(self, id_: str) -> None:

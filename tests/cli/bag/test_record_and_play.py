@@ -467,8 +467,8 @@ def test_no_message_is_ahead_of_the_clock(
                 if (now := node.now().to_nanoseconds()) != start:
                     early.append(("/map", message.data, now - start))
 
-            node.subscribe("/n", Int32).hand_to(take)
-            node.subscribe("/map", Int32).hand_to(take_map)
+            node.subscribe("/n", Int32)._hand_to(take)
+            node.subscribe("/map", Int32)._hand_to(take_map)
             await node.flush()
             play = await asyncio.create_subprocess_exec(
                 *(sys.executable, "-m", "fibws", "bag", "play", str(source), "--clock"),

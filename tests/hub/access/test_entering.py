@@ -283,7 +283,7 @@ async def test_reload_without_a_change_says_so(start: Hubs) -> None:
     hub = await start()
     async with entered(hub, **bearer("one")) as ann:
         assert hub.reload() == []
-        assert hub.files == [start.path]
+        assert hub._files == [start.path]
         assert await nodes(ann)
 
 

@@ -343,7 +343,7 @@ async def test_definition_that_one_hub_lacks_comes_from_the_other(
     publisher = await talker.advertise_serialized(
         "wheels", "my_msgs/Wheels", definition=definition, latch=True
     )
-    publisher.send(publisher.encode_serialized(bytes([1, 0, 0, 0, 2, 0, 0, 0])))
+    publisher._send(publisher._encode_serialized(bytes([1, 0, 0, 0, 2, 0, 0, 0])))
     arrived: asyncio.Queue[Publication] = asyncio.Queue()
     recorder = Recorder("/recorder")
     recorder.receive = arrived.put_nowait  # type: ignore[method-assign, assignment]

@@ -125,8 +125,8 @@ async def test_messages_overtake_an_image_on_a_slow_link(
     images = await camera.advertise("images", Image, peers=True)
     numbers = await camera.advertise("numbers", Int32, peers=True)
     arrived: asyncio.Queue[int | str] = asyncio.Queue()
-    viewer.subscribe("images", Image).hand_to(lambda _: arrived.put_nowait("image"))
-    viewer.subscribe("numbers", Int32).hand_to(lambda number: arrived.put_nowait(number.data))
+    viewer.subscribe("images", Image)._hand_to(lambda _: arrived.put_nowait("image"))
+    viewer.subscribe("numbers", Int32)._hand_to(lambda number: arrived.put_nowait(number.data))
     await asyncio.gather(peers_are(images, {"/viewer"}), peers_are(numbers, {"/viewer"}))
     image = Image(data=bytes(640 * 480 * 3))
     async with asyncio.timeout(PATIENCE):
@@ -149,10 +149,10 @@ async def test_slow_network_drops_only_the_oldest_images_and_the_link_lives(
     robot.slow("10mbit")
     seen: asyncio.Queue[int] = asyncio.Queue()
     counted: asyncio.Queue[int] = asyncio.Queue()
-    viewer.subscribe("images", Image, queue_size=None).hand_to(
+    viewer.subscribe("images", Image, queue_size=None)._hand_to(
         lambda image: seen.put_nowait(image.height)
     )
-    viewer.subscribe("numbers", Int32, queue_size=None).hand_to(
+    viewer.subscribe("numbers", Int32, queue_size=None)._hand_to(
         lambda number: counted.put_nowait(number.data)
     )
     await asyncio.gather(peers_are(images, {"/viewer"}), peers_are(numbers, {"/viewer"}))

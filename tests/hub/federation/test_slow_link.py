@@ -103,10 +103,10 @@ async def test_slow_link_drops_the_oldest_messages_of_a_latched_topic_and_lives(
     relay.opened.clear()
     seen: asyncio.Queue[str] = asyncio.Queue()
     counted: asyncio.Queue[int] = asyncio.Queue()
-    viewer.subscribe("images", String, queue_size=None).hand_to(
+    viewer.subscribe("images", String, queue_size=None)._hand_to(
         lambda image: seen.put_nowait(image.data.rstrip())
     )
-    viewer.subscribe("numbers", Int32, queue_size=None).hand_to(
+    viewer.subscribe("numbers", Int32, queue_size=None)._hand_to(
         lambda number: counted.put_nowait(number.data)
     )
     async with asyncio.timeout(PATIENCE):

@@ -55,7 +55,7 @@ async def test_hub_that_is_stopped_costs_another_one_no_message(
         numbers = aiter(viewer.subscribe("small", String, queue_size=100))
         ended = asyncio.Event()
         async with fibws.Node("stopped", hub=url.read_text().strip()) as node:
-            node.subscribe("large", String).hand_to(
+            node.subscribe("large", String)._hand_to(
                 lambda message: ended.set() if message.data == "end" else None
             )
             await peers(large, 1)

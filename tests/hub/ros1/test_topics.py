@@ -387,7 +387,7 @@ async def test_message_for_one_node_reaches_only_its_link(
     publisher = await node.advertise("/count", Int32, peers=True)
     links = [await listening(await start_peer(name), "/count") for name in ("/a", "/b")]
     await until_linked(publisher, "/a", "/b")
-    publisher.send(publisher.encode_to("/b", 1))
+    publisher._send(publisher._encode_to("/b", 1))
     await publisher.publish(2)
     assert await links[1].receive() == int32(1)
     assert [await link.receive() for link in links] == [int32(2), int32(2)]

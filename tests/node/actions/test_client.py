@@ -46,7 +46,7 @@ async def test_cancel_is_sent_until_the_goal_ends(
     assert (goal.id, goal.status) == ("a", GoalStatus.PENDING)
     assert repr(goal) == "<ClientGoal a PENDING>"
     await goal.cancel()
-    goal.succeed(FibonacciResult([1]))
+    goal._succeed(FibonacciResult([1]))
     await goal.cancel()
     assert cancels == ["a"]
 
@@ -57,14 +57,14 @@ async def test_result_returns_to_all_waiters_and_to_later_calls(
     async with asyncio.timeout(60), asyncio.TaskGroup() as tasks:
         results = [tasks.create_task(goal.result()) for _ in range(2)]
         await asyncio.sleep(0)
-        goal.succeed(FibonacciResult([1]))
+        goal._succeed(FibonacciResult([1]))
     assert [each.result() for each in results] == [FibonacciResult([1])] * 2
     assert await goal.result(timeout=1) == FibonacciResult([1])
     assert goal.status is GoalStatus.SUCCEEDED
 
 
 async def test_result_of_failed_goal_raises_at_every_call(goal: FibonacciClientGoal) -> None:
-    goal.fail(GoalStatus.ABORTED, ActionError("/fibonacci", GoalStatus.ABORTED, "no more"))
+    goal._fail(GoalStatus.ABORTED, ActionError("/fibonacci", GoalStatus.ABORTED, "no more"))
     for _ in range(2):
         with pytest.raises(ActionError, match="/fibonacci: ABORTED: no more"):
             await goal.result()
@@ -83,7 +83,7 @@ async def test_goal_continues_after_timeout_or_cancellation_of_result(
         await waiting
     with pytest.raises(ValueError, match="timeout must be a finite number of seconds above 0"):
         await goal.result(timeout=-1)
-    goal.succeed(FibonacciResult([1]))
+    goal._succeed(FibonacciResult([1]))
     assert await goal.result() == FibonacciResult([1])
 
 
@@ -98,15 +98,15 @@ async def test_feedback_is_yielded_until_the_goal_ends(goal: FibonacciClientGoal
         tasks.create_task(receive())
         for number in range(3):
             await asyncio.sleep(0)
-            goal.offer(FibonacciFeedback([number]))
-        goal.succeed(FibonacciResult())
+            goal._offer(FibonacciFeedback([number]))
+        goal._succeed(FibonacciResult())
     assert received == [[0], [1], [2]]
 
 
 async def test_slow_reader_gets_the_newest_feedback(goal: FibonacciClientGoal) -> None:
     for number in range(5):
-        goal.offer(FibonacciFeedback([number]))
-    goal.succeed(FibonacciResult())
+        goal._offer(FibonacciFeedback([number]))
+    goal._succeed(FibonacciResult())
     assert [feedback.sequence async for feedback in goal.feedback()] == [[3], [4]]
     assert goal.dropped == 3
 
@@ -311,7 +311,7 @@ async def test_calls_before_the_node_is_entered_are_refused(fibonacci: Fibonacci
 async def test_1000_feedback_messages_are_kept_by_default(client: RecordingClient) -> None:
     goal = await client.send(FibonacciGoal(5))
     for number in range(1000):
-        goal.offer(FibonacciFeedback([number]))
+        goal._offer(FibonacciFeedback([number]))
     client.succeed(goal)
     assert len([feedback async for feedback in goal.feedback()]) == 1000
 

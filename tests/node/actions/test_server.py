@@ -42,16 +42,16 @@ def test_goal_has_id_request_and_status(goal: FibonacciServerGoal) -> None:
 
 
 def test_goal_succeeds_by_default(goal: FibonacciServerGoal) -> None:
-    assert goal.ending == (Transition.SUCCEED, "")
+    assert goal._ending == (Transition.SUCCEED, "")
 
 
 def test_goal_can_end_as_canceled_or_aborted_with_or_without_a_result(
     goal: FibonacciServerGoal,
 ) -> None:
     assert goal.canceled(FibonacciResult([0])) == FibonacciResult([0])
-    assert goal.ending == (Transition.CANCEL, "")
+    assert goal._ending == (Transition.CANCEL, "")
     assert goal.aborted(text="no more numbers") == FibonacciResult()
-    assert goal.ending == (Transition.ABORT, "no more numbers")
+    assert goal._ending == (Transition.ABORT, "no more numbers")
 
 
 async def test_cancellation_returns_when_cancel_is_requested(goal: FibonacciServerGoal) -> None:
@@ -59,7 +59,7 @@ async def test_cancellation_returns_when_cancel_is_requested(goal: FibonacciServ
         waiting = tasks.create_task(goal.cancellation())
         long = tasks.create_task(goal.cancellation(timeout=60))
         await asyncio.sleep(0)
-        goal.request_cancel()
+        goal._request_cancel()
     assert waiting.result() and long.result()
     assert goal.cancel_requested
 

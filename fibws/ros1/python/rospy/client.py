@@ -362,7 +362,7 @@ async def _follow_clock(node: fibws.Node) -> None:
     clock: fibws.Subscription[Any] = node.subscribe(
         "/clock", "rosgraph_msgs/Clock", queue_size=CLOCK_QUEUE
     )
-    clock.hand_to(take)  # In the order in which the hub sent it among all messages.
+    clock._hand_to(take)  # In the order in which the hub sent it among all messages.
     async for _ in clock:
         pass
 

@@ -78,10 +78,10 @@ class OutgoingQueue:
         if not background.loop_lock.try_acquire():
             return False
         try:
-            if self._frames or not self._publisher.has_room:
+            if self._frames or not self._publisher._has_room:
                 return False
             self._send(frame)
-            is_sent = self._publisher.is_idle
+            is_sent = self._publisher._is_idle
         finally:
             background.loop_lock.release()
         if not is_sent:
@@ -109,18 +109,18 @@ class OutgoingQueue:
         import asyncio
 
         if self._lossless:
-            await self._publisher.room()
+            await self._publisher._room()
         elif self._slow:
             await asyncio.sleep(0)
         else:
             try:
                 async with asyncio.timeout(PATIENCE):
-                    await self._publisher.room()
+                    await self._publisher._room()
             except TimeoutError:
                 self._slow = True
 
     def _send_some(self) -> None:
-        while self._frames and self._publisher.has_room:
+        while self._frames and self._publisher._has_room:
             self._slow = False
             self._send(self._frames.popleft())
         if not self._frames:
@@ -133,7 +133,7 @@ class OutgoingQueue:
         from fibws.errors import NodeError
 
         with suppress(NodeError):  # The topic was refused, or the node has ended.
-            self._publisher.send(frame)
+            self._publisher._send(frame)
 
 
 def _wake() -> None:

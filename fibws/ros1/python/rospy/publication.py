@@ -147,7 +147,7 @@ class Publication:
         if message._buff is None:
             raise ROSException("AnyMsg is not initialized")
         if self._publisher is not None and self._outgoing is not None:
-            self._outgoing.put(self._publisher.encode_serialized(message._buff, peer))
+            self._outgoing.put(self._publisher._encode_serialized(message._buff, peer))
 
     def _find_type(self, message: Message) -> RawType:
         """Return the type of an `AnyMsg`: that of its header, or else the topic's."""
@@ -185,7 +185,7 @@ class Publication:
                 self._outgoing = OutgoingQueue(self._publisher, lossless=lossless)
         else:
             # A new publisher would not have the latched message.
-            self._publisher.introduce(headers)
+            self._publisher._introduce(headers)
         if self._outgoing is not None:
             self._outgoing.use(self._publisher, lossless=lossless)
 
@@ -262,8 +262,8 @@ def _plain_class(type_: str) -> type[Message] | None:
 def _encode(publisher: fibws.Publisher[Any, ...], message: Message, peer: str | None) -> bytes:
     try:
         if peer is not None:
-            return publisher.encode_to(peer, message)
-        return publisher.encode(message)
+            return publisher._encode_to(peer, message)
+        return publisher._encode(message)
     except MessageTooLarge:
         raise
     except (ValueError, TypeError, AttributeError) as error:

@@ -163,7 +163,7 @@ class Subscription:
                 headers=True,
                 peers=True,
             )
-            source.hand_undecoded_to(self._take)
+            source._hand_undecoded_to(self._take)
             self._measurement = await statistics.measurement(self.resolved_name)
             async for _ in source:
                 pass
@@ -213,7 +213,7 @@ class Subscription:
     def _handle(self, received: Received) -> None:
         """Decode a message and call the callbacks."""
         assert self._source is not None
-        message = self._source.decode(received)
+        message = self._source._decode(received)
         if message is None:
             return
         if self._received_class is not self.data_class:
