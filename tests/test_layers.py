@@ -57,7 +57,7 @@ BELOW = {
     "action": {"errors", "interfaces", "msg"},
     "node": {"errors", "names", "hub_address", "tls", "credentials", "protocol", "interfaces"}
     | {*CLASSES}
-    | {"__version__", "client_handshake", "exit_signals"},
+    | {"__version__", "client_handshake", "exit_signals", "suggestions"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "bags", "values", "client", "node", "interfaces", *CLASSES}
     | {"command_names", "definition_folders", "exit_signals", "processes", "tf"},

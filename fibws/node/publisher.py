@@ -102,13 +102,13 @@ class Publisher(Registration, Generic[M, P]):
         return self._peers
 
     @overload
-    async def publish(self, message: M, /) -> None: ...
+    async def publish(self, message: M | Mapping[str, Any], /) -> None: ...
 
     @overload
     async def publish(self, *fields: P.args, **named: P.kwargs) -> None: ...
 
     async def publish(self, *fields: Any, **named: Any) -> None:
-        """Publish a message: one of the topic's class, or its fields in order, or by name.
+        """Publish a message: one of the class, or its fields in order, by name, or as a dict.
 
         Waits while the connection is slower than the program. Without a hub the newest
         ``queue_size`` messages are kept for the next connection. Messages arrive at most once, in
@@ -117,7 +117,8 @@ class Publisher(Registration, Generic[M, P]):
         Raises:
             InvalidMessage: a field does not fit the type.
             MessageTooLarge: the hub does not take messages of this size.
-            TypeError: fields both in order and by name, or a message of another class.
+            TypeError: an unknown field, fields both in order and by name, or a message of another
+                class.
             OperationRejected: the hub refused the topic.
             NodeClosed: the publisher or its node was closed.
         """
@@ -135,7 +136,7 @@ class Publisher(Registration, Generic[M, P]):
     # any of them, and in the loop `_room`, which may be left out, and `_send`.
 
     @overload
-    def _encode(self, message: M, /) -> bytes: ...
+    def _encode(self, message: M | Mapping[str, Any], /) -> bytes: ...
 
     @overload
     def _encode(self, *fields: P.args, **named: P.kwargs) -> bytes: ...
@@ -153,7 +154,7 @@ class Publisher(Registration, Generic[M, P]):
         return self._frame_of(fields, named)
 
     @overload
-    def _encode_to(self, node: str, message: M, /) -> bytes: ...
+    def _encode_to(self, node: str, message: M | Mapping[str, Any], /) -> bytes: ...
 
     @overload
     def _encode_to(self, node: str, /, *fields: P.args, **named: P.kwargs) -> bytes: ...
@@ -221,12 +222,14 @@ class Publisher(Registration, Generic[M, P]):
             self._outgoing.put(frame, self._lane)
 
     @overload
-    def set_will(self, message: M, /, *, timeout: float | None = None) -> None: ...
+    def set_will(
+        self, message: M | Mapping[str, Any], /, *, timeout: float | None = None
+    ) -> None: ...
 
     @overload
     def set_will(self, *, timeout: float | None = None, **fields: Any) -> None: ...
 
-    def set_will(self, *message: M, timeout: float | None = None, **fields: Any) -> None:
+    def set_will(self, *message: Any, timeout: float | None = None, **fields: Any) -> None:
         """Have the hub publish a message once this node has gone, such as a robot's stop.
 
         It is published however the node leaves the hub: when it ends, crashes, is killed, or loses
@@ -339,7 +342,7 @@ class Publisher(Registration, Generic[M, P]):
         elif fields and named:
             raise TypeError("publish() can be called with arguments or keywords, but not both.")
         else:
-            message = message_class(*fields, **named)
+            message = self._codec.make(fields, named)
         return self._checked(self._serialize_after(self._prefix_to(node), message))
 
     def _checked(self, frame: bytes) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Generic, cast
 
@@ -12,9 +12,11 @@ from fibws.action import action_class
 from fibws.errors import InterfaceError, InvalidMessage
 from fibws.interfaces import Action, Duration, Interfaces, Message, Service, Time, Validators
 from fibws.interfaces.message import F, G, R, Req, Res
+from fibws.interfaces.python_names import ros_name
 from fibws.interfaces.serialization import ClassCodec, Serializers, class_codec
 from fibws.msg import default_interfaces, message_class
 from fibws.srv import service_class
+from fibws.suggestions import suggestion_or_known
 
 M = TypeVar("M", bound=Message, default=Any)
 N = TypeVar("N", bound=Message)
@@ -89,7 +91,47 @@ class MessageCodec(Generic[N]):
         """
         if not isinstance(given, self.message_class) and not isinstance(given, Mapping):
             raise self.mismatch(given)
-        return self._validate(_plain(given))
+        try:
+            return self._validate(_plain(given))
+        except InvalidMessage:
+            unknown = self._unknown_field(given) if isinstance(given, Mapping) else None
+            if unknown is None:
+                raise
+            raise InvalidMessage(unknown) from None
+
+    def make(self, values: Sequence[Any], named: Mapping[str, Any]) -> N:
+        """Return the message of fields in order or by name, or of a mapping of them.
+
+        Raises:
+            InvalidMessage: a field of the mapping does not fit the type.
+            TypeError: there is no such field, or there are too many; the text names them.
+        """
+        if len(values) == 1 and not named and isinstance(values[0], Mapping):
+            return self.message_class.from_dict(self.write(values[0]))
+        try:
+            return self.message_class(*values, **named)
+        except TypeError:
+            fields = self._fields()
+            if len(values) > len(fields):
+                text = f"{self.type} has {len(fields)} fields, got {len(values)}: "
+                raise TypeError(f"{text}{', '.join(fields) or 'none'}") from None
+            unknown = self._unknown_field(map(ros_name, named))
+            if unknown is None:
+                raise
+            raise TypeError(unknown) from None
+
+    def _fields(self) -> list[str]:
+        """Return the names of the fields."""
+        return list(self.message_class().to_dict())
+
+    def _unknown_field(self, names: Iterable[str]) -> str | None:
+        """Return the text of an error if one of the names is not a field's."""
+        fields = self._fields()
+        for name in names:
+            if name not in fields:
+                hint = suggestion_or_known(str(name), fields)
+                return f"Message type {self.type} does not have a field {name}{hint}"
+        return None
 
     def mismatch(self, given: object) -> TypeError:
         """Return the error for something that is not a message of the class."""
@@ -142,6 +184,16 @@ class SerializedCodec(MessageCodec[Any]):
     def deserialize(self) -> Callable[[bytes | bytearray | memoryview], Any]:
         """Returns the bytes."""
         return bytes
+
+    def make(self, values: Sequence[Any], named: Mapping[str, Any]) -> Any:
+        """Return the bytes, which are the only value.
+
+        Raises:
+            TypeError: there are others, or none.
+        """
+        if len(values) != 1 or named or not isinstance(values[0], (bytes, bytearray, memoryview)):
+            raise TypeError(f"messages for a serialized publisher of {self.type} are bytes")
+        return bytes(values[0])
 
     def write(self, given: object) -> dict[str, Any]:
         """Return a message as JSON values.
@@ -243,10 +295,11 @@ class Types:
 
         Raises:
             InterfaceError: the type is unknown.
+            TypeError: it is neither.
         """
         if isinstance(type_, str):
             return cast(type[M], message_class(self._interfaces.message(type_).type))
-        found = cast(type[M], type_)
+        found = cast(type[M], _checked(type_, "a message"))
         if found._type != ANY_TYPE:
             self._interfaces.message(found._type)
         return found
@@ -292,7 +345,7 @@ class Types:
 
     def service_class(self, type_: type[Service[Req, Res]] | str) -> type[Service[Any, Any]]:
         """Return the class itself, or that of the service type of this name."""
-        return service_class(type_) if isinstance(type_, str) else type_
+        return service_class(type_) if isinstance(type_, str) else _checked(type_, "a service")
 
     def service(self, type_: type[Service[Req, Res]]) -> ServiceType[Req, Res]:
         """Return how messages of a service type become JSON values.
@@ -319,13 +372,23 @@ class Types:
 
     def action_class(self, type_: type[Action[G, R, F]] | str) -> type[Action[Any, Any, Any]]:
         """Return the class itself, or that of the action type of this name."""
-        return action_class(type_) if isinstance(type_, str) else type_
+        return action_class(type_) if isinstance(type_, str) else _checked(type_, "an action")
 
     def action_definition(self, type_: str) -> str | None:
         """Return an action type's text, as `definition` does."""
         if self._interfaces.is_users(self._interfaces.action(type_).package):
             return self._interfaces.action_text(type_)
         return None
+
+
+_Class = TypeVar("_Class")
+
+
+def _checked(given: _Class, kind: str) -> _Class:
+    """Return a class of messages, services or actions; raise TypeError if it is something else."""
+    if not isinstance(given, type) or not isinstance(getattr(given, "_type", None), str):
+        raise TypeError(f"expected {kind} class or the name of a type, got {given!r}")
+    return given
 
 
 def _full_name(class_: type) -> str:

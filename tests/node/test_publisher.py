@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from typing import Any
 
 import pytest
@@ -134,6 +135,30 @@ async def test_other_arguments_raise(
         await points.publish(*fields, **named)
     with pytest.raises(TypeError):
         points._encode_to("/listener", *fields, **named)
+
+
+@pytest.mark.parametrize(
+    ("fields", "named", "text"),
+    [
+        ((), {"X": 1}, "geometry_msgs/Point does not have a field X; did you mean x?"),
+        ((), {"angle": 1}, "geometry_msgs/Point does not have a field angle; known are x, y, z"),
+        ((1, 2, 3, 4), {}, "geometry_msgs/Point has 3 fields, got 4: x, y, z"),
+    ],
+)
+def test_wrong_fields_are_told_the_right_ones(
+    points: Publisher[Point], fields: tuple[Any, ...], named: dict[str, Any], text: str
+) -> None:
+    with pytest.raises(TypeError, match=re.escape(text)):
+        points._encode(*fields, **named)
+
+
+async def test_fields_may_be_a_dict(session: FakeSession, points: Publisher[Point]) -> None:
+    await points.publish({"y": 2, "x": 1})
+    assert published(session) == [[1, 2, 0]]
+    with pytest.raises(InvalidMessage, match="does not have a field X; did you mean x"):
+        await points.publish({"X": 1})
+    with pytest.raises(InvalidMessage, match="requires a float64 for field x"):
+        await points.publish({"x": "a"})
 
 
 def test_message_of_another_class_raises(points: Publisher[Point]) -> None:

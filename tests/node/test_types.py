@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -107,3 +108,11 @@ async def test_definition_is_sent_with_the_advertisement(
         await beds.publish("beans", [])
         assert "MSG: garden/Plant" in (await peer.expect("advertise"))["definition"]
         assert (await peer.expect("publish"))["msg"] == {"crop": "beans", "plants": []}
+
+
+@pytest.mark.parametrize("given", [Int32(), int, 5, None])
+def test_other_things_than_classes_and_names_are_refused(given: Any) -> None:
+    types = Types(lambda: 0)
+    for find in (types.message_class, types.service_class, types.action_class):
+        with pytest.raises(TypeError, match="class or the name of a type, got"):
+            find(given)

@@ -46,30 +46,30 @@ class Sender:
         self.sent: list[bytes] = []
         self.fault: Exception | None = None
         self.idle = True
-        self._room = asyncio.Event()
-        self._room.set()
+        self._vacant = asyncio.Event()
+        self._vacant.set()
 
     @property
-    def has_room(self) -> bool:
-        return self._room.is_set()
+    def _has_room(self) -> bool:
+        return self._vacant.is_set()
 
     @property
-    def is_idle(self) -> bool:
+    def _is_idle(self) -> bool:
         return self.idle
 
-    async def room(self) -> None:
-        await self._room.wait()
+    async def _room(self) -> None:
+        await self._vacant.wait()
 
-    def send(self, frame: bytes) -> None:
+    def _send(self, frame: bytes) -> None:
         if self.fault is not None:
             raise self.fault
         self.sent.append(frame)
 
     def fill(self) -> None:
-        self._room.clear()
+        self._vacant.clear()
 
     def drain(self) -> None:
-        self._room.set()
+        self._vacant.set()
 
 
 @pytest.fixture
