@@ -20,3 +20,9 @@ def check_timeout(timeout: float | None) -> None:
 def without_surrogates(text: str) -> str:
     """Return the text with lone surrogates replaced: JSON cannot carry them."""
     return text.encode("utf-8", "replace").decode()
+
+
+def described(error: Exception) -> str:
+    """Return an error's class and text for another program: ``KeyError: 'boom'``."""
+    text, name = str(error), type(error).__name__
+    return without_surrogates(f"{name}: {text}" if text else name)

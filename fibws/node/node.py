@@ -440,10 +440,11 @@ class Node:
         """Provide a service, and return once the hub has registered it.
 
         Each call is handled in a task of its own, which the end of the service or of the node
-        cancels. If the handler raises, the caller gets ``error processing request: ...``, the
-        traceback is logged, and the service goes on. A BrokenPipeError ends the node, and its
-        `spin` raises it: the program's output is no longer read. If the hub refuses the
-        service after a reconnection, this is logged and `ServiceServer.spin` raises it.
+        cancels. If the handler raises, the caller gets the error's class and text
+        (``error processing request: KeyError: 'x'``), the traceback is logged, and the service goes
+        on. A BrokenPipeError ends the node, and its `spin` raises it: the program's output is no
+        longer read. If the hub refuses the service after a reconnection, this is logged and
+        `ServiceServer.spin` raises it.
 
         Args:
             name: its name.
@@ -544,10 +545,10 @@ class Node:
         """Provide an action, and return once the hub has registered it.
 
         Each goal is executed in a task of its own, which the end of the server or of the node
-        cancels. If ``execute`` raises, the goal is aborted with the error's text, the traceback is
-        logged, and the server goes on; a BrokenPipeError ends the node, as with `service`. If the
-        hub refuses the server after a reconnection, this is logged and `ActionServer.spin` raises
-        it.
+        cancels. If ``execute`` raises, the goal is aborted with the error's class and text, the
+        traceback is logged, and the server goes on; a BrokenPipeError ends the node, as with
+        `service`. If the hub refuses the server after a reconnection, this is logged and
+        `ActionServer.spin` raises it.
 
         Args:
             name: its name.

@@ -17,7 +17,7 @@ from fibws.errors import (
 )
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
-from fibws.node.checks import without_surrogates
+from fibws.node.checks import described, without_surrogates
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ServiceType, Types
 from fibws.protocol.operations import (
@@ -186,10 +186,9 @@ class ServiceServer(Registration, Generic[Req, Res]):
         except CallRefused as refusal:
             return without_surrogates(str(refusal)), False
         except Exception as error:
-            text = f"{type(error).__name__}: {error}"
+            text = described(error)
             self._session.log.error("Service %s failed: %s", self.name, text, exc_info=error)
-            text = str(error) or type(error).__name__
-            return without_surrogates(f"error processing request: {text}"), False
+            return f"error processing request: {text}", False
         try:
             return self._type.write_response(answer), True
         except Exception as error:

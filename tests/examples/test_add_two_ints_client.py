@@ -35,7 +35,7 @@ async def test_failed_call_is_an_error_in_one_line(hub: Hub, start: Start) -> No
         client = await start(CLIENT, "1", "2", "--hub", hub.url)
         code, out, err = await client.end()
     assert (code, out) == (1, "Requesting 1+2\n")
-    assert err == "Error: /add_two_ints: error processing request: I cannot add\n"
+    assert err == "Error: /add_two_ints: error processing request: ValueError: I cannot add\n"
 
 
 async def test_too_large_number_is_an_error(hub: Hub, start: Start) -> None:

@@ -12,7 +12,7 @@ from typing import Any, Generic, Self, TypeAlias
 from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.message import F, G, R
 from fibws.node.actions.status import Record, Transition
-from fibws.node.checks import check_timeout, without_surrogates
+from fibws.node.checks import check_timeout, described, without_surrogates
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ActionType
 from fibws.protocol.goals import GoalStatus
@@ -338,7 +338,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
         except BrokenPipeError:
             raise
         except Exception as error:
-            text = without_surrogates(str(error) or type(error).__name__)
+            text = described(error)
             self._log_abort(goal, text, error)
             return Transition.ABORT, None, text
         except asyncio.CancelledError:

@@ -274,8 +274,10 @@ async def test_exception_aborts_only_its_goal(serve: Serve, lines: Lines) -> Non
 
     server = serve(execute)
     server.goal("a", order=-1)
-    assert await server.result("a") == ("ABORTED", "order -1 is negative ?", None)
-    assert await lines.next() == "/fibonacci: goal a was aborted: order -1 is negative ?"
+    assert await server.result("a") == ("ABORTED", "ValueError: order -1 is negative ?", None)
+    assert (
+        await lines.next() == "/fibonacci: goal a was aborted: ValueError: order -1 is negative ?"
+    )
     server.goal("b", order=0)
     assert await server.result("b") == ("ABORTED", "ValueError", None)
     server.goal("c")
