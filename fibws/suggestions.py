@@ -9,9 +9,15 @@ MISSPELLED = 0.84
 """Similarity of two topics' names from which one is likely misspelled: `/fibonaci` and
 `/fibonacci` have 0.95, names of six letters of which one differs 0.83."""
 
+MOST_COMPARED = 20
+"""Similar names of which the last parts are compared."""
+
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """Return the known name that is most similar, regardless of case; None if none is.
+
+    Its last part must be similar, too: names in one namespace, or of packages that end in
+    ``_msgs``, have much in common that says nothing.
 
     Args:
         cutoff: the least similarity, from 0 to 1.
@@ -19,8 +25,11 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     from difflib import get_close_matches  # Only errors need it.
 
     by_lower = {each.lower(): each for each in reversed(list(known))}
-    near = get_close_matches(name.lower(), list(by_lower), 1, cutoff)
-    return by_lower[near[0]] if near else None
+    last = _last(name.lower())
+    for near in get_close_matches(name.lower(), list(by_lower), MOST_COMPARED, cutoff):
+        if get_close_matches(last, [_last(near)], 1, cutoff):
+            return by_lower[near]
+    return None
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -57,9 +66,14 @@ def misspelled(name: str, others: Iterable[str]) -> str | None:
     return most_similar if similarity >= MISSPELLED else None
 
 
+def _last(name: str) -> str:
+    """Return a name without its namespace or package."""
+    return name.rpartition("/")[2]
+
+
 def _base(name: str) -> str:
     """Return a name without its namespace, regardless of case and underscores."""
-    return name.rpartition("/")[2].replace("_", "").lower()
+    return _last(name).replace("_", "").lower()
 
 
 def _without_numbers(name: str) -> str:

@@ -14,6 +14,26 @@ def test_most_similar_name_is_nearest() -> None:
     assert nearest("/chater", iter(["/rosout"])) is None
 
 
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [
+        ("my_msgs/Batt", "geometry_msgs/Twist"),
+        ("/robot/scan", "/robot/odom"),
+        ("/robot/arm/joint_1", "/robot/arm/position"),
+    ],
+)
+def test_names_in_one_namespace_are_not_similar_for_that(name: str, known: str) -> None:
+    assert nearest(name, [known]) is None
+
+
+def test_name_in_another_namespace_is_suggested() -> None:
+    known = ["/robot/odometry", "/robot/scan", "/robots/scam"]
+    assert nearest("/robt/scan", known) == "/robot/scan"
+    assert nearest("geometry_msg/Twist", ["std_msgs/Twine", "geometry_msgs/Twist"]) == (
+        "geometry_msgs/Twist"
+    )
+
+
 def test_nearest_ignores_case() -> None:
     assert nearest("int", ["STRING", "INT"]) == "INT"
 
