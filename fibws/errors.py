@@ -172,7 +172,7 @@ class UnknownPackage(InterfaceError, LookupError):
         hint = f"; did you mean {nearest}?" if nearest else ""
         super().__init__(
             f"Unable to load the manifest for package {package}. "
-            f"Caused by: no folder of definitions contains it{hint}"
+            f"Caused by: no folder of definitions contains it (FIBWS_INTERFACES names them){hint}"
         )
 
 

@@ -58,7 +58,7 @@ def test_docstring_has_all_classes() -> None:
         (
             UnknownPackage("my_msgs"),
             "Unable to load the manifest for package my_msgs. "
-            "Caused by: no folder of definitions contains it",
+            "Caused by: no folder of definitions contains it (FIBWS_INTERFACES names them)",
         ),
         (
             TypeConflict("/a", "std_msgs/Int32", "std_msgs/String", "/talker"),

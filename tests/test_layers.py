@@ -52,7 +52,7 @@ BELOW = {
     | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"}
     | {"exit_signals", "values"},
     "client": {*LOWEST, "protocol", "values"},
-    "msg": {"errors", "interfaces"},
+    "msg": {"errors", "interfaces", "suggestions"},
     "srv": {"errors", "interfaces", "msg"},
     "action": {"errors", "interfaces", "msg"},
     "node": {"errors", "names", "hub_address", "tls", "credentials", "protocol", "interfaces"}

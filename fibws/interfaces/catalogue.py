@@ -158,6 +158,10 @@ class Interfaces(Definitions):
         """The names of all packages, sorted."""
         return sorted(self._folders.packages())
 
+    def nearest(self, package: str) -> str | None:
+        """The package with the most similar name, or None."""
+        return self._folders.nearest(package)
+
     def is_users(self, package: str) -> bool:
         """Whether the package is in one of the user's folders."""
         return self._folders.is_users(package)
@@ -181,7 +185,7 @@ class Interfaces(Definitions):
     def types(self, package: str, kind: Kind) -> list[str]:
         """The package's types of one kind, sorted; raises as `messages` does."""
         if package not in self._folders.packages():
-            raise UnknownPackage(package)
+            raise UnknownPackage(package, self._folders.nearest(package))
         return sorted(set(self._folders.names(kind, package)))
 
     def _find_message(self, name: str) -> MessageDefinition:

@@ -203,6 +203,10 @@ class Folders:
             for name in self._files("action", package):
                 yield from (f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
 
+    def nearest(self, package: str) -> str | None:
+        """The package with the most similar name, or None."""
+        return nearest(package, self.packages(), SIMILAR)
+
     def unknown(self, kind: Kind, name: str) -> UnknownPackage | UnknownType:
         """The error to raise for a name that is not found; it may suggest another one.
 
@@ -210,7 +214,7 @@ class Folders:
         """
         package, _, short = name.partition("/")
         if package not in self.packages():
-            return UnknownPackage(package, nearest(package, self.packages(), SIMILAR))
+            return UnknownPackage(package, self.nearest(package))
         names = [other.partition("/")[2] for other in self.names(kind, package)]
         if near := nearest(short, names):
             near = f"{package}/{near}"

@@ -9,13 +9,15 @@ from __future__ import annotations
 import importlib
 import os
 from collections.abc import Sequence
-from importlib.machinery import ModuleSpec, PathFinder
+from functools import partial
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from fibws.interfaces import Action, Interfaces, Message, Service
+from fibws.suggestions import suggestion
 
 if TYPE_CHECKING:
     from importlib.abc import Loader
@@ -107,15 +109,16 @@ class PackageFinder:
         if not is_users:
             found = PathFinder.find_spec(fullname, path)
             if found is not None and not _is_outdated(found, package, kind):
-                return None
+                return _with_suggestions(found)
         if package in interfaces.packages() and interfaces.types(package, kind):
             written = None if is_users else _write(fullname, package, kind)
-            return written or ModuleSpec(
+            return _with_suggestions(written) or ModuleSpec(
                 fullname, cast("Loader", _GeneratedLoader), origin="written by its import"
             )
         raise ModuleNotFoundError(
             f"No module named {fullname!r}: neither the standard packages nor the folders in "
-            f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) hold {kind} files of {package}",
+            f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) hold {kind} files of {package}"
+            f"{_other_package(package)}",
             name=fullname,
         )
 
@@ -147,6 +150,60 @@ def _write(fullname: str, package: str, kind: Kind) -> ModuleSpec | None:
     return spec_from_file_location(fullname, generated_modules.path(package, kind))
 
 
+def _other_package(package: str) -> str:
+    """Return the end of an error about a package that has no types of a kind."""
+    interfaces = default_interfaces()
+    if package in interfaces.packages():
+        others = [f"fibws.{kind}" for kind in _PARENTS.values() if interfaces.types(package, kind)]
+        return f"; {' and '.join(others)} have it" if len(others) > 1 else f"; {others[0]} has it"
+    near = interfaces.nearest(package)
+    return f"; did you mean {near}?" if near else ""
+
+
+def _with_suggestions(spec: ModuleSpec | None) -> ModuleSpec | None:
+    """Let a standard package's module suggest names, if it is read from an ordinary file."""
+    if spec is not None and type(spec.loader) is SourceFileLoader:
+        spec.loader = _StandardLoader(spec.loader.name, spec.loader.path)
+    return spec
+
+
+class _StandardLoader(SourceFileLoader):
+    """Loads the module of a standard package."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Run the module."""
+        super().exec_module(module)
+        module.__getattr__ = partial(_no_such_class, module)  # type: ignore[method-assign]
+
+
+def _no_such_class(module: ModuleType, name: str) -> NoReturn:
+    """Raise the error for a class that a module does not have; Python calls it for each such name.
+
+    Raises:
+        ImportError: the name is being imported.
+        AttributeError: it is not.
+    """
+    import sys
+    from opcode import opmap
+
+    parent, _, package = module.__name__.rpartition(".")
+    kind = _PARENTS[parent]
+    frame = sys._getframe(1)
+    is_import = frame.f_code.co_code[frame.f_lasti] == opmap["IMPORT_FROM"]
+    if not is_import or name.startswith("_"):
+        raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
+    hint = suggestion(name, module.__all__)
+    for other, others in _PARENTS.items():
+        if others != kind and f"{package}/{name}" in default_interfaces().types(package, others):
+            hint = f"; it is in {other}.{package}"
+    raise ImportError(
+        f"cannot import name {name!r} from {module.__name__!r}: there is no "
+        f"{package}/{kind}/{name}{hint}",
+        name=module.__name__,
+        path=getattr(module, "__file__", None),
+    )
+
+
 class _GeneratedLoader:
     """Loads the module that the generator writes for a package."""
 
@@ -162,3 +219,4 @@ class _GeneratedLoader:
         parent, _, package = module.__name__.rpartition(".")
         source = generate(package, default_interfaces(), _PARENTS[parent])
         exec(compile(source, f"<{module.__name__}>", "exec"), module.__dict__)
+        module.__getattr__ = partial(_no_such_class, module)  # type: ignore[method-assign]

@@ -2,6 +2,7 @@
 
 import importlib
 import py_compile
+import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -103,6 +104,42 @@ def test_unknown_package_is_an_import_error(kind: str) -> None:
         importlib.import_module(f"fibws.{kind}.nobodys_msgs")
     assert caught.value.name == f"fibws.{kind}.nobodys_msgs"
     assert f"hold {kind} files of nobodys_msgs" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        (
+            "from fibws.msg.farm_msgs import Field, Catle",
+            "farm_msgs/msg/Catle; did you mean Cattle?",
+        ),
+        ("from fibws.msg.farm_msgs import Water", "it is in fibws.srv.farm_msgs"),
+        ("from fibws.srv.farm_msgs import WaterRequst", "did you mean WaterRequest?"),
+        ("from fibws.msg.std_msgs import Sting", "std_msgs/msg/Sting; did you mean String?"),
+        ("from fibws.msg.farm_msg import Field", "did you mean farm_msgs?"),
+        ("from fibws.action.farm_msgs import Field", "fibws.msg and fibws.srv have it"),
+    ],
+)
+def test_imports_of_other_names_suggest_the_right_ones(
+    tmp_path: Path, line: str, text: str
+) -> None:
+    for name in ("Field", "Cattle"):
+        write(tmp_path, "farm_msgs", name, "int32 x")
+    write(tmp_path, "farm_msgs", "Water", "---", "srv")
+    fibws.msg.add_folder(tmp_path)
+    with pytest.raises(ImportError, match=re.escape(text)):
+        exec(line)
+
+
+def test_attributes_that_modules_do_not_have_are_attribute_errors(tmp_path: Path) -> None:
+    write(tmp_path, "farm_msgs", "Cattle", "int32 x")
+    fibws.msg.add_folder(tmp_path)
+    for module, name in (("farm_msgs", "Catle"), ("std_msgs", "Sting")):
+        found = importlib.import_module(f"fibws.msg.{module}")
+        assert not hasattr(found, name)
+        assert not hasattr(found, "__path__")
+        with pytest.raises(AttributeError, match=f"has no attribute '{name}'"):
+            getattr(found, name)
 
 
 def test_package_without_services_has_no_srv_module(tmp_path: Path) -> None:

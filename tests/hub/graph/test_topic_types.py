@@ -162,7 +162,7 @@ def test_strict_types_refuse_an_unknown_package(op: str) -> None:
     client.send(op, "/a", type="my_msgs/Thing")
     assert client.receive_statuses() == [
         f"{op}: Unable to load the manifest for package my_msgs. "
-        "Caused by: no folder of definitions contains it"
+        "Caused by: no folder of definitions contains it (FIBWS_INTERFACES names them)"
     ]
     assert hub.graph.topics == {}
 

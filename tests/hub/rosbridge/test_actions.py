@@ -71,7 +71,7 @@ def test_strict_types_refuse_an_unknown_package() -> None:
     client.send("advertise_action", action="/do", type="my_actions/Do")
     assert client.receive_statuses() == [
         "advertise_action: Unable to load the manifest for package my_actions. "
-        "Caused by: no folder of definitions contains it"
+        "Caused by: no folder of definitions contains it (FIBWS_INTERFACES names them)"
     ]
     assert hub.empty is False
     assert hub.graph.actions == {}

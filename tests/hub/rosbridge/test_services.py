@@ -106,7 +106,7 @@ def test_strict_types_refuse_an_unknown_package() -> None:
     client.send("advertise_service", service="/do", type="my_srvs/Do")
     assert client.receive_statuses() == [
         "advertise_service: Unable to load the manifest for package my_srvs. "
-        "Caused by: no folder of definitions contains it"
+        "Caused by: no folder of definitions contains it (FIBWS_INTERFACES names them)"
     ]
     assert hub.graph.services == {}
 
