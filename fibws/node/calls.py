@@ -20,6 +20,7 @@ from fibws.errors import (
 )
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
+from fibws.node.checks import check_timeout
 from fibws.node.session import OperationHandler, Session, throw
 from fibws.node.types import Types
 from fibws.protocol.decoding import quoted
@@ -101,20 +102,38 @@ class Calls(OperationHandler):
             raise ServiceError(service, text) from None
 
     async def call_rosapi(
-        self, service: str, type_: type[Service[Req, Res]], /, **request: Any
+        self,
+        service: str,
+        type_: type[Service[Req, Res]],
+        within: float | None = None,
+        /,
+        **request: Any,
     ) -> Res:
-        """Call ``/rosapi/<service>``, a service of the hub, with a request of these fields."""
-        return await self.call(f"/rosapi/{service}", type_, request)
+        """Call ``/rosapi/<service>``, a service of the hub, with a request of these fields.
+
+        Raises:
+            ValueError: ``within``, the most seconds to wait, is not above 0.
+        """
+        check_timeout(within)
+        return await self.call(f"/rosapi/{service}", type_, request, within=within)
 
     async def query_rosapi(
-        self, service: str, type_: type[Service[Req, Res]], /, **request: Any
+        self,
+        service: str,
+        type_: type[Service[Req, Res]],
+        within: float | None = None,
+        /,
+        **request: Any,
     ) -> Res:
         """Call a service of the hub that changes nothing, again if the connection is lost."""
+        loop = asyncio.get_running_loop()
+        end, left = loop.time() + (within or 0), within
         while True:
             try:
-                return await self.call_rosapi(service, type_, **request)
+                return await self.call_rosapi(service, type_, left, **request)
             except ServiceLost:
-                continue  # The next call waits until there is a hub again.
+                # The next call waits until there is a hub again.
+                left = within and max(end - loop.time(), SHORTEST_TIMEOUT)
 
     async def round_trip(self) -> None:
         """Wait until the hub has handled everything that was sent; without a hub, wait for that.

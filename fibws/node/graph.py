@@ -21,9 +21,11 @@ class NodeDetails:
 class Graph:
     """The current state of the graph. Names are resolved as everywhere.
 
-    Unknown names give None or empty lists. While there is no hub, all methods wait.
+    Unknown names give None or empty lists. While there is no hub, all methods wait, at
+    most ``timeout`` seconds if it is given.
 
     Raises:
+        ServiceTimeout: the time is over (a TimeoutError, too).
         InvalidName: the name is not legal.
         ServiceError: the hub refuses, as the text says.
         NodeClosed: the node has ended.
@@ -35,57 +37,73 @@ class Graph:
         self._ask = calls.query_rosapi
         self._resolve = resolve
 
-    async def nodes(self) -> list[str]:
+    async def nodes(self, *, timeout: float | None = None) -> list[str]:
         """Return the names of all nodes."""
-        return (await self._ask("nodes", rosapi.Nodes)).nodes
+        return (await self._ask("nodes", rosapi.Nodes, timeout)).nodes
 
-    async def node(self, name: str) -> NodeDetails:
+    async def node(self, name: str, *, timeout: float | None = None) -> NodeDetails:
         """Return one node's topics and services."""
-        answer = await self._ask("node_details", rosapi.NodeDetails, node=self._resolve(name))
+        answer = await self._ask(
+            "node_details", rosapi.NodeDetails, timeout, node=self._resolve(name)
+        )
         return NodeDetails(answer.publishing, answer.subscribing, answer.services)
 
-    async def topics(self) -> dict[str, str]:
+    async def topics(self, *, timeout: float | None = None) -> dict[str, str]:
         """Return the types of all topics by name: ``""`` if a type is not known yet."""
-        answer = await self._ask("topics", rosapi.Topics)
+        answer = await self._ask("topics", rosapi.Topics, timeout)
         return dict(zip(answer.topics, answer.types, strict=True))
 
-    async def topics_of_type(self, type_: str) -> list[str]:
+    async def topics_of_type(self, type_: str, *, timeout: float | None = None) -> list[str]:
         """Return the names of the topics of a type, such as ``std_msgs/Int32``."""
-        return (await self._ask("topics_for_type", rosapi.TopicsForType, type=type_)).topics
+        return (
+            await self._ask("topics_for_type", rosapi.TopicsForType, timeout, type=type_)
+        ).topics
 
-    async def topic_type(self, topic: str) -> str | None:
+    async def topic_type(self, topic: str, *, timeout: float | None = None) -> str | None:
         """Return a topic's type, such as ``std_msgs/Int32``."""
-        answer = await self._ask("topic_type", rosapi.TopicType, topic=self._resolve(topic))
+        answer = await self._ask(
+            "topic_type", rosapi.TopicType, timeout, topic=self._resolve(topic)
+        )
         return answer.type or None
 
-    async def publishers(self, topic: str) -> list[str]:
+    async def publishers(self, topic: str, *, timeout: float | None = None) -> list[str]:
         """Return the nodes that publish a topic."""
-        answer = await self._ask("publishers", rosapi.Publishers, topic=self._resolve(topic))
+        answer = await self._ask(
+            "publishers", rosapi.Publishers, timeout, topic=self._resolve(topic)
+        )
         return answer.publishers
 
-    async def subscribers(self, topic: str) -> list[str]:
+    async def subscribers(self, topic: str, *, timeout: float | None = None) -> list[str]:
         """Return the nodes that subscribe to a topic."""
-        answer = await self._ask("subscribers", rosapi.Subscribers, topic=self._resolve(topic))
+        answer = await self._ask(
+            "subscribers", rosapi.Subscribers, timeout, topic=self._resolve(topic)
+        )
         return answer.subscribers
 
-    async def services(self) -> list[str]:
+    async def services(self, *, timeout: float | None = None) -> list[str]:
         """Return the names of all services."""
-        return (await self._ask("services", rosapi.Services)).services
+        return (await self._ask("services", rosapi.Services, timeout)).services
 
-    async def services_of_type(self, type_: str) -> list[str]:
+    async def services_of_type(self, type_: str, *, timeout: float | None = None) -> list[str]:
         """Return the names of the services of a type, such as ``std_srvs/Trigger``."""
-        return (await self._ask("services_for_type", rosapi.ServicesForType, type=type_)).services
+        return (
+            await self._ask("services_for_type", rosapi.ServicesForType, timeout, type=type_)
+        ).services
 
-    async def service_type(self, service: str) -> str | None:
+    async def service_type(self, service: str, *, timeout: float | None = None) -> str | None:
         """Return a service's type."""
         name = self._resolve(service)
-        return (await self._ask("service_type", rosapi.ServiceType, service=name)).type or None
+        return (
+            await self._ask("service_type", rosapi.ServiceType, timeout, service=name)
+        ).type or None
 
-    async def service_node(self, service: str) -> str | None:
+    async def service_node(self, service: str, *, timeout: float | None = None) -> str | None:
         """Return the node that provides a service."""
         name = self._resolve(service)
-        return (await self._ask("service_node", rosapi.ServiceNode, service=name)).node or None
+        return (
+            await self._ask("service_node", rosapi.ServiceNode, timeout, service=name)
+        ).node or None
 
-    async def action_servers(self) -> list[str]:
+    async def action_servers(self, *, timeout: float | None = None) -> list[str]:
         """Return the names of the actions that are served over topics."""
-        return (await self._ask("action_servers", rosapi.GetActionServers)).action_servers
+        return (await self._ask("action_servers", rosapi.GetActionServers, timeout)).action_servers

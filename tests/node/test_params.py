@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -87,9 +88,34 @@ async def test_none_is_refused(node: fibws.Node) -> None:
         await node.params.set("gain", None)
 
 
+USES: dict[str, Callable[[fibws.Node], Awaitable[object]]] = {
+    "get": lambda node: node.params.get("gain", timeout=0.01),
+    "set": lambda node: node.params.set("gain", 1, timeout=0.01),
+    "has": lambda node: node.params.has("gain", timeout=0.01),
+    "delete": lambda node: node.params.delete("gain", timeout=0.01),
+    "search": lambda node: node.params.search("gain", timeout=0.01),
+    "names": lambda node: node.params.names(timeout=0.01),
+    "graph": lambda node: node.graph.nodes(timeout=0.01),
+}
+
+
+@pytest.mark.parametrize("use", USES)
+async def test_without_a_hub_a_timeout_ends_the_wait(start_hub: StartHub, use: str) -> None:
+    hub = await start_hub()
+    async with fibws.Node("arm", hub=hub.url) as node:
+        await hub.close()
+        with pytest.raises(fibws.ServiceTimeout) as caught:
+            while True:  # The node may not have noticed yet that the hub has gone.
+                with suppress(fibws.ServiceLost):
+                    await USES[use](node)
+        assert isinstance(caught.value, TimeoutError)
+    with pytest.raises(ValueError, match="timeout must be"):
+        await node.params.get("gain", timeout=0)
+
+
 @pytest.mark.parametrize("value", [b"bytes", {1, 2}, object()])
 async def test_value_that_json_cannot_express_raises(node: fibws.Node, value: object) -> None:
-    with pytest.raises(TypeError, match="not JSON serializable"):
+    with pytest.raises(TypeError, match=r"gain: .*not JSON serializable; values are numbers"):
         await node.params.set("gain", value)
 
 
