@@ -29,7 +29,7 @@ from fibws.exit_signals import unfinished
 from fibws.files import check_not_written
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
-Compression: TypeAlias = Literal["none", "bz2", "lz4"]
+Compression: TypeAlias = Literal["none", "bz2", "lz4", "zstd"]
 
 MIB = 2**20
 MESSAGE_COST = 160
@@ -578,16 +578,20 @@ class Recorder:
             began += 1
 
     def _put_aside(self, active: Path) -> None:
-        """Rename the file that a recorder has left which crashed: it must not be overwritten."""
+        """Rename the file that an earlier recorder has left: it must not be overwritten."""
         if not active.exists():
             return
         check_not_written(active)
         stem = active.name.removesuffix(ACTIVE)
         left = active.with_name(f"{stem}.{time.time_ns()}{ACTIVE}")
         active.rename(left)
+        advice = ""
+        try:
+            open_reader(left).close()  # Maybe it has been repaired.
+        except (BagError, OSError):
+            advice = f"; to repair it: {command_name('bag reindex')} {left}"
         self._log.warning(
-            "A recorder that has crashed left '%s', which is '%s' now; to repair it: %s %s",
-            *(active.name, left.name, command_name("bag reindex"), left),
+            "An earlier recorder left '%s', which is '%s' now%s", active.name, left.name, advice
         )
 
     def _end_file(self) -> None:

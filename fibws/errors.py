@@ -435,13 +435,16 @@ class BagFormatError(BagError, ValueError):
 
 
 class BagNotIndexed(BagError):
-    """A bag has no index, because its recorder did not close it."""
+    """A bag has no index, because its recorder did not close it, or has not yet.
 
-    def __init__(self, path: str, fault: str = "it was not closed") -> None:
-        self.path = path
-        super().__init__(
-            f"{path} has no index ({fault}); write one with {command_name('bag reindex')} {path}"
-        )
+    Args:
+        writer: says which program writes it, if one does: ``being written by process 5``.
+    """
+
+    def __init__(self, path: str, fault: str = "it was not closed", writer: str = "") -> None:
+        self.path, self.writer = path, writer
+        advice = f"; write one with {command_name('bag reindex')} {path}"
+        super().__init__(f"{path} has no index ({writer or fault}){'' if writer else advice}")
 
 
 class UnsupportedBag(BagError):

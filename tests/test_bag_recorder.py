@@ -401,7 +401,18 @@ def test_file_of_a_crashed_recorder_is_not_overwritten(
     assert values(tmp_path / "a.bag") == [1]
     [left] = tmp_path.glob("a.bag.*.active")
     assert left.read_bytes() == b"left"
-    assert left.name in caplog.text
+    assert f"bag reindex {left}" in caplog.text
+
+
+def test_repaired_file_of_a_crashed_recorder_is_kept_without_advice(
+    record: Callable[..., Recording], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    open_writer(tmp_path / "a.bag.active").close()
+    recording = record()
+    recording.put(1)
+    recording.recorder.stop()
+    [left] = tmp_path.glob("a.bag.*.active")
+    assert left.name in caplog.text and "reindex" not in caplog.text
 
 
 @pytest.mark.parametrize("suffix", ["bag", "mcap"])

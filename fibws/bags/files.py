@@ -10,6 +10,8 @@ from fibws.bags.bag_writer import CHUNK_SIZE, BagWriter
 from fibws.bags.mcap_files import MAGIC, McapWriter
 from fibws.bags.reader import Reader
 from fibws.bags.rosbag2 import MCAP_SUFFIX, is_zstd, open_file, open_folder
+from fibws.errors import BagNotIndexed
+from fibws.files import check_not_written
 
 Writer: TypeAlias = BagWriter | McapWriter
 
@@ -28,11 +30,18 @@ def open_reader(path: str | os.PathLike[str], *, allow_unindexed: bool = False) 
         OSError: it cannot be read.
     """
     path = os.fspath(path)
-    if os.path.isdir(path):
-        return open_folder(path, allow_unindexed=allow_unindexed)
-    if is_mcap(path) or is_zstd(path):
-        return open_file(path, allow_unindexed=allow_unindexed)
-    return BagReader(path, allow_unindexed=allow_unindexed)
+    try:
+        if os.path.isdir(path):
+            return open_folder(path, allow_unindexed=allow_unindexed)
+        if is_mcap(path) or is_zstd(path):
+            return open_file(path, allow_unindexed=allow_unindexed)
+        return BagReader(path, allow_unindexed=allow_unindexed)
+    except BagNotIndexed as error:
+        try:
+            check_not_written(error.path)
+        except BlockingIOError as writer:
+            raise BagNotIndexed(error.path, writer=str(writer.strerror)) from None
+        raise
 
 
 def open_writer(

@@ -13,7 +13,7 @@ from fibws.bags import Connection, Reader, open_reader
 from fibws.bags.ros2_messages import ROS1, Convert, as_ros1
 from fibws.cli.output import visible
 from fibws.command_names import command_name
-from fibws.errors import BagError, InterfaceError, InvalidMessage
+from fibws.errors import BagError, BagNotIndexed, InterfaceError, InvalidMessage
 from fibws.values.typedefs import Typedefs
 
 if TYPE_CHECKING:
@@ -31,9 +31,34 @@ def open_bag(path: str | PathLike[str]) -> Reader:
         place = fspath(error.filename or path)
         fault = f"{place}: {error.strerror or error}"
         if place == path and os.path.exists(active := f"{path}.active"):
-            fault = f"{path} was not closed by its recorder; restore it with "
-            fault += f"{command_name('bag reindex')} {active}"
+            fault = _active_fault(path, active)
         raise click.ClickException(visible(fault)) from None
+
+
+def _active_fault(path: str, active: str) -> str:
+    """Say why a bag has only the name that it has while it is written."""
+    try:
+        open_reader(active).close()
+    except BagNotIndexed as error:
+        if error.writer:
+            return f"{path} is not complete: {active} is {error.writer}"
+    except (BagError, OSError):
+        pass
+    else:
+        return f"{path}: No such file or directory, but {active} is complete"
+    return (
+        f"{path} was not closed by its recorder; restore it with {command_name('bag reindex')} "
+        f"{active}"
+    )
+
+
+def check_new_name(name: str | PathLike[str]) -> None:
+    """Raise a UsageError for the name of a new bag whose format is only read."""
+    if fspath(name).endswith(".db3"):
+        raise click.UsageError(
+            f"{fspath(name)}: SQLite (.db3) is not written; expected a name that ends in .bag or "
+            ".mcap"
+        )
 
 
 class BagType:

@@ -14,7 +14,7 @@ from fibws.bags import Connection, Reader, Writer, open_writer
 from fibws.bags.ros2_messages import CDR, ROS1, with_encoding
 from fibws.bags.rosbag2 import MCAP_SUFFIX
 from fibws.cli import output
-from fibws.cli.bag.bag_messages import BagMessage, BagType, open_bag
+from fibws.cli.bag.bag_messages import BagMessage, BagType, check_new_name, open_bag
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
 from fibws.cli.exit_handling import clean_exit
@@ -77,7 +77,8 @@ def command(
     """
     with clean_exit():
         condition = Condition(expression) if expression is not None else None
-        pattern = Condition(shown) if shown is not None else None
+        pattern = Condition(shown, "--print") if shown is not None else None
+        check_new_name(target)
         if target.exists() and source.exists() and source.samefile(target):
             raise click.UsageError(f"Cannot use same file as input and output [{source}]")
         if condition is None and not topics and start is None and end is None and not encoding:
@@ -214,12 +215,15 @@ class Copy:
 class Condition:
     """An expression on a topic, a message ``m`` and its time ``t``, in the syntax of Python.
 
+    Args:
+        name: names the expression in errors.
+
     Raises:
         InvalidValue: the text is not an expression, or uses something else.
     """
 
-    def __init__(self, text: str) -> None:
-        self._text = text
+    def __init__(self, text: str, name: str = "the expression") -> None:
+        self._text, self._name = text, name
         self._expression = Expression(_without_calls(text), FUNCTIONS, self._variable)
 
     def value(self, message: BagMessage) -> Any:
@@ -233,7 +237,7 @@ class Condition:
             return self._expression.value(message)
         except InvalidValue as error:
             place = f"{message.connection.topic} ({message.connection.type})"
-            raise InvalidValue(f"the expression failed for a message on {place}: {error}") from None
+            raise InvalidValue(f"{self._name} failed for a message on {place}: {error}") from None
 
     def unknown_topic(self, reader: Reader) -> str:
         """Return a hint if the expression compares with a name that no topic of a bag has."""

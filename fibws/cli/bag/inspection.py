@@ -88,18 +88,15 @@ def _plain(value: Any, indent: str = "") -> str:
 
 
 @click.command()
-@click.argument("bag", type=click.Path())
-@click.argument("rules", nargs=-1, metavar="[RULES]...")
+@bags_argument
 @click.option("-g", "--genrules", metavar="FILE", help="Not supported: fibws has no rule files.")
 @click.option("-a", "--append", is_flag=True, help="Not supported: fibws has no rule files.")
 @click.option(
     "-n", "--noplugins", is_flag=True, help="Ignored; accepted for compatibility with rosbag."
 )
-@examples("{bag check} lab.bag")
-def check(
-    bag: str, rules: tuple[str, ...], genrules: str | None, append: bool, noplugins: bool
-) -> None:
-    """Check that BAG can be read, and that its types are those that are installed.
+@examples("{bag check} lab.bag", "{bag check} recordings/*.bag")
+def check(bags: tuple[str, ...], genrules: str | None, append: bool, noplugins: bool) -> None:
+    """Check that each BAG can be read, and that its types are those that are installed.
 
     The whole file is read: definitions must be valid, all messages must fit them, the index must
     agree with what is there, and times must be plausible: not 0, nor years apart. The exit code is
@@ -108,16 +105,28 @@ def check(
     Messages of a type that has changed cannot be received by nodes that know the new one. Types
     that are not installed are listed, too; they can be played, as the bag has their definitions.
     """
-    if rules or genrules or append:
+    if genrules or append or any(each.endswith(".bmr") for each in bags):
         raise click.UsageError("rules of migration are not supported; rosbag of ROS 1 has them")
-    with clean_exit(), open_bag(bag) as reader:
+    are_valid = True
+    with clean_exit():
+        for bag in bags:
+            if len(bags) > 1:
+                output.line(f"{bag}:")
+            are_valid &= _check(bag)
+    if not are_valid:
+        raise click.exceptions.Exit(1)
+
+
+def _check(bag: str) -> bool:
+    """Print what is wrong with a bag, or how its types differ; return whether it is valid."""
+    with open_bag(bag) as reader:
         types, notes = dict[int, BagType](), list[str]()
         found = chain(reader.faults(), _message_faults(reader, types, notes))
         faults = list(islice(found, MOST_FAULTS))
         if faults:
             for each in faults:
                 click.echo(output.visible(f"{bag}: {each}"), err=True)
-            raise click.exceptions.Exit(1)
+            return False
         for note in notes:
             output.line(f"Not checked: {note}")
         changed = {
@@ -127,12 +136,13 @@ def check(
         }
         if not changed:
             output.line("Bag file does not need any migrations.")
-            return
+            return True
         output.line("The following migrations need to occur:")
         for name, md5sum in sorted(changed.items()):
             known = _installed_md5(name)
             output.line(f" * From: {name} [{md5sum}]")
             output.line(f"   To:   {f'{name} [{known}]' if known else 'Unknown'}")
+        return True
 
 
 def _message_faults(reader: Reader, types: dict[int, BagType], notes: list[str]) -> Iterator[str]:

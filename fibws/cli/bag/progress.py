@@ -27,7 +27,7 @@ class Progress:
 
     def __init__(self, path: str | os.PathLike[str], *, quiet: bool = False) -> None:
         self._path = os.fspath(path)
-        self._is_quiet = quiet
+        self.is_quiet = quiet
         self._is_live = output.has_control_sequences() and not quiet
         self._total = self._done = 0
         self._start = self._shown = time.monotonic()
@@ -58,7 +58,7 @@ class Progress:
 
     def finish(self) -> None:
         """Show that everything is done."""
-        if not self._is_quiet:
+        if not self.is_quiet:
             self._done = self._total
             self._show()
             click.echo()

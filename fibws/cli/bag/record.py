@@ -18,14 +18,17 @@ import fibws
 from fibws.bag_recorder import (
     MIB,
     PLAYBACK,
+    Compression,
     Origin,
     Recorder,
     RecordingOptions,
     RecordingState,
     Stream,
 )
+from fibws.bags.rosbag2 import MCAP_SUFFIX
 from fibws.bags.summary import size_text
 from fibws.cli import completers, output
+from fibws.cli.bag.bag_messages import check_new_name
 from fibws.cli.common_options import examples
 from fibws.cli.node_program import SETTINGS, node, run
 from fibws.errors import BagError, FibwsError, InterfaceError
@@ -304,6 +307,19 @@ def _compiled(text: str) -> re.Pattern[str]:
         raise click.BadParameter(f"invalid regular expression {text!r}: {error}") from None
 
 
+def _compression(name: str, options: dict[str, Any]) -> Compression:
+    """Return the compression that was chosen for the bag of a name."""
+    methods: tuple[Compression, ...] = ("bz2", "lz4", "zstd")
+    chosen = [each for each in methods if options[each]]
+    if len(chosen) > 1:
+        raise click.UsageError("Can only use one type of compression")
+    found = chosen[0] if chosen else "none"
+    unknown, format_ = ("bz2", ".mcap") if name.endswith(MCAP_SUFFIX) else ("zstd", ".bag")
+    if found == unknown:
+        raise click.UsageError(f"--{found} does not exist for {format_} files")
+    return found
+
+
 _IGNORED = "Ignored; accepted for compatibility with rosbag."
 
 
@@ -382,8 +398,9 @@ _IGNORED = "Ignored; accepted for compatibility with rosbag."
     callback=_number_with_unit(_MULTIPLIERS, "1G, 500M or 0"),
     help="Free space of the disk below which nothing is recorded.",
 )
-@click.option("-j", "--bz2", is_flag=True, help="Use BZ2 compression.")
+@click.option("-j", "--bz2", is_flag=True, help="Use BZ2 compression (for .bag).")
 @click.option("--lz4", is_flag=True, help="Use LZ4 compression.")
+@click.option("--zstd", is_flag=True, help="Use Zstandard compression (for .mcap).")
 @click.option(
     "--node",
     "observed",
@@ -448,15 +465,14 @@ def command(
         raise click.UsageError("Split specified without giving a maximum duration or size")
     if max_splits and not split:
         raise click.UsageError("--max-splits requires --split")
-    if others["bz2"] and others["lz4"]:
-        raise click.UsageError("Can only use one type of compression")
+    check_new_name(name or prefix or "")
     if regex:
         for each in names:
             _compiled(each)
     options = RecordingOptions(
         path=name if name is not None else prefix or "",
         dated=name is None,
-        compression="bz2" if others["bz2"] else "lz4" if others["lz4"] else "none",
+        compression=_compression(name or prefix or "", others),
         chunk_size=others["chunksize"] * 1024,
         buffer_size=others["buffsize"] * MIB,
         split=split,

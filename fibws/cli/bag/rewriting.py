@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable
 from functools import partial
@@ -113,6 +114,8 @@ def _rewrite_all(
                 text = str(error)
                 if isinstance(error, OSError):
                     text = f"{error.filename or path}: {error.strerror or error}"
+                    if error.errno == errno.ENOSPC and output_dir is None:
+                        text += "; --output-dir writes the new bag elsewhere"
                 click.echo(output.visible(f"Error: {text}"), err=True)
     if failed:
         raise click.exceptions.Exit(1)
@@ -160,9 +163,10 @@ def _reindex(source: Path, target: Path, progress: Progress) -> None:
     progress.begin(source.stat().st_size)
     found = reindex(source, target)
     progress.finish()
+    restored = f"{output.counted(found.messages, 'message')} restored"
+    place = output.visible(str(source))
     if found.lost:
-        click.echo(
-            f"{output.visible(str(source))}: {output.counted(found.messages, 'message')} restored; "
-            f"{output.counted(found.lost, 'byte')} could not be read",
-            err=True,
-        )
+        lost = f"{output.counted(found.lost, 'byte')} could not be read"
+        click.echo(f"{place}: {restored}; {lost}", err=True)
+    elif not progress.is_quiet:
+        output.line(f"{place}: {restored}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
@@ -260,6 +261,7 @@ def test_filter_prints_an_expression(bag: Tool, path: Path) -> None:
     ("words", "fact"),
     [
         (("m.date > 5",), "data"),
+        (("True", "-p", "m.date"), "--print failed"),
         (("__import__('os')",), "__import__"),
         (("topic ==",), "invalid syntax"),
         (("open('/etc/passwd')",), "open"),
@@ -285,6 +287,14 @@ def test_filter_of_a_bag_to_itself_is_refused(bag: Tool, path: Path) -> None:
     assert path.read_bytes() == before
 
 
+def test_filter_to_a_format_that_is_only_read_is_refused(bag: Tool, path: Path) -> None:
+    target = path.with_name("part.db3")
+    result = bag("filter", path, target, "True")
+    assert result.exit_code == 2
+    assert ".mcap" in result.output
+    assert not target.exists()
+
+
 def test_filter_that_lets_nothing_pass_says_so(bag: Tool, path: Path, tmp_path: Path) -> None:
     target = tmp_path / "part.bag"
     result = bag("filter", "-q", path, target, "topic == '/numbr'")
@@ -307,11 +317,53 @@ def test_errors_name_the_file_that_was_given(bag: Tool, path: Path, tmp_path: Pa
 
 def test_bag_that_its_recorder_left_is_named(bag: Tool, path: Path) -> None:
     active = path.rename(f"{path}.active")
+    os.truncate(active, active.stat().st_size // 2)
     for words in (("info",), ("check",), ("play", "--hub", "ws://127.0.0.1:9")):
         result = bag(*words, path)
         assert result.exit_code == 1
         assert f"{path} was not closed by its recorder" in result.output
         assert f"bag reindex {active}" in result.output
+
+
+def test_complete_bag_of_another_name_is_named(bag: Tool, path: Path) -> None:
+    active = path.rename(f"{path}.active")
+    result = bag("info", path)
+    assert result.exit_code == 1
+    assert f"{active} is complete" in result.output and "reindex" not in result.output
+
+
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_bag_that_is_written_is_not_said_to_need_an_index(
+    bag: Tool, tmp_path: Path, suffix: str
+) -> None:
+    path, active = tmp_path / f"a.{suffix}", tmp_path / f"a.{suffix}.active"
+    with open_writer(active) as writer:
+        connection = writer.connection("/n", "std_msgs/Int32", "0" * 32, "int32 data")
+        writer.write(connection, 1, bytes(4))
+        writer.flush()
+        for command in ("info", "check", "play"):
+            for name in (path, active):
+                result = bag(command, name)
+                assert result.exit_code == 1
+                assert f"{active}" in result.output and "being written by" in result.output
+                assert "reindex" not in result.output
+
+
+def test_check_reads_several_bags(bag: Tool, path: Path, tmp_path: Path) -> None:
+    bad = tmp_path / "bad.bag"
+    with open_writer(bad) as writer:
+        writer.write(writer.connection("/a", "std_msgs/Int32", "*", "int32 data"), START, b"12345")
+    result = bag("check", bad, path)
+    assert result.exit_code == 1
+    assert f"{bad}: " in result.output
+    last = result.output.splitlines()[-2:]
+    assert last == [f"{path}:", "Bag file does not need any migrations."]
+    assert bag("check", path, "rules.bmr").exit_code == 2
+
+
+def test_reindex_says_how_many_messages_are_restored(bag: Tool, path: Path) -> None:
+    assert f"{path}: 102 messages restored" in bag("reindex", path).output
+    assert bag("reindex", "-q", "-f", path).output == ""
 
 
 # compress, decompress

@@ -264,6 +264,7 @@ def test_all_topics_are_those_that_can_be_played(
         ("mcap", (), signal.SIGINT),
         ("mcap", (), signal.SIGKILL),
         ("mcap", ("--lz4",), signal.SIGTERM),
+        ("mcap", ("--zstd",), signal.SIGINT),
     ],
 )
 @pytest.mark.long
@@ -373,6 +374,10 @@ def test_begin_is_published_and_names_are_remapped(
         (("--split", "/n"), "maximum duration or size"),
         (("--max-splits", "2", "/n"), "--split"),
         (("-j", "--lz4", "/n"), "one type of compression"),
+        (("--lz4", "--zstd", "-O", "a.mcap", "/n"), "one type of compression"),
+        (("-j", "-O", "a.mcap", "/n"), "--bz2 does not exist for .mcap"),
+        (("--zstd", "/n"), "--zstd does not exist for .bag"),
+        (("-O", "a.db3", "/n"), "expected a name that ends in .bag or .mcap"),
         (("-x", "(", "-a"), "regular expression"),
         (("-e", "("), "regular expression"),
         (("--duration", "5x", "/n"), "5m"),
