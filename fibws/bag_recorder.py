@@ -397,6 +397,7 @@ class Recorder:
             self._discard()
             return
         left, duration = TURN, self.options.max_duration
+        received: int | None = None
         for _ in range(len(queue)):
             try:
                 stream, received, data = queue.popleft()
@@ -412,17 +413,17 @@ class Recorder:
             left -= size + TURN_COST
             if left < 0:
                 left = TURN
-                if self._is_large and not self._continue():
+                if self._is_large and not self._continue(received):
                     return
                 time.sleep(PAUSE)
         if self._is_large:
-            self._continue()
+            self._continue(received)
 
     def _enter_span(self, received: int) -> bool:
         """Go on to the time of a message that is outside the file's; return False at the end."""
         late, duration = received - self._file_ends, self.options.max_duration
         if late > 0:
-            if not self._continue():
+            if not self._continue(received):
                 return False
             self._file_ends = received + -late % duration
         elif received > 0:
@@ -492,13 +493,18 @@ class Recorder:
         has_many = self.options.split and len(writer.connections) >= MAX_CONNECTIONS
         return has_many or 0 < most < writer.size
 
-    def _continue(self) -> bool:
-        """Go on with the next file of a split; return False if there is to be none."""
+    def _continue(self, received: int | None) -> bool:
+        """Go on with the next file of a split; return False if there is to be none.
+
+        Args:
+            received: the time of the last message, which those that the file repeats get: no other
+                message of the file should be older. None for now.
+        """
         if not self.options.split:
             self._is_full = True
             return False
         self._end_file()
-        self._begin_file()
+        self._begin_file(received)
         return True
 
     def _join(self, stream: Stream) -> None:
@@ -537,8 +543,12 @@ class Recorder:
         while self._forgotten:
             self._drop_latched(self._forgotten.popleft())
 
-    def _begin_file(self) -> Writer:
-        """Begin the next file; with the last latched messages, if they are to be repeated."""
+    def _begin_file(self, begin: int | None = None) -> Writer:
+        """Begin the next file; with the last latched messages, if they are to be repeated.
+
+        Args:
+            begin: the time of these messages; now if None.
+        """
         options = self.options
         self._path = self._unused_path()
         active = self._path.with_name(self._path.name + ACTIVE)
@@ -556,7 +566,7 @@ class Recorder:
         self._number += 1
         self._past_messages, self._repeated = self._written, len(self._latched)
         self._bytes = self._past_bytes + writer.position  # Before a message of the file counts.
-        now = self._now()
+        now = self._now() if begin is None else begin
         if options.max_duration and self._file_ends == NEVER and now:
             self._file_ends = now + options.max_duration
         self._log.info("Recording to '%s'.", self._path)
@@ -596,11 +606,12 @@ class Recorder:
 
     def _end_file(self) -> None:
         """Complete the current file, and remove the oldest ones if there are too many."""
-        writer, self._writer = self._writer, None
-        if writer is None:
+        if self._writer is None:
             return
-        writer.close()
+        self._writer.flush()
         self._flushed = self._written
+        self._writer.close()
+        self._writer = None  # Not before: an index that does not fit leaves a file to restore.
         self._path.with_name(self._path.name + ACTIVE).replace(self._path)
         self._count_bytes(self._path)
         self._kept.append(self._path)

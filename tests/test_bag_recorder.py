@@ -278,6 +278,33 @@ def test_full_disk_ends_the_recording_and_is_reported(
         assert reindex(active, tmp_path / "b.bag").messages == 1
 
 
+@pytest.mark.parametrize("ends_by_stop", [True, False])
+def test_index_that_does_not_fit_at_the_end_of_a_file_is_reported(
+    record: Callable[..., Recording],
+    tmp_path: Path,
+    caplog: pytest.LogCaptureFixture,
+    *,
+    ends_by_stop: bool,
+) -> None:
+    class Full(BagWriter):
+        def _write_end(self) -> None:
+            raise OSError(28, "No space left on device")
+
+    recording = record(open_=Full, split=True, max_size=5000)
+    recording.put(1)
+    recording.wait_until(lambda state: state.messages == 1)
+    if ends_by_stop:
+        recording.recorder.stop()
+    else:
+        while recording.recorder.state().is_recording:
+            recording.put(2)
+    assert recording.ended.wait(PATIENCE)
+    active = tmp_path / "a_0.bag.active"
+    assert f"bag reindex --output-dir DIR {active}" in caplog.text
+    state = recording.recorder.state()
+    assert reindex(active, tmp_path / "b.bag").messages == state.messages
+
+
 @pytest.mark.parametrize("free", [0, 4096])
 def test_recording_does_not_begin_on_a_full_disk(
     record: Callable[..., Recording], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, free: int

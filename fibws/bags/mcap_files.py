@@ -102,6 +102,11 @@ class McapWriter:
             self._file, chunk_size=chunk_size, compression=CompressionType[compression.upper()]
         )
         self.mcap.start(profile, "fibws")
+        try:
+            self._file.flush()  # An empty file would not be an MCAP file.
+        except BaseException:
+            self._file.raw.close()
+            raise
 
     def __enter__(self) -> Self:
         return self
