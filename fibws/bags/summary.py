@@ -10,8 +10,11 @@ from statistics import median
 from typing import Any
 
 from fibws.bags.connection import Connection
-from fibws.bags.reader import Reader
+from fibws.bags.reader import MAX_GAP, Reader
 from fibws.bags.ros2_messages import CDR, ROS1, with_encoding
+
+DAY = 86400
+"""In seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,12 +283,24 @@ def _yaml_value(key: str, value: Any) -> str:
 
 
 def _duration(seconds: float) -> str:
+    if seconds >= MAX_GAP / 1e9:
+        return f"{span_text(seconds)}: messages have times of different clocks"
+    if seconds >= 2 * DAY:
+        return f"{span_text(seconds)} ({int(seconds)}s)"
     minutes = int(seconds / 60)
     if minutes >= 60:
         return f"{minutes // 60}hr {minutes % 60}:{int(seconds % 60):02}s ({int(seconds)}s)"
     if minutes > 0:
         return f"{minutes}:{int(seconds % 60):02}s ({int(seconds)}s)"
     return f"{seconds:.1f}s"
+
+
+def span_text(seconds: float) -> str:
+    """Return a long time as people say it, such as ``3.5 hours`` or ``53.9 years``."""
+    for size, unit in ((365.25 * DAY, "years"), (DAY, "days")):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.1f} {unit}"
+    return f"{seconds / 3600:.1f} hours"
 
 
 def _date(seconds: float) -> str:

@@ -56,7 +56,11 @@ def test_times_are_rounded_one_way(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("seconds", "text"),
-    [(0, "0.0s"), (59.94, "59.9s"), (60, "1:00s (60s)"), (3661, "1hr 1:01s (3661s)")],
+    [
+        *((0, "0.0s"), (59.94, "59.9s"), (60, "1:00s (60s)"), (3661, "1hr 1:01s (3661s)")),
+        (250_000, "2.9 days (250000s)"),
+        (1_700_000_003, "53.9 years: messages have times of different clocks"),
+    ],
 )
 def test_duration(tmp_path: Path, seconds: float, text: str) -> None:
     path = tmp_path / "it.bag"

@@ -18,6 +18,7 @@ import click
 import fibws
 from fibws.bags import Connection, Reader
 from fibws.bags.ros2_messages import ROS1, with_encoding
+from fibws.bags.summary import span_text
 from fibws.cli import completers, output
 from fibws.cli.arguments import spread
 from fibws.cli.bag.bag_messages import open_bag
@@ -47,7 +48,7 @@ LONG_SPAN = 3600.0
 """Seconds without messages that are skipped, which is said, unless others are asked for."""
 NEVER = 1e10
 """More seconds than any bag has."""
-_STAMP = struct.Struct("<II")
+_TIME = struct.Struct("<II")
 _FIRST_FIELD = re.compile(r"\A(?:\s*(?:#.*)?\n)*\s*(?:std_msgs/)?Header\s", re.ASCII)
 
 
@@ -328,7 +329,8 @@ class Player:
     def _publish_clock(self, time: int) -> None:
         assert self._clock is not None
         self._time = time
-        self._clock._send_while_open(self._clock._encode(Time.from_nanoseconds(time)))
+        data = _TIME.pack(*divmod(time, 10**9))
+        self._clock._send_while_open(self._clock._encode_serialized(data))
 
     def _report_skip(self, span: int) -> None:
         """Say that a span without messages is skipped, unless that is as long as was asked for."""
@@ -364,7 +366,7 @@ class Player:
                         type_.name,
                     )
                 return
-            seconds, nanoseconds = _STAMP.unpack_from(message, 4)
+            seconds, nanoseconds = _TIME.unpack_from(message, 4)
             playback.controlled = seconds * 10**9 + nanoseconds
 
         warned: list[Any] = []
@@ -611,14 +613,6 @@ def command(
         )
         sys.setswitchinterval(SWITCH_INTERVAL)
         run(_play(node, readers, paths, options, playback_options))
-
-
-def span_text(seconds: float) -> str:
-    """Return a long time as people say it, such as ``3.5 hours`` or ``53.9 years``."""
-    for size, unit in ((365.25 * 86400, "years"), (86400, "days")):
-        if seconds >= 2 * size:
-            return f"{seconds / size:.1f} {unit}"
-    return f"{seconds / 3600:.1f} hours"
 
 
 def _without_slashes(topics: Iterable[str]) -> frozenset[str]:

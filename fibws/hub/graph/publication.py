@@ -24,7 +24,8 @@ class Publication:
         type_: of the topic.
         node: the publisher's global name.
         header: the publisher's connection header, as JSON.
-        received: when the hub received it, in nanoseconds since 1970.
+        received: when the hub received it, in nanoseconds since 1970. A message of /clock that
+            sets the graph's time has that time.
     """
 
     __slots__ = (

@@ -112,6 +112,8 @@ class Topic:
         until the next message if they, or the sources that sinks watch, have changed."""
         self._uses: dict[Receiver, int] = {}
         """How many sinks share each receiver."""
+        self.first: Receiver | None = None
+        """Gets each message before the other receivers, while it is one of them."""
 
     @property
     def idle(self) -> bool:
@@ -243,7 +245,7 @@ class Topic:
     def _prepare(self) -> tuple[Receiver, ...]:
         """Return the receivers; watchers are informed of a new source before its messages."""
         self.watching_sources.report()
-        self._receivers = tuple(self._uses)
+        self._receivers = tuple(sorted(self._uses, key=lambda each: each is not self.first))
         return self._receivers
 
     def _use(self, receiver: Receiver, change: int) -> None:

@@ -195,10 +195,11 @@ class SimulatedTime:
         graph.parameters.watch(self._parameter_changed)
 
     def receive(self, publication: Publication) -> None:
-        """Set the time."""
+        """Set the time, which is that of the message, too; others get it after this."""
         self._messages += 1
         clock = publication.values()["clock"]
-        self._graph.clock.simulated = clock["secs"] * 10**9 + clock["nsecs"]
+        publication.received = clock["secs"] * 10**9 + clock["nsecs"]
+        self._graph.clock.simulated = publication.received
 
     def replay(self, publication: Publication) -> None:
         """Set the time by a latched message."""
@@ -222,8 +223,10 @@ class SimulatedTime:
         if not (parameters.has(USE_SIM_TIME) and parameters.get(USE_SIM_TIME) is True):
             self.close()
         elif not self._subscribed:
+            topic = self._graph.topic(CLOCK)
+            topic.first = self
             try:
-                self._graph.subscribe(self._graph.topic(CLOCK), self, "rosgraph_msgs/Clock")
+                self._graph.subscribe(topic, self, "rosgraph_msgs/Clock")
             except OperationError as error:
                 logger.warning("The hub does not use simulated time: %s", error)
                 return

@@ -11,6 +11,7 @@ from fibws.hub.rosapi.nodes import OwnNode
 from fibws.protocol.serialized import publish_head, read_delivery
 
 from ..fakes import INT32
+from ..graph.recorder import Recorder
 from ..graph.test_policy import Forbid
 from .rosapi_client import RosapiClient
 
@@ -169,6 +170,19 @@ def test_time_is_simulated_while_the_parameter_says_so(rosapi: RosapiClient) -> 
     rosapi.call("/rosapi/set_param", name="/use_sim_time", value="false")
     assert rosapi.call("/rosapi/get_time")["time"] == real
     assert not rosapi.graph.topics["/clock"].sinks()
+
+
+def test_messages_of_the_clock_have_their_own_time_for_all(rosapi: RosapiClient) -> None:
+    """Also for those who subscribed before the hub did."""
+    listener = Recorder("/listener")
+    rosapi.graph.subscribe(rosapi.graph.topic("/clock"), listener, "rosgraph_msgs/Clock")
+    rosapi.call("/rosapi/set_param", name="/use_sim_time", value="true")
+    player = rosapi.add_client("/player")
+    player.send("advertise", "/clock", type="rosgraph_msgs/Clock")
+    for seconds in (12, 13, 2):
+        player.send("publish", "/clock", msg={"clock": {"secs": seconds, "nsecs": 1}})
+    times = [each.received for each in listener.received]
+    assert times == [each * 10**9 + 1 for each in (12, 13, 2)]
 
 
 def test_clock_of_another_type_does_not_simulate_time(rosapi: RosapiClient) -> None:
