@@ -1,7 +1,10 @@
 import { build, defineConfig, type Plugin } from "vite";
 
-/** roslib as one plain script, for this page and for those of others. */
-async function bundleRoslib(): Promise<string> {
+/** The files that roslib is served as: a plain script, and a module for `import`. */
+const ROSLIB_FILES = { "roslib.js": "iife", "roslib.mjs": "es" } as const;
+
+/** roslib in one file, for this page and for those of others. */
+async function bundleRoslib(format: "iife" | "es"): Promise<string> {
   const output = await build({
     configFile: false,
     logLevel: "warn",
@@ -9,7 +12,7 @@ async function bundleRoslib(): Promise<string> {
     build: {
       write: false,
       target: "es2022",
-      lib: { entry: "src/roslib.ts", name: "ROSLIB", formats: ["iife"] },
+      lib: { entry: "src/roslib.ts", name: "ROSLIB", formats: [format] },
       rolldownOptions: { output: { codeSplitting: false } },
     },
   });
@@ -25,21 +28,25 @@ const withoutWs: Plugin = {
   load: (id) => (id === "\0without-ws" ? "export {}" : null),
 };
 
-/** `/roslib.js`, beside the page in the build and from memory while one develops. */
+/** `/roslib.js` and `/roslib.mjs`, beside the page in the build and from memory while one develops. */
 const roslib: Plugin = {
   name: "roslib",
   async generateBundle() {
-    this.emitFile({ type: "asset", fileName: "roslib.js", source: await bundleRoslib() });
+    for (const [fileName, format] of Object.entries(ROSLIB_FILES)) {
+      this.emitFile({ type: "asset", fileName, source: await bundleRoslib(format) });
+    }
   },
   configureServer(server) {
-    let code: Promise<string> | undefined;
-    server.middlewares.use("/roslib.js", (_request, response) => {
-      code ??= bundleRoslib();
-      void code.then((text) => {
-        response.setHeader("Content-Type", "text/javascript");
-        response.end(text);
+    for (const [fileName, format] of Object.entries(ROSLIB_FILES)) {
+      let code: Promise<string> | undefined;
+      server.middlewares.use(`/${fileName}`, (_request, response) => {
+        code ??= bundleRoslib(format);
+        void code.then((text) => {
+          response.setHeader("Content-Type", "text/javascript");
+          response.end(text);
+        });
       });
-    });
+    }
   },
 };
 

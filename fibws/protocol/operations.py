@@ -320,11 +320,15 @@ class SetLevel(Operation):
 
 
 class Status(Operation):
-    """A report of the hub about the client's operation of this id."""
+    """A report of the hub about the client's operation of this id.
+
+    ``operation`` (an addition of fibws) takes the place of ``id`` in some reports to web pages.
+    """
 
     op: Literal["status"] = "status"
     level: Level
     msg: str
+    operation: str | None = None
     code: Code = None
 
 

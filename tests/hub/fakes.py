@@ -153,9 +153,10 @@ class FakeHub:
         *,
         serialized: bool = False,
         principal: Principal | None = None,
+        is_page: bool = False,
     ) -> Client:
         """Return a new client; one that is ``serialized`` speaks ``fibws.v1``."""
-        return Client(self, node, serialized=serialized, principal=principal)
+        return Client(self, node, serialized=serialized, principal=principal, is_page=is_page)
 
     @property
     def empty(self) -> bool:
@@ -169,7 +170,13 @@ class Client:
     """A client of the hub: sends operations, and receives operations."""
 
     def __init__(
-        self, hub: FakeHub, node: str | None, *, serialized: bool, principal: Principal | None
+        self,
+        hub: FakeHub,
+        node: str | None,
+        *,
+        serialized: bool,
+        principal: Principal | None,
+        is_page: bool,
     ) -> None:
         self.writes: list[Bytes] = []
         self.closings: list[CloseReason] = []
@@ -178,7 +185,8 @@ class Client:
         )
         self._hub = hub
         session = hub.rosbridge.open(
-            Opening(node, self.queue, self._close, principal), serialized=serialized
+            Opening(node, self.queue, self._close, principal, is_page=is_page),
+            serialized=serialized,
         )
         assert isinstance(session, Session)
         self.session = session

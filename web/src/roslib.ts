@@ -1,5 +1,5 @@
 /**
- * The entry of /roslib.js: roslib 2, and the classes of roslib 1 that tutorials use.
+ * The entry of /roslib.js and /roslib.mjs: roslib 2, and the classes of roslib 1 that tutorials use.
  *
  * Its `Ros` writes to the browser's console what roslib drops: the hub's statuses, such as that of a
  * refused message, and why the hub refuses the page.
@@ -33,7 +33,9 @@ export class ServiceResponse extends Values {}
 /** An operation that the hub sends, as far as it is of interest here. */
 interface Status {
   op: "status";
+  /** The operation's id; a hub sends one of roslib's to pages as `operation`. */
   id?: string;
+  operation?: string;
   level: string;
   msg: string;
 }
@@ -75,8 +77,8 @@ function isStatus(operation: unknown): operation is Status {
   return typeof operation === "object" && operation !== null && Object(operation).op === "status";
 }
 
-function logStatus({ id, level, msg }: Status): void {
-  const text = `The hub says${id ? ` about ${id}` : ""}: ${msg}`;
+function logStatus({ id, operation = id, level, msg }: Status): void {
+  const text = `The hub says${operation ? ` about ${operation}` : ""}: ${msg}`;
   if (level === "error") console.error(text);
   else if (level === "warning") console.warn(text);
   else console.info(text);

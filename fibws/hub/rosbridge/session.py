@@ -145,7 +145,9 @@ class TokenWait:
         self._rosbridge = rosbridge
         self._opening = opening
         self._serialized = serialized
-        self._statuses = Statuses("", opening.queue, codes=serialized, is_logged=False)
+        self._statuses = Statuses(
+            "", opening.queue, codes=serialized, is_logged=False, is_page=opening.is_page
+        )
         self._refused = 0
 
     def receive_text(self, data: Payload) -> Work:
@@ -294,7 +296,13 @@ class Session:
         """Messages dropped because the client sends too much."""
         self._reassembly: Reassembly | None = None
         self.node = graph.enter(self, opening.node, opening.principal)
-        self._statuses = Statuses(self.node, queue, rosbridge.report, codes=serialized)
+        self._statuses = Statuses(
+            self.node,
+            queue,
+            rosbridge.report,
+            codes=serialized,
+            is_page=opening.is_page and not serialized,
+        )
         self._client = Client(
             self.node,
             graph,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -15,6 +16,8 @@ logger = logging.getLogger("fibws.hub")
 
 _VERBOSITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 
+ROSLIB_ID = re.compile(r"[a-z_]+:.+:(\d+|[0-9a-f]{8}-[0-9a-f-]{27})", re.ASCII)
+"""Ids that roslib makes up, such as ``publish:/chatter:3``; version 2 has a UUID at the end."""
 
 Report: TypeAlias = Callable[[str, str], object]
 """Takes the node and the reason of an operation that failed."""
@@ -32,6 +35,9 @@ class Statuses:
         report: reports each error to others than the client and the log.
         codes: whether errors are sent with their codes, as on connections of ``fibws.v1``.
         is_logged: whether errors are logged.
+        is_page: whether the client is a web page. Most pages use roslib, which emits a status with
+            an id as ``status:ID``, of an id that it keeps to itself. So that pages get such a
+            status by ``ros.on("status")``, it has the id as ``operation``.
     """
 
     __slots__ = (
@@ -39,6 +45,7 @@ class Statuses:
         "_displaced",
         "_errors",
         "_is_logged",
+        "_is_page",
         "_level",
         "_node",
         "_queue",
@@ -54,12 +61,14 @@ class Statuses:
         *,
         codes: bool,
         is_logged: bool = True,
+        is_page: bool = False,
     ) -> None:
         self._node = node
         self._report = report
         self._queue = queue
         self._codes = codes
         self._is_logged = is_logged
+        self._is_page = is_page
         self._displaced = 0
         self._errors = ErrorLog(node)
         self.set_level("error")
@@ -125,8 +134,13 @@ class Statuses:
             self._put(level, id_, text, code)
 
     def _put(self, level: Level, id_: object, text: str, code: str | None = None) -> None:
+        id_ = legal_id(id_)
+        operation = None
+        if self._is_page and isinstance(id_, str) and ROSLIB_ID.fullmatch(id_):
+            id_, operation = None, id_
         status = Status(
-            id=legal_id(id_),
+            id=id_,
+            operation=operation,
             level=level,
             msg=shortened(text),
             code=code if self._codes else None,

@@ -502,6 +502,7 @@ class Connection(asyncio.BufferedProtocol):
             count_operations=self._reader.count_operations,
             limit_unsent=partial(limit_unsent, self._transport),
             check_room=self._quotas.check_room,
+            is_page="Origin" in request.headers,
         )
         endpoint = open_endpoint(opening)
         shared.observer.connected(self)

@@ -151,6 +151,7 @@ class Opening:
         check_room: raises `LimitReached` if the client's address or its principal has registered as
             many of something as it may.
         address: the client's IP address and port.
+        is_page: whether the client is a web page: browsers name its origin.
     """
 
     node: str | None
@@ -164,6 +165,7 @@ class Opening:
     limit_unsent: Callable[[int], None] = lambda size: None
     check_room: Callable[[Registration], None] = lambda what: None
     address: str = ""
+    is_page: bool = False
 
 
 OpenEndpoint: TypeAlias = Callable[[Opening], Endpoint]

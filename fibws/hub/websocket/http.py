@@ -5,8 +5,8 @@ why its WebSocket was refused, so the page asks ``/origin``: the response says w
 sees, if it may connect, and which option lets it in. It says nothing that trying would not show, so
 pages of any origin may read it.
 
-The page at ``/``, its parts and ``/roslib.js`` are files that the package's build makes. They are
-read once, when the hub starts; a request's path never reaches the file system.
+The page at ``/``, its parts, ``/roslib.js`` and ``/roslib.mjs`` are files that the package's build
+makes. They are read once, when the hub starts; a request's path never reaches the file system.
 """
 
 from __future__ import annotations
@@ -46,6 +46,7 @@ CONTENT_TYPES = {
     "html": "text/html",
     "ico": "image/vnd.microsoft.icon",
     "js": "text/javascript",
+    "mjs": "text/javascript",
     "json": "application/json",
     "png": "image/png",
     "svg": "image/svg+xml",
@@ -476,7 +477,7 @@ class File:
             "Referrer-Policy": "no-referrer",
             "Vary": "Accept-Encoding",
         }
-        if path == "roslib.js":  # Other sites' pages may load it, too.
+        if path in ("roslib.js", "roslib.mjs"):  # Other sites' pages may load it, too.
             self._headers["Access-Control-Allow-Origin"] = "*"
             self._headers["Cross-Origin-Resource-Policy"] = "cross-origin"
 

@@ -77,6 +77,27 @@ def test_status_carries_the_id_as_it_was_sent(op: str, id_: object) -> None:
     assert (status["id"], type(status["id"])) == (id_, type(id_))
 
 
+UUID_ID = "publish:/t:1b9d6bcd-bbfd-4b2d-9b5d-ab8dfbbd4bed"
+
+
+@pytest.mark.parametrize("id_", ["subscribe:/t:1", "call_service:/a:b:23", UUID_ID])
+def test_page_gets_the_status_of_a_roslib_operation_without_its_id(id_: str) -> None:
+    client = FakeHub().client(is_page=True)
+    client.send("fly", id=id_)
+    [status] = client.receive()
+    assert "id" not in status
+    assert status["operation"] == id_
+
+
+@pytest.mark.parametrize("id_", ["mine", "subscribe:/t", "publish::1", 5, ""])
+def test_page_gets_its_own_ids_in_statuses(id_: object) -> None:
+    client = FakeHub().client(is_page=True)
+    client.send("fly", id=id_)
+    [status] = client.receive()
+    assert status["id"] == id_
+    assert "operation" not in status
+
+
 @pytest.mark.parametrize("id_", [None, [], {"a": 1}])
 @pytest.mark.parametrize("op", ["fly", "publish", "subscribe"])
 def test_invalid_id_is_left_out_of_the_status(op: str, id_: object) -> None:

@@ -25,7 +25,7 @@ def ask(
     method: str = "GET",
     **settings: Any,
 ) -> Response | None:
-    files = {"index.html": PAGE, "roslib.js": b"var ROSLIB = {};"}
+    files = {"index.html": PAGE, "roslib.js": b"var ROSLIB = {};", "roslib.mjs": b"export {};"}
     return requests(files, **settings).respond(Request(path, Headers(headers or {}), method))
 
 
@@ -205,8 +205,11 @@ def test_page_is_at_the_root(path: str) -> None:
 
 @pytest.mark.parametrize("host", ["localhost", "evil.example", "rebound.example:9090"])
 def test_roslib_is_served_to_pages_of_any_host(host: str) -> None:
-    response = get("/roslib.js", Host=host, Origin=f"http://{host}")
-    assert (response.status_code, response.body) == (200, b"var ROSLIB = {};")
+    for path, body in (("/roslib.js", b"var ROSLIB = {};"), ("/roslib.mjs", b"export {};")):
+        response = get(path, Host=host, Origin=f"http://{host}")
+        assert (response.status_code, response.body) == (200, body)
+        assert response.headers["Content-Type"] == "text/javascript; charset=utf-8"
+        assert response.headers["Access-Control-Allow-Origin"] == "*"
 
 
 def test_health_is_json() -> None:

@@ -1,0 +1,55 @@
+"""A page's mistakes are in the console of its browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from .casts import ROSLIB_1, ROSLIB_2, Cast, marked
+from .conftest import Observe
+
+WEB_PAGE = Path(__file__).parents[2] / "docs" / "web.md"
+LISTENER = 'ros.on("status", (status) => console.error(status.msg));'
+"""The line by which a page with npm's roslib shows its statuses."""
+
+CASTS = (
+    Cast("/roslib.js", "Chromium", ("mistakes",)),
+    Cast("/roslib.mjs", "Chromium", ("mistakes",)),
+    Cast(ROSLIB_1, "Chromium", ("mistakes_with_listener",)),
+    Cast(ROSLIB_2, "Chromium", ("mistakes_with_listener",)),
+)
+
+MISTAKES = (
+    ("publish", "does not have a field dta"),
+    ("publish", "requires a string for field data"),
+    ("publish", "Expected a JSON object"),
+    ("advertise", "/chatter with type std_msgs/Int32", "std_msgs/String"),
+    ("subscribe", "/chatter with type std_msgs/Int32", "std_msgs/String"),
+    ("advertise", "Sting", "did you mean std_msgs/String?"),
+    ("advertise", "'/a name' is not a legal name"),
+    ("subscribe", "throttle_rate", "fast"),
+    ("advertise_service", "Emty", "did you mean std_srvs/Empty?"),
+    ("Service /rosapi/get_parm does not exist",),
+    ("does not have a field nam",),
+)
+"""The facts in the console's line about each mistake."""
+
+
+@pytest.mark.parametrize("cast", [marked(cast, id=str(cast)) for cast in CASTS])
+def test_mistakes_of_a_page_are_in_its_console(cast: Cast, observe: Observe) -> None:
+    observations = observe(cast)
+    assert observations.of("mistakes") is None
+    console = observations.complaints
+    untold = [
+        facts
+        for facts in MISTAKES
+        if not any(all(fact in line for fact in facts) for line in console)
+    ]
+    assert untold == [], console
+
+
+def test_line_for_roslib_from_npm_is_documented() -> None:
+    assert LISTENER in WEB_PAGE.read_text()
+    scenario = Path(__file__).parent / "scenarios" / "mistakes_with_listener.mjs"
+    assert LISTENER in scenario.read_text()
