@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections import Counter, OrderedDict
 from dataclasses import dataclass
+from typing import Literal
 
 from fibws.errors import NotAllowed
 
@@ -14,6 +15,10 @@ INTERNAL_ERROR = "this failed in the hub; see its log"
 """The text for clients about exceptions that are not their fault."""
 LONGEST_TEXT = 1000
 """Most characters of a text about an operation, which may repeat names that a client chose."""
+MOST_DIFFERENT = 10
+"""Different errors of one client that are logged."""
+ALL_ERRORS = "`fibws log` and the Console of the hub's page"
+"""Where the errors are that the log leaves out."""
 REPEAT_AFTER = 10.0
 """Seconds for which the same text about the same client is not repeated."""
 MAX_LINES = 20
@@ -40,40 +45,68 @@ def shortened(text: str) -> str:
 
 
 class ErrorLog:
-    """Logs the errors of one client: the first, the tenth, the hundredth and so on.
+    """Logs what one client does wrong: each different error once, and then how many there are.
+
+    The first one that comes again, or is one too many, says so; after it, the 10th, the 100th and
+    so on of all errors of the client are logged.
 
     Args:
         node: the client's name.
     """
 
-    __slots__ = ("_faults", "_node", "count")
+    __slots__ = ("_faults", "_is_counting", "_known", "_node", "count")
 
     def __init__(self, node: str) -> None:
         self._node = node
         self._faults = 0
+        self._is_counting = False
+        self._known: set[int] | None = None
+        """The hashes of the texts that were logged; most clients have none."""
         self.count = 0
         """Errors so far, with those that were not logged."""
 
-    def add(self, text: str, *, code: str | None = None, fault: Exception | None = None) -> None:
-        """Log an error, if its number is due.
+    def add(
+        self,
+        text: str,
+        *,
+        code: str | None = None,
+        fault: Exception | None = None,
+        kind: Literal["error", "warning"] = "error",
+    ) -> None:
+        """Log an error, if it is a new one or its number is due.
 
         Args:
             code: the error's; refusals of the policy are not logged, but recorded as audit events.
             fault: an error within the hub, whose traceback is logged; these are counted apart.
+            kind: what the line calls it.
         """
         self.count += 1
         self._faults += fault is not None
         if code == NotAllowed.code:
             return
-        if is_power_of_ten(self.count if fault is None else self._faults):
-            logger.log(
-                logging.WARNING if fault is None else logging.ERROR,
-                "%s: %s (error %d of this client)",
-                self._node,
-                printable(text),
-                self.count,
-                exc_info=fault,
-            )
+        note = f"{kind} {self.count} of this client"
+        if fault is not None:
+            is_due = is_power_of_ten(self._faults)
+        elif self._is_new(text):
+            is_due = True
+        elif not self._is_counting:
+            self._is_counting = is_due = True
+            note += f"; more are counted here, and shown by {ALL_ERRORS}"
+        else:
+            is_due = is_power_of_ten(self.count)
+        if is_due:
+            level = logging.WARNING if fault is None else logging.ERROR
+            logger.log(level, "%s: %s (%s)", self._node, printable(text), note, exc_info=fault)
+
+    def _is_new(self, text: str) -> bool:
+        """Return whether an error is new, and one of the first `MOST_DIFFERENT`."""
+        if self._known is None:
+            self._known = set()
+        digest = hash(text)
+        if digest in self._known or len(self._known) == MOST_DIFFERENT:
+            return False
+        self._known.add(digest)
+        return True
 
 
 @dataclass(slots=True)

@@ -119,10 +119,7 @@ class Statuses:
             id_: the operation's.
             fault: why the definition that the client brought was not taken, if it brought one.
         """
-        self._errors.count += 1
-        if is_power_of_ten(self._errors.count):
-            reason = printable(fault) or "the definition is unknown"
-            logger.warning("%s: %s: %s.", self._node, printable(text), reason)
+        self._errors.add(f"{text}: {fault or 'the definition is unknown'}", kind="warning")
         self.warning(id_, f"{text}: {fault}" if fault else text)
 
     def info(self, id_: object, text: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from typing import Protocol
 
 from fibws.access.rights import Principal
@@ -26,6 +27,8 @@ REFUSALS: dict[int, Reason] = {
     LIMITED: "limit",
 }
 """The reasons of close codes that are refusals, for the audit."""
+OWN_TOOL = re.compile(r"(/\w+)*/fibws_[a-z_]+_\d+_\d+", re.ASCII)
+"""The names of fibws's commands: each `fibws topic list` is a connection of a moment."""
 INTERVAL = 10.0
 """Seconds between two log lines about one client's dropped messages."""
 
@@ -62,7 +65,8 @@ class ClientLog:
     def connected(self, client: Client, node: str) -> None:
         """Log that the client is a node now."""
         principal = f" as {client.principal.title}" if client.principal is not None else ""
-        logger.info(
+        logger.log(
+            _level(client),
             "%s has connected from %s%s.",
             node,
             client.peer,
@@ -76,7 +80,8 @@ class ClientLog:
 
     def left(self, client: Client) -> None:
         """Log that the client's connection is lost."""
-        logger.info("%s has left.", client.name, extra=_event("left", client))
+        level, extra = _level(client), _event("left", client)
+        logger.log(level, "%s has left.", client.name, extra=extra)
 
     def closed(self, client: Client, reason: CloseReason, *, level: int) -> None:
         """Log that the hub closes the connection, or record that as a refusal.
@@ -118,6 +123,15 @@ class ClientLog:
                 client.queue.dropped,
                 extra=_event("dropped", client),
             )
+
+
+def _level(client: Client) -> int:
+    """Return the level of the lines that a client has come or left.
+
+    It is lower for commands, unless the client has logged in: anybody may take such a name.
+    """
+    is_tool = client.principal is None and OWN_TOOL.fullmatch(_node(client))
+    return logging.DEBUG if is_tool else logging.INFO
 
 
 def _node(client: Client) -> str:

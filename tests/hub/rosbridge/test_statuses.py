@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import pytest
 
 from fibws.errors import InvalidUtf8
 from fibws.hub.delivery.send_queue import Bytes, Flusher, SendQueue
+from fibws.hub.log_text import MOST_DIFFERENT
 from fibws.hub.rosbridge.statuses import Statuses
 from fibws.protocol.decoding import REQUESTS
 from fibws.protocol.operations import Level
@@ -205,11 +207,37 @@ def test_many_errors_of_one_client_do_not_fill_the_log(caplog: pytest.LogCapture
     for _ in range(1000):
         client.send("subscribe", "/")
     fault = "/clumsy: subscribe: '/' is not a legal name"
-    assert [record.message.startswith(fault) for record in caplog.records] == [True] * 4
-    assert [record.message.partition(" (error ")[2] for record in caplog.records] == [
-        f"{count} of this client)" for count in (1, 10, 100, 1000)
+    lines = [record.message for record in caplog.records]
+    assert [line.startswith(fault) for line in lines] == [True] * 5
+    assert [re.findall(r"\(error (\d+) of this client", line) for line in lines] == [
+        [str(count)] for count in (1, 2, 10, 100, 1000)
     ]
     assert len(client.receive()) == 1000
+
+
+def test_each_different_error_of_a_client_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
+    client = FakeHub().client("/clumsy")
+    for op in ("fly", "swim", "fly", "run", "swim", "fly"):
+        client.send(op)
+    lines = [record.message for record in caplog.records]
+    operations = [re.findall(r"Unknown operation: (\w+)", line) for line in lines]
+    assert operations == [["fly"], ["swim"], ["fly"], ["run"]]
+    # The first one that was there before says where the others are.
+    assert ["fibws log" in line for line in lines] == [False, False, True, False]
+
+
+def test_log_counts_different_errors_of_a_client_beyond_a_limit(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    client = FakeHub().client("/clumsy")
+    for each in range(1, 101):
+        client.send(f"fly_{each}")
+    lines = [record.message for record in caplog.records]
+    limit = MOST_DIFFERENT
+    assert [re.findall(r"fly_(\d+)", line)[0] for line in lines] == [
+        str(each) for each in (*range(1, limit + 2), 100)
+    ]
+    assert ["fibws log" in line for line in lines] == [False] * limit + [True, False]
 
 
 @pytest.mark.parametrize(

@@ -196,6 +196,17 @@ class TestLogging:
             await client.is_processed()
             assert f"/talker has connected from 127.0.0.1:{client.port}." in caplog.text
 
+    async def test_connections_of_commands_are_logged_at_level_debug(
+        self, hub: Hub, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        caplog.set_level(logging.DEBUG, "fibws.hub")
+        nodes = ["/fibws_tool_12_345", "/lab/fibws_echo_1_2", "/fibws_robot", "/fibws_tool_1_2x"]
+        for node in nodes:
+            async with connected(hub.port, f"/?node={node}") as client:
+                await client.is_processed()
+        records = [each for each in caplog.records if "has connected" in each.getMessage()]
+        assert [record.levelname for record in records] == ["DEBUG", "DEBUG", "INFO", "INFO"]
+
     @pytest.mark.parametrize(
         "fields",
         [
