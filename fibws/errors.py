@@ -166,9 +166,11 @@ class UnknownPackage(InterfaceError, LookupError):
 
     code = "unknown_package"
 
-    def __init__(self, package: str, nearest: str | None = None) -> None:
+    def __init__(self, package: str, nearest: str | None = None, meant: str | None = None) -> None:
         self.package = package
         self.nearest = nearest
+        self.meant = meant
+        """The type of a known package that is likely meant, if the name is that of a type."""
         hint = f"; did you mean {nearest}?" if nearest else ""
         super().__init__(
             f"Unable to load the manifest for package {package}. "

@@ -91,7 +91,7 @@ class ErrorLog:
             is_due = True
         elif not self._is_counting:
             self._is_counting = is_due = True
-            note += f"; more are counted here, and shown by {ALL_ERRORS}"
+            note += f"; more are counted here, and errors are shown by {ALL_ERRORS}"
         else:
             is_due = is_power_of_ten(self.count)
         if is_due:

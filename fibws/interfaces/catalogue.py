@@ -166,6 +166,11 @@ class Interfaces(Definitions):
         """Whether the package is in one of the user's folders."""
         return self._folders.is_users(package)
 
+    def meant(self, kind: Kind, name: str) -> str | None:
+        """The type that a name of an unknown package likely stands for, if there is one."""
+        error = self._folders.unknown(kind, name)
+        return error.meant if isinstance(error, UnknownPackage) else None
+
     def messages(self, package: str) -> list[str]:
         """The package's messages as ``package/Name``, sorted, with those made from its actions.
 

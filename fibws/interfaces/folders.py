@@ -214,14 +214,19 @@ class Folders:
         """
         package, _, short = name.partition("/")
         if package not in self.packages():
-            return UnknownPackage(package, self.nearest(package))
-        names = [other.partition("/")[2] for other in self.names(kind, package)]
-        if near := nearest(short, names):
-            near = f"{package}/{near}"
-        else:
+            near = self.nearest(package)
+            return UnknownPackage(package, near, near and self._similar(kind, near, short))
+        near = self._similar(kind, package, short)
+        if near is None:
             others = (each.name for each in self.packages().values() if short in each.files(kind))
             near = next((f"{other}/{short}" for other in others), None)
         return UnknownType(kind, package, short, near)
+
+    def _similar(self, kind: Kind, package: str, short: str) -> str | None:
+        """The package's type with the most similar name, if one is similar."""
+        names = [other.partition("/")[2] for other in self.names(kind, package)]
+        near = nearest(short, names)
+        return f"{package}/{near}" if near else None
 
     def _read(self, name: str, kind: Kind) -> _File | None:
         """The file that defines a type."""

@@ -1,11 +1,12 @@
 """Error texts for invalid messages, in the words of rosbridge_server.
 
-The texts are those of its ``message_conversion.py``, which clients know. Details that it does not
-give, such as the range of an integer, follow in parentheses.
+The texts are those of its ``message_conversion.py``, which clients know, apart from "an int32".
+Details that it does not give, such as the range of an integer, follow in parentheses.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic_core import ErrorDetails, ValidationError
@@ -14,6 +15,7 @@ from fibws.errors import InvalidMessage
 from fibws.interfaces import builtin, schema
 from fibws.interfaces.definition import Field, MessageDefinition
 from fibws.interfaces.md5sum import Lookup
+from fibws.suggestions import suggestion
 
 MOST_EXPLAINED = 1000
 """If there are more errors than this, finding the first one takes too long."""
@@ -54,15 +56,24 @@ def _describe(definition: MessageDefinition, lookup: Lookup, detail: ErrorDetail
         path = f"{path}.{step}" if path else str(step)
         field = _field(definition, lookup, inside, step)
         if field is None:
-            return f"Message type {definition.type} does not have a field {path[:LONGEST_PATH]}"
+            known = [member.name for member in _fields(definition, lookup, inside)]
+            return (
+                f"Message type {definition.type} does not have a field {path[:LONGEST_PATH]}"
+                f"{suggestion(str(step)[:LONGEST_PATH], known)}"
+            )
         expected, inside, is_list = field.full_type, field.type, field.array is not None
     found = type(detail["input"]).__name__
     reason = field and _reason(field, detail)
     because = f" ({reason})" if reason else ""
     return (
-        f"{definition.type} message requires a {expected} for field {path}, "
-        f"but got a {found}{because}"
+        f"{definition.type} message requires {_article(expected)} {expected} for field {path}, "
+        f"but got {_article(found)} {found}{because}"
     )
+
+
+def _article(name: str) -> str:
+    """Return the article before a type: ``a uint8``, ``an int32``."""
+    return "an" if name[0] in "aeio" else "a"
 
 
 def _field(
@@ -71,8 +82,12 @@ def _field(
     """Look up a field of ``inside``, which is ``definition`` or a type nested in it."""
     if inside in builtin.TIMES:
         return Field(str(name), builtin.TIMES[inside])
-    members = definition if inside == definition.type else lookup(inside)
-    return next((member for member in members.fields if member.name == name), None)
+    fields = _fields(definition, lookup, inside)
+    return next((field for field in fields if field.name == name), None)
+
+
+def _fields(definition: MessageDefinition, lookup: Lookup, inside: str) -> Sequence[Field]:
+    return (definition if inside == definition.type else lookup(inside)).fields
 
 
 def _reason(field: Field, detail: ErrorDetails) -> str | None:

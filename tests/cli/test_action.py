@@ -222,7 +222,7 @@ def test_type_chooses_between_topics_and_operations(run: Run, client: HubClient)
         ([ROS2, "3"], 2, "expected order"),
         ([], 2, "expected order"),
         (["{ordr: 3}"], 2, "did you mean order?"),
-        (["x"], 1, "requires a int32 for field goal.order"),
+        (["x"], 1, "requires an int32 for field goal.order"),
     ],
 )
 def test_wrong_goal_is_an_error(run: Run, words: list[str], code: int, text: str) -> None:
@@ -256,7 +256,7 @@ def test_text_like_a_type_is_a_value(run: Run, client: HubClient) -> None:
 def test_goal_that_the_hub_refuses_is_an_error(run: Run) -> None:
     result = run("action", "send", "/ros2/count", "x")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert "requires a int32 for field order" in result.stderr
+    assert "requires an int32 for field order" in result.stderr
 
 
 def test_unknown_action_is_an_error(run: Run) -> None:

@@ -168,7 +168,7 @@ def test_service_without_fields_needs_no_arguments(run: Run) -> None:
         (["1"], 2, "Not enough arguments"),
         (["{c: 1}"], 2, "No field name [c]"),
         (["[1"], 2, "Invalid YAML"),
-        (["x", "1"], 1, "requires a int64 for field a"),
+        (["x", "1"], 1, "requires an int64 for field a"),
         (["-x"], 2, "No such option"),
     ],
 )

@@ -21,17 +21,18 @@ CASTS = (
 )
 
 MISTAKES = (
-    ("publish", "does not have a field dta"),
+    ("publish", "does not have a field dta", "did you mean data?"),
     ("publish", "requires a string for field data"),
     ("publish", "Expected a JSON object"),
     ("advertise", "/chatter with type std_msgs/Int32", "std_msgs/String"),
     ("subscribe", "/chatter with type std_msgs/Int32", "std_msgs/String"),
+    ("std_msg/String", "did you mean std_msgs/String?"),
     ("advertise", "Sting", "did you mean std_msgs/String?"),
     ("advertise", "'/a name' is not a legal name"),
     ("subscribe", "throttle_rate", "fast"),
     ("advertise_service", "Emty", "did you mean std_srvs/Empty?"),
     ("Service /rosapi/get_parm does not exist",),
-    ("does not have a field nam",),
+    ("does not have a field nam", "did you mean name?"),
 )
 """The facts in the console's line about each mistake."""
 

@@ -41,4 +41,4 @@ def test_call_of_an_unadvertised_service_fails(seen: Any) -> None:
 
 
 def test_invalid_request_fails(seen: Any) -> None:
-    assert "rospy_tutorials/AddTwoIntsRequest message requires a int64 for field a" in seen
+    assert "rospy_tutorials/AddTwoIntsRequest message requires an int64 for field a" in seen

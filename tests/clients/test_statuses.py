@@ -11,7 +11,7 @@ pytestmark = playing("statuses")
 
 def test_invalid_message_is_refused_with_the_reason(seen: Any) -> None:
     assert seen == [
-        "error: publish: std_msgs/Int32 message requires a int32 for field data, but got a str"
+        "error: publish: std_msgs/Int32 message requires an int32 for field data, but got a str"
     ]
 
 

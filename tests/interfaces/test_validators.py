@@ -100,8 +100,13 @@ def test_valid_value_is_accepted(name: str, given: object, data: object) -> None
 )
 def test_invalid_value_is_refused(name: str, given: object, wanted: str, found: str) -> None:
     assert fault(f"std_msgs/{name}", {"data": given}) == (
-        f"std_msgs/{name} message requires a {wanted} for field data, but got a {found}"
+        f"std_msgs/{name} message requires {with_article(wanted)} for field data, "
+        f"but got {with_article(found)}"
     )
+
+
+def with_article(noun: str) -> str:
+    return f"an {noun}" if noun.startswith("int") else f"a {noun}"
 
 
 @pytest.mark.parametrize("name", ["std_msgs/Float32", "std_msgs/Float64"])
@@ -157,12 +162,25 @@ def test_unknown_field_is_named(name: str, msg: object, path: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "msg", "meant"),
+    [
+        ("std_msgs/String", {"dta": "x"}, "data"),
+        ("geometry_msgs/Twist", {"liner": {}}, "linear"),
+        ("geometry_msgs/PoseStamped", {"pose": {"positon": {}}}, "position"),
+        ("nav_msgs/Path", {"poses": [{}, {"heder": {}}]}, "header"),
+    ],
+)
+def test_misspelled_field_gets_a_suggestion(name: str, msg: object, meant: str) -> None:
+    assert fault(name, msg).endswith(f"; did you mean {meant}?")
+
+
+@pytest.mark.parametrize(
     ("name", "msg", "text"),
     [
         (
             "geometry_msgs/Twist",
             {"linear": 5},
-            "a geometry_msgs/Vector3 for field linear, but got a int",
+            "a geometry_msgs/Vector3 for field linear, but got an int",
         ),
         (
             "geometry_msgs/Twist",
@@ -177,7 +195,7 @@ def test_unknown_field_is_named(name: str, msg: object, path: str) -> None:
         (
             "sensor_msgs/PointCloud",
             {"points": [{}, 5]},
-            "a geometry_msgs/Point32 for field points[1], but got a int",
+            "a geometry_msgs/Point32 for field points[1], but got an int",
         ),
         (
             "sensor_msgs/PointCloud",
@@ -192,7 +210,7 @@ def test_unknown_field_is_named(name: str, msg: object, path: str) -> None:
         (
             "std_msgs/Header",
             {"stamp": {"secs": -1}},
-            "a uint32 for field stamp.secs, but got a int (-1 is not in 0..4294967295)",
+            "a uint32 for field stamp.secs, but got an int (-1 is not in 0..4294967295)",
         ),
         (
             "actionlib_msgs/GoalID",
@@ -247,9 +265,9 @@ def test_arrays_within_their_bounds_are_accepted(line: str, given: object, data:
         ("uint8[] x", "AQI D", "but got a str (bad base64: "),
         ("uint8[] x", "AQ", "but got a str (bad base64: "),
         ("uint8[] x", "é", "but got a str (bad base64: "),
-        ("uint8[] x", [256], "uint8 for field x[0], but got a int (256 is not in 0..255)"),
+        ("uint8[] x", [256], "uint8 for field x[0], but got an int (256 is not in 0..255)"),
         ("uint8[] x", [True], "uint8 for field x[0], but got a bool"),
-        ("uint8[] x", 5, "uint8[] for field x, but got a int"),
+        ("uint8[] x", 5, "uint8[] for field x, but got an int"),
         ("uint8[3] x", "AQ==", "uint8[3] for field x, but got a str (it has 1 elements, not 3)"),
         ("uint8[3] x", [1] * 4, "but got a list (it has 4 elements, not 3)"),
         ("uint8[<=3] x", [1] * 4, "but got a list (it has 4 elements, not at most 3)"),
@@ -257,7 +275,7 @@ def test_arrays_within_their_bounds_are_accepted(line: str, given: object, data:
         ("int8[3] x", [1] * 4, "but got a list (it has 4 elements, not 3)"),
         ("int8[] x", "AQID", "int8[] for field x, but got a str"),
         ("string<=3 x", "abcd", "string<=3 for field x, but got a str (it has 4 characters, not "),
-        ("time[] x", [5], "time for field x[0], but got a int"),
+        ("time[] x", [5], "time for field x[0], but got an int"),
     ],
 )
 def test_arrays_outside_their_bounds_are_refused(line: str, given: object, text: str) -> None:

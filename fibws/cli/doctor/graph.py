@@ -38,13 +38,23 @@ def checks(before: Snapshot, now: Snapshot, *, but: str) -> Iterator[Finding]:
 
 def types(view: View) -> Iterator[Finding]:
     """Find topics whose types are undefined, so that messages are not checked."""
-    unchecked = [
-        f"{each.name} ({each.type})" for each in view.topics if each.type and not each.checked
-    ]
-    if unchecked:
+    unchecked = {each.name: each.type for each in view.topics if each.type and not each.checked}
+    if not unchecked:
+        return
+    from fibws.interfaces import Interfaces
+
+    installed = Interfaces()
+    undefined = []
+    for name, type_ in unchecked.items():
+        if meant := installed.meant("msg", type_):
+            text = f"{name} has a type of an unknown package, {type_}: its messages are not checked"
+            yield warning("types", text, f"Did you mean {meant}?")
+        else:
+            undefined.append(f"{name} ({type_})")
+    if undefined:
         yield warning(
             "types",
-            f"Topics of undefined types, whose messages are not checked: {join_names(unchecked)}",
+            f"Topics of undefined types, whose messages are not checked: {join_names(undefined)}",
             f"Start the hub with their folder: {command_name('hub')} --interfaces DIR",
         )
 

@@ -50,6 +50,12 @@ class Statuses:
         self._errors.add(text, code=code, fault=fault)
         self._report(self._node, text)
 
+    def misspelled(self, text: str) -> None:
+        """Warn that something is likely misspelled, in the log as well."""
+        self._errors.add(text, kind="warning")
+        self._report(self._node, text)
+        self.warning(text)
+
     def warning(self, text: str) -> None:
         """Report that an operation changed nothing, or did something else than was meant."""
         self._queue.reply(text_frame("status", level=WARNING, message=shortened(text)))

@@ -330,6 +330,10 @@ class Publications:
             if source not in self._uses:
                 client.graph.remove_source(source)
             source.type.check_known()
+        if source.type.meant:
+            text = f"{source.topic.name}: messages of type {source.type.name} are not checked"
+            meant = f"the package is unknown; did you mean {source.type.meant}?"
+            client.statuses.misspelled(f"{text}: {meant}")
         self._channels[channel.id] = source, channel.encoding
         self._uses[source] = self._uses.get(source, 0) + 1
 

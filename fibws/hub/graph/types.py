@@ -76,6 +76,8 @@ class MessageType(Protocol):
     """Whether the fields are known, so that messages are checked."""
     fault: str
     """Why a definition that a client brought was not taken, if one did."""
+    meant: str
+    """The known type that is likely meant, if the package's name is misspelled."""
     sequenced: bool
     """Whether publishers count their messages in ``header.seq``, as rospy's do."""
     validate: Validate
@@ -135,6 +137,7 @@ class CheckedType:
 
     checked = True
     fault = ""
+    meant = ""
 
     def __init__(self, name: str, codecs: Codecs) -> None:
         validator = codecs.validators.of(name)
@@ -209,6 +212,7 @@ class UncheckedType:
     Args:
         name: ``package/Type``.
         fault: why a definition that a client brought was not taken, if one did.
+        meant: the known type that is likely meant, if the package's name is misspelled.
     """
 
     checked = False
@@ -218,9 +222,10 @@ class UncheckedType:
     long_integers: Convert | None = None
     md5sum: str | None = None
 
-    def __init__(self, name: str, fault: str = "") -> None:
+    def __init__(self, name: str, fault: str = "", meant: str = "") -> None:
         self.name = name
         self.fault = fault
+        self.meant = meant
         self.validate: Validate = _relayed(name)
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
@@ -258,7 +263,8 @@ class ServiceType:
 
     ``arguments`` are the request's fields in order, ``md5sum`` stands for the definition, and
     ``codecs`` are those of the definition, if they are known. ``fault`` is the reason why a
-    definition that the client brought was refused.
+    definition that the client brought was refused, and ``meant`` the known type that is likely
+    meant, if the package's name is misspelled.
     """
 
     name: str
@@ -268,6 +274,7 @@ class ServiceType:
     md5sum: str | None = None
     codecs: Codecs | None = None
     fault: str = ""
+    meant: str = ""
     is_known: bool = True
     """Whether requests can be checked; else the server does it, once it has learned the type."""
 
@@ -287,7 +294,8 @@ class ActionType:
     """An action's type, which checks its goals, feedback and results.
 
     ``arguments`` are the goal's fields in order, and ``md5sums`` stand for the definitions of goal,
-    feedback and result, if they are known. ``codecs`` and ``fault`` are as of `ServiceType`.
+    feedback and result, if they are known. ``codecs``, ``fault`` and ``meant`` are as
+    of `ServiceType`.
     """
 
     name: str
@@ -298,6 +306,7 @@ class ActionType:
     md5sums: tuple[str, str, str] | None = None
     codecs: Codecs | None = None
     fault: str = ""
+    meant: str = ""
 
     def fill_goal(self, args: object) -> dict[str, Any]:
         """Return the goal that ``args`` stand for; as `ServiceType.fill_request`."""
@@ -431,25 +440,25 @@ class Types:
         try:
             return self._codecs("msg", name, definition, client).message(name)
         except (UnknownPackage, DefinitionLimit) as error:
-            fault = self._fault(error)
-        return UncheckedType(name, fault)
+            fault, meant = self._fault(error)
+        return UncheckedType(name, fault, meant)
 
     def service(self, name: str, definition: str | None = None, client: str = "") -> ServiceType:
         """Return the type of a service; arguments and errors as with `message`."""
         try:
             return self._codecs("srv", name, definition, client).service(name)
         except (UnknownPackage, DefinitionLimit) as error:
-            fault = self._fault(error)
-        return ServiceType(name, _relayed(name), _relayed(name), fault=fault)
+            fault, meant = self._fault(error)
+        return ServiceType(name, _relayed(name), _relayed(name), fault=fault, meant=meant)
 
     def action(self, name: str, definition: str | None = None, client: str = "") -> ActionType:
         """Return the type of an action; arguments and errors as with `message`."""
         try:
             return self._codecs("action", name, definition, client).action(name)
         except (UnknownPackage, DefinitionLimit) as error:
-            fault = self._fault(error)
+            fault, meant = self._fault(error)
         relayed = _relayed(name)
-        return ActionType(name, relayed, relayed, relayed, fault=fault)
+        return ActionType(name, relayed, relayed, relayed, fault=fault, meant=meant)
 
     def own_message(self, name: str) -> MessageType:
         """Return the type of one of the hub's own topics, which is the standard one.
@@ -497,11 +506,17 @@ class Types:
             return self._installed
         return self._brought.get(definition) or Codecs(definition, self._now)
 
-    def _fault(self, error: InterfaceError) -> str:
-        """Return why a type is to be unchecked; raise the error if types are strict."""
+    def _fault(self, error: UnknownPackage | DefinitionLimit) -> tuple[str, str]:
+        """Return the ``fault`` and ``meant`` of an unchecked type.
+
+        Raises:
+            UnknownPackage, DefinitionLimit: the error itself, if types are strict.
+        """
         if self._strict:
             raise error
-        return str(error) if isinstance(error, DefinitionLimit) else ""
+        if isinstance(error, DefinitionLimit):
+            return str(error), ""
+        return "", error.meant or ""
 
 
 def _brought(type_: AnyType) -> ClientDefinition | None:

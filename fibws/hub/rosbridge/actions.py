@@ -170,7 +170,7 @@ class Actions:
         statuses, type_ = self._client.statuses, action.type
         if type_.arguments is None:
             text = f"{name}: goals of type {type_.name} are not checked"
-            statuses.unchecked(request.id, text, type_.fault)
+            statuses.unchecked(request.id, text, type_)
         self._client.check_legal(request.id, request.action, name)
         statuses.info(request.id, f"{self.node} serves {name} ({type_.name})")
 

@@ -252,7 +252,7 @@ class Services:
         statuses, type_ = self._client.statuses, service.type
         if type_.arguments is None:
             text = f"{name}: calls of type {type_.name} are not checked"
-            statuses.unchecked(request.id, text, type_.fault)
+            statuses.unchecked(request.id, text, type_)
         self._client.check_legal(request.id, request.service, name)
         statuses.info(request.id, f"{self.node} provides {name} ({type_.name})")
 

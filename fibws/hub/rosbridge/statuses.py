@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.graph.types import AnyType
 from fibws.hub.log_text import ErrorLog, is_power_of_ten, printable, shortened
 from fibws.hub.rosbridge.encodings import text_frame
 from fibws.protocol.operations import Level, Status, encode, legal_id
@@ -112,13 +113,23 @@ class Statuses:
             self._put("warning", None, text)
         self._report(self._node, text)
 
-    def unchecked(self, id_: object, text: str, fault: str) -> None:
+    def unchecked(self, id_: object, text: str, type_: AnyType) -> None:
         """Report that something's messages are not checked, to the log as well.
+
+        Clients get the warning about a misspelled type at the default level, too.
 
         Args:
             id_: the operation's.
-            fault: why the definition that the client brought was not taken, if it brought one.
+            type_: the type, whose definition is unknown.
         """
+        if type_.meant:
+            text = f"{text}: the package is unknown; did you mean {type_.meant}?"
+            self._errors.add(text, kind="warning")
+            self._report(self._node, text)
+            if self._level:
+                self._put("warning", id_, text)
+            return
+        fault = type_.fault
         self._errors.add(f"{text}: {fault or 'the definition is unknown'}", kind="warning")
         self.warning(id_, f"{text}: {fault}" if fault else text)
 

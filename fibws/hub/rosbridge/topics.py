@@ -136,7 +136,7 @@ class Topics:
         statuses = self._client.statuses
         if not type_.checked:
             text = f"{name}: messages of type {type_.name} are not checked"
-            statuses.unchecked(request.id, text, type_.fault)
+            statuses.unchecked(request.id, text, type_)
         self._client.check_legal(request.id, request.topic, name)
         statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
         topic = source.topic
@@ -369,9 +369,12 @@ class Topics:
         subscription.request(request)
         self.subscriptions[request.topic] = subscription
         client.check_legal(request.id, request.topic, topic.name)
-        if topic.type is not None and topic.type.fault and request.definition is not None:
-            text = f"{topic.name}: messages of type {topic.type.name} are not checked"
-            client.statuses.unchecked(request.id, text, topic.type.fault)
+        type_ = topic.type
+        if type_ is not None and (
+            (type_.fault and request.definition is not None) or (type_.meant and request.type)
+        ):
+            text = f"{topic.name}: messages of type {type_.name} are not checked"
+            client.statuses.unchecked(request.id, text, type_)
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
         self._watch(request, topic, topic.watching_sources, subscription)

@@ -50,6 +50,16 @@ def test_undefined_types_are_named() -> None:
     assert "--interfaces DIR" in told["types"][0].advice
 
 
+def test_misspelled_type_gets_a_suggestion() -> None:
+    misspelled = topic("/b", "/n", "/n", type="std_msg/Strin", checked=False)
+    told = found(graph(topic("/a", "/n", "/n", type="my/Type", checked=False), misspelled))
+    first, second = told["types"]
+    assert first.verdict == second.verdict == "warning"
+    assert "/b" in first.text and "std_msg/Strin" in first.text
+    assert "std_msgs/String" in first.advice
+    assert "/a (my/Type)" in second.text and "/b" not in second.text
+
+
 def test_misspelled_topic_is_reported_once() -> None:
     told = found(graph(topic("/fibonacci", "/b"), topic("/fibonaci", "", "/l")))
     (finding,) = told["ends"]

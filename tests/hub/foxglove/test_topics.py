@@ -336,3 +336,10 @@ def test_name_can_be_taken_over() -> None:
     talker.send("publish", "/fib", msg=number(1))
     assert client.receive() == []
     assert len(newer.receive_messages()) == 1
+
+
+def test_misspelled_package_earns_a_warning() -> None:
+    client = FoxgloveHub().foxglove_client()
+    client.advertise("/text", "std_msg/String", encoding="json")
+    warning = client.receive_statuses(1)[0]
+    assert "std_msg/String" in warning and "did you mean std_msgs/String?" in warning

@@ -115,7 +115,7 @@ def test_nested_types_are_forgotten_with_the_type_that_has_them() -> None:
     second.send("advertise", "/b", type="my_msgs/Point")
     first.disconnect()
     second.send("publish", "/b", msg={"x": "1"})
-    assert "requires a int8 for field x" in second.receive_statuses()[0]
+    assert "requires an int8 for field x" in second.receive_statuses()[0]
     second.disconnect()
     assert not known(hub)
 
@@ -167,7 +167,7 @@ def test_call_in_progress_is_answered_by_the_definition_that_it_was_made_with() 
     newer.send("advertise", "/p", type="my_msgs/Point", definition="string x")
     response = {"op": "service_response", "service": "/a", "id": call["id"], "result": True}
     older.send(**response, values={"at": {"x": "1"}})
-    assert "requires a int8 for field at.x" in caller.receive_one("service_response")["values"]
+    assert "requires an int8 for field at.x" in caller.receive_one("service_response")["values"]
 
 
 # Subscribers.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from fibws.hub.log_text import MOST_DIFFERENT
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS
 
 from ..fakes import INT32, STRING, FakeHub, talker_and_listener
@@ -155,6 +156,48 @@ def test_advertising_a_type_of_an_unknown_package_gives_a_warning() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("op", "fields", "meant"),
+    [
+        ("advertise", {"topic": "/a", "type": "std_msg/String"}, "std_msgs/String"),
+        ("advertise", {"topic": "/a", "type": "std_msg/Strng"}, "std_msgs/String"),
+        ("subscribe", {"topic": "/a", "type": "geometry_msg/Twist"}, "geometry_msgs/Twist"),
+        ("advertise_service", {"service": "/a", "type": "std_srv/Empty"}, "std_srvs/Empty"),
+        (
+            "advertise_action",
+            {"action": "/a", "type": "actionlib_tutorial/Fibonacci"},
+            "actionlib_tutorials/Fibonacci",
+        ),
+    ],
+)
+def test_misspelled_package_earns_a_warning_at_the_default_level(
+    op: str, fields: dict[str, str], meant: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    client = FakeHub().client("/clumsy")
+    client.send(op, id=1, **fields)
+    [status] = client.receive()
+    assert (status["level"], status["id"]) == ("warning", 1)
+    assert fields["type"] in status["msg"] and f"did you mean {meant}?" in status["msg"]
+    [record] = caplog.records
+    assert record.message.startswith("/clumsy: ") and meant in record.message
+
+
+def test_misspelled_package_is_relayed_unchecked() -> None:
+    client = FakeHub().client()
+    client.send("advertise", "/a", type="std_msg/String")
+    client.send("subscribe", "/a")
+    assert len(client.receive_statuses("warning")) == 1
+    client.send("publish", "/a", msg={"any": 1})
+    assert client.receive_messages("/a") == [{"any": 1}]
+
+
+@pytest.mark.parametrize("type_", ["my_msgs/Thing", "std_msgs2/Foo", "robot_msgs/String"])
+def test_package_of_ones_own_earns_no_suggestion(type_: str) -> None:
+    client = FakeHub().client()
+    client.send("advertise", "/a", type=type_)
+    assert client.receive() == []
+
+
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
 def test_strict_types_refuse_an_unknown_package(op: str) -> None:
     hub = FakeHub(strict_types=True)
@@ -224,7 +267,7 @@ def test_unknown_types_are_logged_without_filling_the_log(
     client = FakeHub().client("/talker")
     for number in range(1000):
         client.send("advertise", f"/a{number}", type=f"made_up_{number}/Thing")
-    assert len(caplog.records) == 4
+    assert len(caplog.records) == MOST_DIFFERENT + 3
     assert "made_up_0/Thing" in caplog.records[0].message
 
 

@@ -164,7 +164,7 @@ def test_type_may_be_used_on_after_its_definition_is_forgotten() -> None:
     assert older.serialize({"at": {"x": 1}}) == b"\1"
     assert older.cbor_of(b"\1") == (cbor2.dumps({"at": {"x": 1}}), False)
     assert not older.has_floats
-    with pytest.raises(InvalidMessage, match=r"requires a int8 for field at\.x"):
+    with pytest.raises(InvalidMessage, match=r"requires an int8 for field at\.x"):
         older.validate({"at": {"x": "1"}})
 
 

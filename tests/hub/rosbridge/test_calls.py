@@ -77,13 +77,13 @@ def test_arguments_may_be_left_out() -> None:
 @pytest.mark.parametrize(
     ("args", "fault"),
     [
-        ({"a": "one"}, "requires a int64 for field a, but got a str"),
-        (["one"], "requires a int64 for field a, but got a str"),
-        ({"a": 1.5}, "requires a int64 for field a, but got a float"),
-        ({"b": True}, "requires a int64 for field b, but got a bool"),
+        ({"a": "one"}, "requires an int64 for field a, but got a str"),
+        (["one"], "requires an int64 for field a, but got a str"),
+        ({"a": 1.5}, "requires an int64 for field a, but got a float"),
+        ({"b": True}, "requires an int64 for field b, but got a bool"),
         ({"b": 2**63}, "9223372036854775808 is not in"),
         ({"c": 1}, "Message type rospy_tutorials/AddTwoIntsRequest does not have a field c"),
-        ({"a": None}, "requires a int64 for field a, but got a NoneType"),
+        ({"a": None}, "requires an int64 for field a, but got a NoneType"),
     ],
 )
 def test_invalid_arguments_fail_the_call_before_the_server(args: object, fault: str) -> None:

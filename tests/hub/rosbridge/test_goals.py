@@ -109,9 +109,9 @@ def test_type_may_be_spelled_as_in_ros_1_or_2_and_be_another_one_of_equal_fields
             "Action /fib is of type example_interfaces/Fibonacci, not unknown_actions/Fibonacci",
         ),
         ({"action_type": "Fibonacci"}, "Fibonacci is not a valid type string"),
-        ({"args": {"order": "5"}}, "requires a int32 for field order, but got a str"),
+        ({"args": {"order": "5"}}, "requires an int32 for field order, but got a str"),
         ({"args": {"orders": 5}}, "does not have a field orders"),
-        ({"args": ["5"]}, "requires a int32 for field order, but got a str"),
+        ({"args": ["5"]}, "requires an int32 for field order, but got a str"),
         ({"args": {"order": 2**31}}, "2147483648 is not in -2147483648..2147483647"),
     ],
 )

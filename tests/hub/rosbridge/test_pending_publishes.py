@@ -211,7 +211,7 @@ def test_pending_message_that_does_not_fit_the_type_is_refused() -> None:
     talker.send("advertise", "/fib", type=STRING)
     [status] = talker.receive()
     assert status["id"] == "a"
-    assert "requires a string for field data, but got a int" in status["msg"]
+    assert "requires a string for field data, but got an int" in status["msg"]
     assert listener.receive_messages("/fib") == [{"data": "text"}]
 
 

@@ -95,7 +95,7 @@ def test_header_is_stamped_and_counted() -> None:
 @pytest.mark.parametrize(
     ("msg", "fault"),
     [
-        ({"data": "8"}, "std_msgs/Int32 message requires a int32 for field data, but got a str"),
+        ({"data": "8"}, "std_msgs/Int32 message requires an int32 for field data, but got a str"),
         ({"data": 2**31}, "2147483648 is not in -2147483648..2147483647"),
         ({"date": 8}, "Message type std_msgs/Int32 does not have a field date"),
         (8, "Expected a JSON object for type std_msgs/Int32 but received a int"),

@@ -55,7 +55,7 @@ def test_missing_fields_of_a_response_get_their_defaults(
         ("text", "Expected a JSON object for type rospy_tutorials/AddTwoIntsResponse but received"),
         ([3], "Expected a JSON object for type rospy_tutorials/AddTwoIntsResponse but received"),
         (3, "Expected a JSON object for type rospy_tutorials/AddTwoIntsResponse but received"),
-        ({"sum": "three"}, "requires a int64 for field sum, but got a str"),
+        ({"sum": "three"}, "requires an int64 for field sum, but got a str"),
         ({"sum": 2**63}, "9223372036854775808 is not in"),
         ({"total": 3}, "Message type rospy_tutorials/AddTwoIntsResponse does not have a field"),
     ],

@@ -51,7 +51,7 @@ def test_goal_ends_with_the_servers_status(
     [
         ("text", "Expected a JSON object for type example_interfaces/Fibonacci"),
         ([1], "Expected a JSON object for type example_interfaces/Fibonacci"),
-        ({"sequence": 1}, "for field sequence, but got a int"),
+        ({"sequence": 1}, "for field sequence, but got an int"),
         ({"sequence": [1, "2"]}, "field sequence[1], but got a str"),
         ({"sequences": [1]}, "does not have a field sequences"),
     ],

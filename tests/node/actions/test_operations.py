@@ -115,8 +115,8 @@ async def test_feedback_and_result_are_sent(session: FakeSession) -> None:
             -4,
             6,
             False,
-            "actionlib_tutorials/FibonacciResult message requires a int32 for field sequence[0], "
-            "but got a int (2147483648 is not in -2147483648..2147483647)",
+            "actionlib_tutorials/FibonacciResult message requires an int32 for field sequence[0], "
+            "but got an int (2147483648 is not in -2147483648..2147483647)",
         ),
     ],
 )
@@ -138,7 +138,7 @@ async def test_invalid_goal_is_aborted_with_the_reason(session: FakeSession) -> 
     receive_goal(session, order="five")
     sent = await next_operation(session)
     assert (sent["op"], sent["status"], sent["result"]) == ("action_result", 6, False)
-    assert "FibonacciGoal message requires a int32 for field order" in sent["values"]
+    assert "FibonacciGoal message requires an int32 for field order" in sent["values"]
 
 
 @pytest.mark.usefixtures("server")

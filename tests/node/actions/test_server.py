@@ -288,7 +288,7 @@ async def test_exception_aborts_only_its_goal(serve: Serve, lines: Lines) -> Non
     ("result", "text"),
     [
         (None, "expected [actionlib_tutorials/FibonacciResult] but got [NoneType]"),
-        (FibonacciResult([2**31]), "requires a int32 for field sequence[0]"),
+        (FibonacciResult([2**31]), "requires an int32 for field sequence[0]"),
     ],
 )
 async def test_invalid_result_aborts_the_goal(
