@@ -53,9 +53,7 @@ async def demo(
                 raise
             url = local_url(settings, settings.port)
             if not await asyncio.to_thread(_is_hub, url):
-                raise HubError(
-                    f"port {settings.port} is in use by another program; choose another with --port"
-                ) from None
+                raise
             click.echo(f"Using the hub that is running at {url}.")
         click.echo(f"To see {page.format(page_url(url))} in a browser.")
         click.echo(introduction)

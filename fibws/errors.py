@@ -51,6 +51,7 @@ FibwsError
     ├── InvalidAddress         not the address of a hub
     ├── HubUnreachable         the hub refuses this node, or can never be reached
     │   ├── NoHub                  nothing answers at the hub's address
+    │   ├── NotAHub                another program answers there
     │   └── AccessDenied           the hub has closed the connection for good
     │       ├── NotAuthorized          the token is missing, unknown, expired or revoked
     │       ├── MissingRight           the token lacks a right that the node needs
@@ -78,6 +79,7 @@ from enum import IntEnum
 from typing import Any, Literal
 
 from fibws.command_names import command_name, is_set_up
+from fibws.hub_advice import advice
 
 
 class FibwsError(Exception):
@@ -533,12 +535,33 @@ class NoHub(HubUnreachable):
     """Nothing answers at the hub's address. Nodes wait for a hub; tools do not."""
 
     def __str__(self) -> str:
-        return f"No hub at {self.url}. Start one with: {self.remedy}"
+        return f"No hub at {self.url} ({self.cause}). {self.remedy}"
 
     @property
     def remedy(self) -> str:
-        """The command that starts a hub: roscore in a shell with `fibws setup`."""
-        return command_name("core" if is_set_up(os.environ) else "hub")
+        """What to do about it: a command, which is roscore in a shell with `fibws setup`."""
+        return advice(self.url, command_name("core" if is_set_up(os.environ) else "hub"))
+
+
+class NotAHub(HubUnreachable):
+    """Another program answers at the hub's address."""
+
+    def __init__(self, url: str, fault: str) -> None:
+        what, semicolon, remedy = fault.partition("; ")
+        super().__init__(url, f"the server is not a hub ({what}){semicolon}{remedy}")
+        self.has_remedy = bool(remedy)
+        """Whether the fault says itself what to do."""
+
+    def __str__(self) -> str:
+        return ". ".join(filter(None, [super().__str__(), self.remedy]))
+
+    @property
+    def remedy(self) -> str:
+        """What to do about it, if the fault does not say that."""
+        if self.has_remedy:
+            return ""
+        command = command_name("core" if is_set_up(os.environ) else "hub")
+        return advice(self.url, command, answers=True)
 
 
 class AccessDenied(HubUnreachable):

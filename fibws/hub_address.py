@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import re
 from urllib.parse import parse_qsl, quote, unquote_plus, urlencode, urljoin, urlsplit
 
 from fibws.errors import InvalidAddress
+from fibws.hub_advice import DEFAULT_PORT as DEFAULT_PORT
+from fibws.hub_advice import LOOPBACK as LOOPBACK
+from fibws.hub_advice import is_loopback as is_loopback
 
-DEFAULT_PORT = 9090
 DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
-LOOPBACK = ("127.0.0.1", "::1", "localhost")
-"""The addresses of this machine."""
-_LOOPBACK_NETWORK = re.compile(r"127(\.[0-9]{1,3}){3}")
 _TOKEN_KEY = "token"
 
 
@@ -65,11 +63,6 @@ def without_token(address: str) -> str:
     before, _, rest = address.partition("?")
     _, hash_, fragment = rest.partition("#")
     return f"{before}{'?' if kept else ''}{'&'.join(kept)}{hash_}{fragment}"
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether a host is this machine: what is sent there is on no network."""
-    return host.lower() in LOOPBACK or _LOOPBACK_NETWORK.fullmatch(host) is not None
 
 
 def node_url(hub: str, node: str) -> str:

@@ -198,6 +198,20 @@ def fault(error: BaseException | None) -> str | None:
     return f"TLS failed: {_words(reason)}"
 
 
+def expects_tls(error: BaseException) -> str | None:
+    """Return what to do if a server has answered a request without TLS by an alert of TLS.
+
+    Args:
+        error: that of websockets; an alert has 7 bytes, after which the server ends.
+    """
+    fault: BaseException | None = error
+    while fault is not None:
+        if "after 7 bytes" in str(fault):
+            return "the server expects TLS; use wss://"
+        fault = fault.__cause__
+    return None
+
+
 def refuses_certificate(error: BaseException) -> bool:
     """Return whether the server has refused this client's certificate.
 

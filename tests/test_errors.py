@@ -78,8 +78,8 @@ def test_text_of_an_error(error: FibwsError, text: str) -> None:
 def test_missing_hub_suggests_roscore_in_a_shell_that_has_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    error = NoHub("ws://127.0.0.1:1", "refused")
+    error = NoHub("ws://127.0.0.1:9090", "refused")
     monkeypatch.delenv(SETUP, raising=False)
-    assert str(error) == "No hub at ws://127.0.0.1:1. Start one with: fibws hub"
+    assert str(error) == "No hub at ws://127.0.0.1:9090 (refused). Start one with: fibws hub"
     monkeypatch.setenv(SETUP, "{}")
-    assert str(error) == "No hub at ws://127.0.0.1:1. Start one with: roscore"
+    assert str(error) == "No hub at ws://127.0.0.1:9090 (refused). Start one with: roscore"

@@ -12,6 +12,7 @@ from fibws.hub_address import (
     token_in,
     without_token,
 )
+from fibws.hub_advice import advice
 
 
 def test_address_of_a_page_is_corrected() -> None:
@@ -157,3 +158,30 @@ def test_loopback_is_recognized(host: str) -> None:
 @pytest.mark.parametrize("host", ["127.0.0.1.example.org", "robot", "10.0.0.1", "", "127.0.0"])
 def test_other_hosts_are_not_loopback(host: str) -> None:
     assert not is_loopback(host)
+
+
+@pytest.mark.parametrize(
+    ("url", "answers", "expected"),
+    [
+        ("ws://127.0.0.1:9090", False, "Start one with: fibws hub"),
+        ("ws://localhost:9095/", False, "Start one with: fibws hub --port 9095"),
+        ("wss://127.0.0.1:9090", False, "Start one with: fibws hub --self-signed"),
+        ("ws://127.0.0.1:9090", True, "start a hub elsewhere: fibws hub --port 9091"),
+        ("ws://localhost", False, "it is 80: perhaps ws://localhost:9090"),
+        ("ws://lab", True, "it is 80: perhaps ws://lab:9090 or wss://lab"),
+        ("ws://lab.example/robot/", False, "ws://lab.example:9090 or wss://lab.example/robot"),
+        ("wss://lab", False, "it is 443: perhaps wss://lab:9090"),
+        ("ws://[fd00::1]", False, "perhaps ws://[fd00::1]:9090"),
+        ("ws://lab:443", True, "Perhaps wss://lab:443"),
+        (
+            "ws://lab:9090",
+            False,
+            "Check the address, and that the hub there was started with --host",
+        ),
+        ("ws://10.0.0.7:9090", True, "Check the address"),
+    ],
+)
+def test_advice_depends_on_whose_address_it_is(url: str, answers: bool, expected: str) -> None:
+    found = advice(url, "fibws hub", answers=answers)
+    assert expected in found
+    assert ("fibws hub" in found) == ("fibws hub" in expected)

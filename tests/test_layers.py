@@ -29,11 +29,12 @@ NODE = {*fibws.__all__} - {"Hub", "Settings", "hub", "tf"} - CLASSES
 """The public names of the node library."""
 LOWEST = {"errors", "files", "names", "suggestions", "hub_address", "tls", "credentials", "access"}
 BELOW = {
-    "errors": {"command_names"},
+    "errors": {"command_names", "hub_advice"},
     "names": {"errors"},
     "suggestions": set[str](),
     "files": set[str](),
-    "hub_address": {"errors"},
+    "hub_address": {"errors", "hub_advice"},
+    "hub_advice": set[str](),
     "tls": {"errors"},
     "credentials": {"errors", "hub_address", "protocol"},
     "client_handshake": {"hub_address"},
@@ -189,7 +190,8 @@ def is_in(name: str, package: str) -> bool:
 
 
 PURE = modules(
-    *("errors.py", "names.py", "suggestions.py", "hub_address.py", "command_names.py"),
+    *("errors.py", "names.py", "suggestions.py", "command_names.py"),
+    *("hub_address.py", "hub_advice.py"),
     "origins.py",
     *("access/*.py", "bags/*.py", "protocol/*.py", "interfaces/*.py"),
     *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),

@@ -24,7 +24,7 @@ from websockets.uri import parse_uri
 
 from fibws import credentials, hub_address, tls
 from fibws.credentials import Credentials
-from fibws.errors import AccessDenied, HubLost, HubUnreachable, InvalidAddress, NoHub
+from fibws.errors import AccessDenied, HubLost, HubUnreachable, InvalidAddress, NoHub, NotAHub
 from fibws.protocol.refusals import Refusal
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import SIZE_HEADER, UNLIMITED, largest_message
@@ -233,7 +233,7 @@ class WebSocket:
 
     def not_a_hub(self, fault: str) -> HubUnreachable:
         """Return the error for a server that violates the protocol."""
-        return HubUnreachable(self.url, _not_a_hub(fault))
+        return NotAHub(self.url, fault)
 
     def _connect(self, host: str, port: int, *, secure: bool) -> socket.socket:
         try:
@@ -247,7 +247,7 @@ class WebSocket:
             except BaseException:
                 connected.close()
                 raise
-        except (ConnectionRefusedError, TimeoutError) as error:
+        except (ConnectionRefusedError, TimeoutError, socket.gaierror) as error:
             raise NoHub(self.url, _text(error)) from None
         except OSError as error:
             raise HubUnreachable(self.url, _text(error)) from None
@@ -266,8 +266,9 @@ class WebSocket:
                     raise HubUnreachable(self.url, f"no handshake within {PATIENCE:g} s")
         except HubLost as error:
             fault = self._protocol.handshake_exc
-            cause = error.cause if fault is None else _fault(fault)
-            raise HubUnreachable(self.url, cause) from None
+            if fault is None:
+                raise HubUnreachable(self.url, error.cause) from None
+            raise _unreachable(self.url, fault) from None
 
     def _redirect(self, url: str) -> None:
         """Continue at another address, without the token if it is another server's."""
@@ -303,7 +304,7 @@ class WebSocket:
                     return _Redirect(hub_address.redirected(self.url, location))
                 except InvalidAddress as fault:
                     return HubUnreachable(self.url, str(fault))
-        return HubUnreachable(self.url, _fault(error))
+        return _unreachable(self.url, error)
 
     def _take(self, frame: Frame) -> None:
         if frame.opcode in (Opcode.TEXT, Opcode.BINARY):
@@ -344,10 +345,10 @@ def _text(error: OSError) -> str:
     return (error.strerror or str(error) or type(error).__name__).lower()
 
 
-def _fault(error: Exception) -> str:
+def _unreachable(url: str, error: Exception) -> HubUnreachable:
     """Return why the handshake failed: a hub explains it in the body of its HTTP response."""
     if not isinstance(error, InvalidStatus):
-        return _not_a_hub(str(error))
+        return NotAHub(url, tls.expects_tls(error) or str(error))
     response = error.response
     content_type = response.headers.get("Content-Type", "")
     refusal = Refusal(
@@ -358,10 +359,5 @@ def _fault(error: Exception) -> str:
         texts if content_type.startswith("text/plain") else (400, 403)
     )
     if is_explained and refusal.text and "html" not in content_type:
-        return refusal.text
-    return _not_a_hub(str(refusal))
-
-
-def _not_a_hub(fault: str) -> str:
-    what, semicolon, remedy = fault.partition("; ")
-    return f"the server is not a hub ({what}){semicolon}{remedy}"
+        return HubUnreachable(url, refusal.text)
+    return NotAHub(url, str(refusal))

@@ -43,6 +43,7 @@ from fibws.hub.memory import Account, Bound, Holding, Part
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
+from fibws.hub.port_owner import is_hub_at
 from fibws.hub.recording_downloads import RecordingRoute
 from fibws.hub.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
 from fibws.hub.rosapi.clients import Client
@@ -737,7 +738,12 @@ class Hub:
                 fault = error
                 if port or error.errno != errno.EADDRINUSE:
                     break
-        raise HubError(_why_not(host, port, fault)) from fault
+        reason = _why_not(host, port, fault)
+        if fault.errno == errno.EADDRINUSE:
+            is_hub = await is_hub_at(_reached_at(host), port)
+            owner = "another hub" if is_hub else "another program"
+            reason = f"Port {port} on {host} is in use by {owner}; choose one with --port"
+        raise HubError(reason) from fault
 
     def _tls_arguments(self) -> dict[str, Any]:
         """Return the arguments of the event loop's create_server."""
@@ -912,8 +918,6 @@ def _max_unwritten(settings: Settings) -> int:
 
 
 def _why_not(host: str, port: int, error: OSError) -> str:
-    if error.errno == errno.EADDRINUSE:
-        return f"Port {port} on {host} is in use, perhaps by another hub; choose one with --port"
     if error.errno in (errno.EADDRNOTAVAIL, None):  # From Python 3.13 on asyncio names none.
         return f"--host: {host} is not an address of this machine"
     option = "--host: cannot" if isinstance(error, socket.gaierror) else "Cannot"

@@ -23,6 +23,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import (
     ConnectionClosed,
     InvalidHandshake,
+    InvalidMessage,
     InvalidProxy,
     InvalidStatus,
     InvalidURI,
@@ -44,6 +45,7 @@ from fibws.errors import (
     NodeKilled,
     NodeReplaced,
     NoHub,
+    NotAHub,
 )
 from fibws.hub_address import node_url
 from fibws.node.log import ROSOUT
@@ -65,7 +67,7 @@ from fibws.protocol.websocket import (
     client_payload,
     largest_message,
 )
-from fibws.tls import TlsFiles, fault, refuses_certificate
+from fibws.tls import TlsFiles, expects_tls, fault, refuses_certificate
 
 FIRST_RETRY = 0.1
 LONGEST_RETRY = 0.5
@@ -457,7 +459,8 @@ class Connection:
         except (OSError, InvalidHandshake, AccessError) as error:
             if refuses_certificate(error):
                 raise HubUnreachable(self._hub, _reason(error)) from None
-            self._on_missing(_reason(error))
+            answers = isinstance(error, InvalidMessage) and fault(error) is None
+            self._on_missing(_reason(error), answers=answers)
             return False
         closed = await self._converse(websocket)
         if closed is None or self._session.over:
@@ -588,20 +591,21 @@ class Connection:
         """End the node: the hub would wait a while for a token before it closes the connection."""
         self._session.end(self._credentials.missing(self._address, self._hub))
 
-    def _on_missing(self, reason: str) -> None:
-        """Log that there is no hub, once each time."""
+    def _on_missing(self, reason: str, *, answers: bool = False) -> None:
+        """Log that there is no hub, once each time.
+
+        Args:
+            answers: whether another program answers.
+        """
         if self._is_missing:
             return
         self._is_missing = True
         if self._found.is_set():
             self._log.warning("Lost the hub at %s (%s); trying again.", self._hub, reason)
         else:
-            self._log.warning(
-                "Waiting for a hub at %s (%s). Start one with: %s",
-                self._hub,
-                reason,
-                NoHub(self._hub, reason).remedy,
-            )
+            error = NotAHub(self._hub, reason) if answers else NoHub(self._hub, reason)
+            text = "Waiting for a hub at %s (%s). %s"
+            self._log.warning(text, self._hub, error.cause, error.remedy)
 
     def _on_no_room(self, reason: str) -> None:
         """Log that the hub does not take the node now, once each time."""
@@ -653,7 +657,7 @@ def _status(error: InvalidStatus) -> str:
 
 def _reason(error: Exception) -> str:
     """Return why a connection failed, without the address, which the log line has anyway."""
-    if tls_fault := fault(error):
+    if tls_fault := fault(error) or expects_tls(error):
         return tls_fault
     if number := _ERRNO.search(str(error)):
         return os.strerror(int(number[1]))

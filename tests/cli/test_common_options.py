@@ -45,7 +45,10 @@ def test_where_there_is_no_hub_one_line_says_what_to_do(hub: HubThread) -> None:
     hub.stop()
     result = invoke(lambda client: None, "--hub", hub.url)
     assert result.exit_code == 1
-    assert result.output == f"Error: No hub at {hub.url}. Start one with: fibws hub\n"
+    command = f"fibws hub --port {hub.port}"
+    assert result.output == (
+        f"Error: No hub at {hub.url} (connection refused). Start one with: {command}\n"
+    )
 
 
 def test_ctrl_c_breaks_off_with_the_code_of_shells(hub: HubThread) -> None:

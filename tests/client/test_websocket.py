@@ -81,6 +81,7 @@ def test_missing_hub_error_says_how_to_start_one() -> None:
             r"not a hub \(HTTP 200: Robots\); check the address's path, .*slash.* Upgrade$",
         ),
         (b"SSH-2.0-OpenSSH\r\n", "the server is not a hub"),
+        (b"\x15\x03\x03\x00\x02\x02\x46", "expects TLS; use wss://"),
         (b"", "cannot be reached"),
     ],
 )
@@ -117,6 +118,12 @@ def test_redirect_to_another_protocol_is_refused() -> None:
     with redirecting_server("ftp://127.0.0.1/") as url:
         with pytest.raises(HubUnreachable, match="ftp://"):
             HubClient("test", url)
+
+
+def test_unknown_host_is_not_offered_a_hub_of_this_machine() -> None:
+    with pytest.raises(NoHub) as caught:
+        HubClient("test", "ws://robot.invalid:9090")
+    assert "Check the address" in str(caught.value) and "fibws hub" not in str(caught.value)
 
 
 def test_tls(authority: Authority, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -348,7 +348,9 @@ def test_port_in_use_is_one_line_and_exit_code_1() -> None:
         with running("--port", str(port)) as hub:
             code, out, err = hub.end()
     assert (code, out) == (1, "")
-    assert re.fullmatch(rf"fibws\.hub: Port {port} on 127\.0\.0\.1 is in use.*--port.*\n", err)
+    assert re.fullmatch(
+        rf"fibws\.hub: Port {port} on 127\.0\.0\.1 is in use by another program.*--port.*\n", err
+    )
 
 
 @pytest.mark.parametrize(

@@ -106,7 +106,8 @@ class TestListening:
         assert ("Other machines" in caplog.text) == bool(warned)
 
     async def test_port_in_use_names_the_remedy(self, hub: Hub) -> None:
-        with pytest.raises(HubError, match=f"Port {hub.port} on 127.0.0.1 is in use.*--port"):
+        text = f"Port {hub.port} on 127.0.0.1 is in use by another hub.*--port"
+        with pytest.raises(HubError, match=text):
             async with Hub(Settings(port=hub.port)):
                 pass
 

@@ -90,6 +90,25 @@ def test_reason_is_given_without_the_address(error: Exception, reason: str) -> N
     assert _reason(error).startswith(reason)
 
 
+async def test_node_says_that_another_program_has_the_address_of_its_hub() -> None:
+    async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.readuntil(b"\r\n\r\n")
+        writer.write(b"SSH-2.0-OpenSSH\r\n")
+        writer.close()
+
+    server = await asyncio.start_server(answer, "127.0.0.1", 0)
+    port = server.sockets[0].getsockname()[1]
+    async with server:
+        node = fibws.Node("talker", hub=f"ws://127.0.0.1:{port}")
+        lines = Lines(node.log)
+        task = asyncio.create_task(node.__aenter__())
+        line = await lines.next()
+        task.cancel()
+        await asyncio.wait([task])
+    assert "not a hub" in line and "Check which program listens there" in line
+    assert "Start one" not in line
+
+
 async def test_node_waits_for_its_hub_and_logs_that_once(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -23,4 +23,6 @@ test("a proxy that passes no WebSockets on is suspected after several failures",
 test("an address without a hub is named after several failures", () => {
   expect(problemOf(HUB, undefined, 1)).toBeUndefined();
   expect(problemOf(HUB, undefined, 3)?.text).toContain(HUB);
+  expect(problemOf("ws://robot/", undefined, 3)?.text).toContain("perhaps ws://robot:9090");
+  expect(problemOf("wss://robot/", undefined, 3)?.text).toContain("443");
 });

@@ -34,8 +34,7 @@ export function problemOf(
   // The hub may just be starting.
   if (failures < ASK_EACH) return undefined;
   if (answer === undefined) {
-    const text = `No hub answers at ${url}. Check the address, and that a hub is running there.`;
-    return { text, command: "" };
+    return { text: `No hub answers at ${url}. ${advice(url)}`, command: "" };
   }
   return {
     text:
@@ -44,6 +43,16 @@ export function problemOf(
       "more: it may have too many clients.",
     command: "",
   };
+}
+
+/** What to do if nothing answers; nodes and commands say the same. */
+function advice(url: string): string {
+  const { protocol, hostname, port } = new URL(url);
+  if (port === "") {
+    const tried = protocol === "wss:" ? 443 : 80;
+    return `Without a port in the address, it is ${tried}: perhaps ${protocol}//${hostname}:9090.`;
+  }
+  return "Check the address, and that a hub is running there.";
 }
 
 /** A box that is visible while a problem is known. */

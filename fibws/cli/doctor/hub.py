@@ -57,7 +57,7 @@ def reach(hub: str | None) -> HubClient | Finding:
         return wrong("hub", str(error), "Check the hub's log. Is it a hub of fibws?")
     except NoHub as error:
         text = f"No hub at {error.url} ({_source(hub)}; {error.cause})"
-        return wrong("hub", text, f"Start one: {error.remedy}. Or {other}")
+        return wrong("hub", text, f"{error.remedy}. Or {other}")
     except HubUnreachable as error:
         what, _, remedy = error.cause.partition("; ")
         if remedy:
