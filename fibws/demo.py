@@ -16,7 +16,7 @@ from fibws.broadcaster import broadcast
 from fibws.cli import node_program
 from fibws.client.hub_client import is_hub_running
 from fibws.demo_robot import robot_node
-from fibws.errors import HubError
+from fibws.errors import HubError, SettingError
 from fibws.hub import Hub, Settings
 from fibws.hub.__main__ import environment_settings
 from fibws.hub.server import local_url
@@ -49,10 +49,10 @@ async def demo(
             url = hub.url
             click.echo(f"The hub listens at {url}.")
         except HubError as error:
-            if not _is_taken(error):
-                raise
             url = local_url(settings, settings.port)
-            if not await asyncio.to_thread(_is_hub, url):
+            if not _is_taken(error) or not await asyncio.to_thread(_is_hub, url):
+                if isinstance(error, SettingError):
+                    raise HubError(error.named(str)) from None  # by its flags
                 raise
             click.echo(f"Using the hub that is running at {url}.")
         click.echo(f"To see {page.format(page_url(url))} in a browser.")
@@ -130,10 +130,7 @@ def command(name: str, port: int | None, rate: float) -> None:
 
     The hub has the same environment variables as the command hub: $FIBWS_HOST, $FIBWS_CONFIG ...
     """
-    try:
-        settings = environment_settings([] if port is None else ["--port", str(port)])
-    except HubError as error:
-        raise click.UsageError(str(error)) from None
+    settings = environment_settings([] if port is None else ["--port", str(port)])
     if name == "turtlesim":
         page, text = "the turtle, open {}#/turtlesim", TURTLESIM
         node_program.run(demo(settings, page, text, _run_turtlesim))

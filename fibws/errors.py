@@ -41,6 +41,7 @@ FibwsError
 │   └── UnsupportedBag         its version, compression or encryption is not supported
 ├── AssetRefused           a file of a robot's packages is not served
 ├── HubError               the hub cannot start or continue
+│   └── SettingError           a setting is invalid, or cannot be used
 ├── FederationError        another hub, or the connection to it, has failed
 ├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
 │   ├── XmlRpcError            invalid XML-RPC, or a response that is a fault
@@ -75,11 +76,16 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, Literal
 
 from fibws.command_names import command_name, is_set_up
 from fibws.hub_advice import advice
+
+_FLAG = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
+_ARGUMENTS = {"as": "join_prefix", "export": "join_export", "import": "join_import"}
+"""The arguments of the hub's ``Settings`` that have other names than their flags."""
 
 
 class FibwsError(Exception):
@@ -471,6 +477,31 @@ class AssetRefused(FibwsError):
 
 class HubError(FibwsError):
     """The hub cannot start or continue."""
+
+
+class SettingError(HubError):
+    """A setting of the hub is invalid, or cannot be used.
+
+    Args:
+        text: the reason, with settings as flags: ``--port must be >= 0``. To programs, it names
+            them as arguments: ``Settings(port=...) must be >= 0``.
+    """
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self._text = text
+
+    def __str__(self) -> str:
+        return self.named(_argument)
+
+    def named(self, name: Callable[[str], str]) -> str:
+        """Return the text, with the name that a function gives to each flag in it."""
+        return _FLAG.sub(lambda found: name(found[0]), self._text)
+
+
+def _argument(flag: str) -> str:
+    name = flag.removeprefix("--").replace("-", "_")
+    return f"Settings({_ARGUMENTS.get(name, name)}=...)"
 
 
 class FederationError(FibwsError):

@@ -51,7 +51,7 @@ BELOW = {
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
     | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"}
-    | {"exit_signals", "values"},
+    | {"exit_signals", "suggestions", "values"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces", "suggestions"},
     "srv": {"errors", "interfaces", "msg"},

@@ -158,7 +158,7 @@ class WebTokens:
         if data.startswith(b"-----BEGIN") or data.lstrip().startswith(b"{"):
             raise AccessError(
                 f"{self._path} is not a secret for HS256 but a key for another algorithm; set "
-                f"--jwt-algorithm {', '.join(ALGORITHMS[1:-1])} or {ALGORITHMS[-1]}"
+                f"--jwt-algorithm to {', '.join(ALGORITHMS[1:-1])} or {ALGORITHMS[-1]}"
             )
         if len(data) < SHORTEST_SECRET:
             raise AccessError(

@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import click
+from click.core import ParameterSource
 
 from fibws import __version__
-from fibws.errors import FibwsError, HubError
+from fibws.errors import FibwsError, HubError, SettingError
 from fibws.exit_signals import ExitSignals, end_at_once
 from fibws.files import replace_file
 from fibws.hub import log_output
@@ -26,6 +27,7 @@ from fibws.hub.announcement import announcement
 from fibws.hub.monitoring.service_manager import ServiceManager
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings, flag_of
+from fibws.suggestions import suggestion
 
 logger = logging.getLogger("fibws.hub")
 
@@ -34,6 +36,9 @@ OWN_FILES = 256
 
 OTHER_VARIABLES = {"ros1_host": ("ROS_HOSTNAME", "ROS_IP")}
 """Environment variables of ROS that count as settings."""
+
+_CONFIG = "fibws.config"
+"""Where a context keeps the path of the file of settings."""
 
 _PATH: click.Path = click.Path(path_type=Path)
 
@@ -52,11 +57,13 @@ def _read_config(context: click.Context, _: click.Parameter, path: Path | None) 
         raise click.BadParameter(f"{path} is not UTF-8") from None
     except (OSError, ValueError) as error:
         raise click.BadParameter(f"{path}: {error}") from error
-    known = {flag_of(field).replace("-", "_"): field for field in dataclasses.fields(Settings)}
+    known = {_key(flag_of(field)): field for field in dataclasses.fields(Settings)}
     context.default_map = {}
+    context.meta[_CONFIG] = path
     for name, value in values.items():
         if name not in known:
-            raise click.BadParameter(f"{path}: unknown setting {name}")
+            meant = suggestion(name, known)
+            raise click.BadParameter(f"{path}: unknown setting {name}{meant}")
         is_one = known[name].default == () and isinstance(value, str)
         context.default_map[known[name].name] = [value] if is_one else value
 
@@ -81,8 +88,41 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
             show_default=not many,
             envvar=[_variable(flag), *OTHER_VARIABLES.get(field.name, ())],
             help=field.metadata["help"],
+            cls=_Option,
         )(function)
     return function
+
+
+def _key(flag: str) -> str:
+    return flag.replace("-", "_")
+
+
+class _Option(click.Option):
+    """An option that errors call by what it was set by: a flag, a variable, or a file's key."""
+
+    def get_error_hint(self, ctx: click.Context | None) -> str:
+        """Return that name."""
+        return super().get_error_hint(ctx) if ctx is None else f"'{source_of(ctx, self)}'"
+
+
+def source_of(context: click.Context, option: click.Parameter) -> str:
+    """Return what an option was set by, or could be set by: ``--port``, or ``port in hub.toml``."""
+    source, path = context.get_parameter_source(option.name or ""), context.meta.get(_CONFIG)
+    flag = option.opts[0]
+    if source is ParameterSource.ENVIRONMENT:
+        variables = [option.envvar] if isinstance(option.envvar, str) else option.envvar or []
+        return next((each for each in variables if os.environ.get(each)), flag)
+    if path is not None and source in (ParameterSource.DEFAULT_MAP, ParameterSource.DEFAULT):
+        return f"{_key(flag.removeprefix('--'))} in {path}"
+    return flag
+
+
+def explained(context: click.Context, error: FibwsError) -> str:
+    """Return an error's text, with the names by which the settings in it were set."""
+    if not isinstance(error, SettingError):
+        return str(error)
+    options = {each.opts[0]: each for each in command.params}
+    return error.named(lambda flag: source_of(context, options[flag]) if flag in options else flag)
 
 
 def _variable(flag: str) -> str:
@@ -98,6 +138,7 @@ def _variable(flag: str) -> str:
     expose_value=False,
     callback=_read_config,
     envvar="FIBWS_CONFIG",
+    cls=_Option,
     help="TOML file of settings, named like the flags, with _ for -.",
 )
 @_options
@@ -120,6 +161,7 @@ def command(url_file: Path | None, **values: Any) -> None:
       until [ -s hub.url ]; do sleep 0.1; done
       export FIBWS_HUB=$(cat hub.url)
     """
+    context = click.get_current_context()
     _open_standard_files()
     log_output.configure(values["log_format"])
     # Makes glibc keep freed memory: otherwise it trims and grows its heap with every large message,
@@ -133,9 +175,9 @@ def command(url_file: Path | None, **values: Any) -> None:
             runner.run(_serve(settings, url_file))
     except FibwsError as error:
         if values["log_format"] == "json":
-            logger.critical("%s.", error, extra={"event": "failed"})
+            logger.critical("%s.", explained(context, error), extra={"event": "failed"})
             sys.exit(1)
-        sys.exit(f"fibws.hub: {error}.")
+        sys.exit(f"fibws.hub: {explained(context, error)}.")
     except KeyboardInterrupt:
         pass
     finally:
@@ -146,12 +188,14 @@ def environment_settings(flags: Sequence[str] = ()) -> Settings:
     """Return the settings of flags, environment variables and $FIBWS_CONFIG, in that order.
 
     Raises:
-        ClickException: a flag or a variable is unknown or invalid.
-        HubError: a setting is out of its range.
+        ClickException: a flag or a variable is unknown or invalid, or out of its range.
     """
     context = command.make_context("fibws hub", list(flags))
     names = [field.name for field in dataclasses.fields(Settings)]
-    return Settings(**{name: context.params[name] for name in names})
+    try:
+        return Settings(**{name: context.params[name] for name in names})
+    except HubError as error:
+        raise click.UsageError(f"{explained(context, error)}.", context) from None
 
 
 async def _serve(settings: Settings, url_file: Path | None) -> None:
@@ -224,7 +268,8 @@ def _reload(hub: Hub, manager: ServiceManager) -> None:
     try:
         changes = hub.reload()
     except FibwsError as error:
-        hub.audit.reload_failed("certificates, tokens and keys", str(error))
+        text = explained(click.get_current_context(), error)
+        hub.audit.reload_failed("certificates, tokens and keys", text)
     else:
         hub.audit.reloaded("certificates, tokens and keys", changes, hub._files)
     finally:

@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Generic, TypeVar
 
-from fibws.errors import HubError
+from fibws.errors import SettingError
 from fibws.files import check_writable, make_private, replace_file, reserved
 
 logger = logging.getLogger("fibws.hub")
@@ -78,7 +78,7 @@ class KeptFile(Generic[Snapshot]):
             return b""
         except OSError as error:
             fault = f"cannot use {self.path}: {error.strerror}"
-            raise HubError(f"{self._flag}: {fault}") from None
+            raise SettingError(f"{self._flag}: {fault}") from None
 
     @contextmanager
     def reserved(self) -> Iterator[None]:
@@ -93,7 +93,7 @@ class KeptFile(Generic[Snapshot]):
                 stack.enter_context(reserved(self.path))
             except BlockingIOError:
                 fault = f"another hub uses {self.path}; choose another file"
-                raise HubError(f"{self._flag}: {fault}") from None
+                raise SettingError(f"{self._flag}: {fault}") from None
             except OSError:
                 pass  # Writing fails, too, and says why.
             yield

@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic_core import from_json
 
-from fibws.errors import FibwsError, HubError
+from fibws.errors import FibwsError, SettingError
 from fibws.hub.graph.parameters import Namespace, Parameters, canonical, native
 from fibws.hub.kept_file import KeptFile
 from fibws.values import parameter_files
@@ -61,7 +61,7 @@ class ParameterFile:
                 if value != {} or not self._parameters.has(known):
                     self._parameters.set(known, value)
             except FibwsError as error:
-                raise HubError(f"{FLAG}: {self._path}: {error}") from None
+                raise SettingError(f"{FLAG}: {self._path}: {error}") from None
             found[known] = changed
         return found
 
@@ -78,11 +78,11 @@ class ParameterFile:
             text = parameter_files.read(self._path)
             changed = self._path.stat().st_mtime_ns
         except (FibwsError, OSError) as error:
-            raise HubError(f"{FLAG}: {_without_flag(error)}") from None
+            raise SettingError(f"{FLAG}: {_without_flag(error)}") from None
         try:
             return parameter_files.entries(text, "/"), changed
         except FibwsError as error:
-            raise HubError(f"{FLAG}: {self._path}: {error}") from None
+            raise SettingError(f"{FLAG}: {self._path}: {error}") from None
 
     def _text(self, tree: Namespace) -> bytes:
         document = self._document("", tree)

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from fibws import __version__
 from fibws.access.rights import Principal
-from fibws.errors import FibwsError, HubError, InterfaceError, NotAllowed
+from fibws.errors import FibwsError, InterfaceError, NotAllowed, SettingError
 from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
@@ -113,7 +113,7 @@ class Hub:
     Raises:
         HubError: on entering, when it cannot listen, most likely because the port is taken, or when
             it cannot use a certificate, or another file, folder or address of its settings.
-        InterfaceError: a folder of definitions is not there.
+        SettingError: a folder of definitions is not there.
     """
 
     _asset_room: ByteRoom
@@ -396,7 +396,7 @@ class Hub:
             check_writable(folder)
         except OSError as error:
             fault = error.strerror or str(error)
-            raise HubError(f"--record: cannot write to {folder}: {fault}") from None
+            raise SettingError(f"--record: cannot write to {folder}: {fault}") from None
         loop = asyncio.get_running_loop()
         self.recording = Recording(
             self.graph, self.settings, self.audit, loop, self._account.reserved
@@ -461,7 +461,7 @@ class Hub:
                 for address in dict.fromkeys(self.settings.join)
             ]
         except FibwsError as error:
-            raise HubError(f"--join: {error}") from None
+            raise SettingError(f"--join: {error}") from None
 
     def _speak_foxglove(self) -> None:
         """Let Foxglove and Lichtblick connect by their own protocol, which the first one loads."""
@@ -743,7 +743,7 @@ class Hub:
             is_hub = await is_hub_at(_reached_at(host), port)
             owner = "another hub" if is_hub else "another program"
             reason = f"Port {port} on {host} is in use by {owner}; choose one with --port"
-        raise HubError(reason) from fault
+        raise SettingError(reason) from fault
 
     def _tls_arguments(self) -> dict[str, Any]:
         """Return the arguments of the event loop's create_server."""
@@ -888,7 +888,7 @@ def _interfaces(settings: Settings) -> Interfaces:
     try:
         return Interfaces(settings.interfaces)
     except InterfaceError as error:
-        raise InterfaceError(f"--interfaces: {error}") from None
+        raise SettingError(f"--interfaces: {error}") from None
 
 
 def _refuse_login(audit: Audit, reason: str, address: str) -> None:

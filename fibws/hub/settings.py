@@ -6,15 +6,18 @@ import ipaddress
 import math
 import re
 from dataclasses import Field, dataclass, field, fields
+from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from types import UnionType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from fibws.access.rights import check_glob
 from fibws.credentials import Credentials
-from fibws.errors import AccessError, FibwsError, HubError
+from fibws.errors import AccessError, FibwsError, SettingError
 from fibws.hub.websocket.proxies import Network, parse_network
 from fibws.hub_address import hub_url
 from fibws.origins import is_allowable
+from fibws.suggestions import suggestion
 
 KIB = 1024
 MIB = 1024 * KIB
@@ -47,7 +50,8 @@ class Settings:
     """The hub's settings; each is a flag of ``python -m fibws.hub`` as well.
 
     Raises:
-        HubError: a number is negative, a port is too large, or an origin is not one.
+        SettingError: a value has another type, a number is negative, a port is too large, or an
+            origin is not one.
     """
 
     host: str = _setting(
@@ -319,13 +323,22 @@ class Settings:
         """Whether clients must prove who they are."""
         return any((self.tokens, self.jwt_key, self.client_ca))
 
+    def __new__(cls, **values: Any) -> Settings:
+        """Refuse unknown arguments, with the nearest known one."""
+        for name in values:
+            if name not in cls.__dataclass_fields__:
+                meant = suggestion(name, cls.__dataclass_fields__)
+                raise TypeError(f"Settings has no argument {name}{meant}")
+        return object.__new__(cls)
+
     def __post_init__(self) -> None:
+        self._check_types()
         # As in URLs: [::1].
         object.__setattr__(self, "host", re.sub(r"^\[(.*:.*)\]$", r"\1", self.host))
         self._check_numbers()
         self._check_texts()
         if self.log_format not in LOG_FORMATS:
-            raise HubError(f"--log-format must be text or json, got {self.log_format}")
+            raise SettingError(f"--log-format must be text or json, got {self.log_format}")
         self._check_tls()
         self._check_record()
         if self.keep_params and self.params is None:
@@ -334,14 +347,22 @@ class Settings:
         self._check_addresses()
         self._check_endpoints()
 
+    def _check_types(self) -> None:
+        types = _types()
+        for setting in fields(self):
+            value, type_ = getattr(self, setting.name), types[setting.name]
+            if not _fits(value, type_):
+                wanted = getattr(type_, "__name__", None) if get_origin(type_) is None else type_
+                raise SettingError(f"--{flag_of(setting)} must be {wanted or type_}, got {value!r}")
+
     def _check_numbers(self) -> None:
         for setting in fields(self):
             value = getattr(self, setting.name)
             if isinstance(value, int | float) and not 0 <= value < math.inf:
-                raise HubError(f"--{flag_of(setting)} must be >= 0 and finite, got {value}")
+                raise SettingError(f"--{flag_of(setting)} must be >= 0 and finite, got {value}")
         for flag, port in (("port", self.port), ("ros1", self.ros1 or 0)):
             if port > 65535:
-                raise HubError(f"--{flag} must be between 0 and 65535, got {port}")
+                raise SettingError(f"--{flag} must be between 0 and 65535, got {port}")
 
     def _check_texts(self) -> None:
         """Refuse what messages could not hold: bytes of the command line that are no characters."""
@@ -352,20 +373,20 @@ class Settings:
             texts = [str(each) for each in values if isinstance(each, str) or is_shown]
             if any(map(_SURROGATE.search, texts)):
                 flag = flag_of(setting)
-                raise HubError(f"--{flag} is not UTF-8; set a locale such as LANG=C.UTF-8")
+                raise SettingError(f"--{flag} is not UTF-8; set a locale such as LANG=C.UTF-8")
 
     def _check_addresses(self) -> None:
         if not re.fullmatch(URL_PATH, self.url_path):
-            raise HubError(f"--url-path must be a path such as /robot, got {self.url_path}")
+            raise SettingError(f"--url-path must be a path such as /robot, got {self.url_path}")
         if self.ros1_host and not _is_host(self.ros1_host):
-            raise HubError(f"--ros1-host must be a name or an address, got {self.ros1_host}")
+            raise SettingError(f"--ros1-host must be a name or an address, got {self.ros1_host}")
         for network in self.trusted_proxy:
             parse_network(network, "--trusted-proxy")
         for network in self.ros1_allow:
             parse_network(network, "--ros1-allow")
         for origin in self.allow_origin:
             if not is_allowable(origin):
-                raise HubError(
+                raise SettingError(
                     "--allow-origin must be a scheme, a host and perhaps a port, such as "
                     f"https://lab.example, or null or *; got {origin}"
                 )
@@ -376,19 +397,19 @@ class Settings:
                 if endpoint == "auto" and name == "zenoh":
                     continue
                 if not _is_endpoint(endpoint):
-                    raise HubError(
+                    raise SettingError(
                         f"--{name.replace('_', '-')} must be an endpoint such as tcp/robot:7447, "
                         f"got {endpoint!r}"
                     )
 
     def _check_record(self) -> None:
         if self.record_compression not in COMPRESSIONS:
-            raise HubError(
+            raise SettingError(
                 f"--record-compression must be {', '.join(COMPRESSIONS)}, "
                 f"got {self.record_compression}"
             )
         if self.record_mcap and self.record_compression == "bz2":
-            raise HubError("--record-compression bz2 is for .bag files; MCAP files have lz4")
+            raise SettingError("bz2 of --record-compression is for .bag files; MCAP files have lz4")
 
     @property
     def ros1_networks(self) -> list[Network]:
@@ -408,17 +429,19 @@ class Settings:
     def _check_join(self) -> None:
         for url in self.join:
             if not url.strip():
-                raise HubError("--join must be the address of a hub, got an empty text")
+                raise SettingError("--join must be the address of a hub, got an empty text")
             try:
                 hub_url(url)
                 Credentials.find(url, environment={})
             except FibwsError as error:
-                raise HubError(f"--join: {error}") from None
+                raise SettingError(f"--join: {error}") from None
         if self.join_prefix and not re.fullmatch(GLOBAL_NAME, self.join_prefix):
-            raise HubError(f"--as must be a global name such as /robot7, got {self.join_prefix}")
+            raise SettingError(
+                f"--as must be a global name such as /robot7, got {self.join_prefix}"
+            )
         for namespace in self.share_params:
             if not re.fullmatch(GLOBAL_NAME, namespace):
-                raise HubError(
+                raise SettingError(
                     f"--share-params must be a global name such as /fleet, got {namespace}"
                 )
         for flag, globs in (("export", self.join_export), ("import", self.join_import)):
@@ -426,17 +449,36 @@ class Settings:
                 try:
                     check_glob(glob)
                 except AccessError as error:
-                    raise HubError(f"--{flag}: {error}") from None
+                    raise SettingError(f"--{flag}: {error}") from None
 
     def _check_tls(self) -> None:
         if self.cert is not None and self.key is None:
-            raise HubError("--cert requires --key, the private key of the certificate")
+            raise SettingError("--cert requires --key, the private key of the certificate")
         if self.key is not None and self.cert is None:
-            raise HubError("--key requires --cert, the certificate of the key")
+            raise SettingError("--key requires --cert, the certificate of the key")
         if self.cert is not None and self.self_signed:
-            raise HubError("--self-signed and --cert exclude each other")
+            raise SettingError("--self-signed and --cert exclude each other")
         if self.client_ca is not None and not self.has_tls:
-            raise HubError("--client-ca requires TLS: --cert and --key, or --self-signed")
+            raise SettingError("--client-ca requires TLS: --cert and --key, or --self-signed")
+
+
+@cache
+def _types() -> dict[str, Any]:
+    return get_type_hints(Settings)
+
+
+def _fits(value: object, type_: Any) -> bool:
+    """Return whether a value is of a setting's type; a whole number is a float, too."""
+    origin, arguments = get_origin(type_), get_args(type_)
+    if origin is Literal:
+        return True  # Its own check names what is allowed.
+    if origin is UnionType:
+        return any(_fits(value, each) for each in arguments)
+    if origin is tuple:
+        return isinstance(value, tuple | list) and all(_fits(each, arguments[0]) for each in value)
+    if type_ in (int, float):
+        return isinstance(value, int | type_) and not isinstance(value, bool)
+    return isinstance(value, type_)
 
 
 def _is_endpoint(text: str) -> bool:

@@ -20,7 +20,7 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from fibws.errors import HubError
+from fibws.errors import SettingError
 from fibws.hub.log_text import printable
 
 if TYPE_CHECKING:
@@ -85,14 +85,14 @@ async def open_session(
     try:
         import zenoh
     except ImportError:
-        raise HubError(f"{flag} requires eclipse-zenoh: pip install 'fibws[zenoh]'") from None
+        raise SettingError(f"{flag} requires eclipse-zenoh: pip install 'fibws[zenoh]'") from None
     try:
         made = session_config(listen, connect, config, defaults)
         return await call_in_thread(lambda: zenoh.open(made), undo=close_session)
     except (zenoh.ZError, OSError, ValueError) as error:
         endpoints = ", ".join((*listen, *connect))
         fault = printable(_fault(error))
-        raise HubError(f"{flag}: cannot use {endpoints}: {fault}") from None
+        raise SettingError(f"{flag}: cannot use {endpoints}: {fault}") from None
 
 
 async def call_in_thread(
@@ -166,7 +166,7 @@ def session_config(
             config = zenoh.Config.from_file(path)
         except (zenoh.ZError, OSError, ValueError) as error:
             fault = printable(_fault(error))
-            raise HubError(f"--zenoh-config: cannot use {path}: {fault}") from None
+            raise SettingError(f"--zenoh-config: cannot use {path}: {fault}") from None
     endpoints = [each for each in connect if each != AUTO]
     values: dict[str, Any] = {
         "mode": "router",

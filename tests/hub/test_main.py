@@ -438,9 +438,12 @@ def test_version_is_the_packages() -> None:
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
-        ("prot = 1", "setting prot"),
+        ("prot = 1", "setting prot; did you mean port?"),
+        ('allow_orign = ["*"]', "setting allow_orign; did you mean allow_origin?"),
         ("port = ", "Invalid value"),
-        ('port = "x"', "not a valid integer"),
+        ('port = "x"', "'port in {config}': 'x' is not a valid integer"),
+        ("port = 70000", "port in {config} must be between 0 and 65535, got 70000"),
+        ('cert = "hub.pem"', "cert in {config} requires key in {config}"),
         ('ping_interval = "often"', "not a valid float"),
         ('fast_framing = "perhaps"', "not a valid boolean"),
         ("allow_origin = 5", "Invalid value"),
@@ -453,8 +456,31 @@ def test_invalid_config_file_is_refused_with_the_reason(
     config = tmp_path / "hub.toml"
     config.write_text(text)
     result = CliRunner().invoke(command, ["--config", str(config)])
-    assert (result.exit_code, result.exception.__class__) == (2, SystemExit)
-    assert complaint in result.output
+    assert (result.exit_code, result.exception.__class__) in ((2, SystemExit), (1, SystemExit))
+    said = " ".join([result.output, str(result.exception)]).replace("\n", " ")
+    assert complaint.format(config=config) in said
+    assert complaint.startswith("Invalid") or "--" not in said.replace("--help", "").replace(
+        "'--config'", ""
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "variable", "name"),
+    [
+        (["--port", "70000"], None, "--port"),
+        ([], "70000", "FIBWS_PORT"),
+        (["--port", "70000"], "9090", "--port"),
+        (["--port", "x"], None, "--port"),
+        ([], "x", "FIBWS_PORT"),
+    ],
+)
+def test_error_names_what_the_setting_was_set_by(
+    arguments: list[str], variable: str | None, name: str
+) -> None:
+    result = CliRunner().invoke(command, arguments, env={"FIBWS_PORT": variable})
+    said = f"{result.output} {result.exception}"
+    assert name in said
+    assert [each for each in ("--port", "FIBWS_PORT") if each in said] == [name]
 
 
 def test_config_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import Field, FrozenInstanceError, fields
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from fibws.errors import HubError
-from fibws.hub.settings import Settings
+from fibws.errors import HubError, SettingError
+from fibws.hub.settings import Settings, flag_of
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Settings)])
@@ -36,58 +36,95 @@ def test_origin_may_be_a_scheme_and_host_or_any_or_null(origin: str) -> None:
 
 
 def test_origin_without_a_scheme_is_refused() -> None:
-    with pytest.raises(HubError, match=r"--allow-origin.*lab\.example"):
+    with pytest.raises(HubError, match=r"allow_origin=.*lab\.example"):
         Settings(allow_origin=("lab.example",))
 
 
 @pytest.mark.parametrize(
-    ("setting", "value", "flag"),
+    ("setting", "value", "argument"),
     [
-        ("port", -1, "--port"),
-        ("port", 65536, "--port"),
-        ("queue_length", -1, "--queue-length"),
-        ("ping_interval", -0.1, "--ping-interval"),
-        ("ping_interval", math.inf, "--ping-interval"),
-        ("stall_timeout", math.nan, "--stall-timeout"),
+        ("port", -1, "port="),
+        ("port", 65536, "port="),
+        ("queue_length", -1, "queue_length="),
+        ("ping_interval", -0.1, "ping_interval="),
+        ("ping_interval", math.inf, "ping_interval="),
+        ("stall_timeout", math.nan, "stall_timeout="),
     ],
 )
-def test_number_out_of_range_is_refused(setting: str, value: float, flag: str) -> None:
+def test_number_out_of_range_is_refused(setting: str, value: float, argument: str) -> None:
     values: dict[str, Any] = {setting: value}
     with pytest.raises(HubError) as caught:
         Settings(**values)
-    assert flag in str(caught.value)
+    assert argument in str(caught.value)
     assert str(value) in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("setting", "value", "flag"),
+    ("setting", "value", "argument"),
     [
-        ("hub_name", "x\udcff", "--hub-name"),
-        ("record", Path("bad_\udcff"), "--record"),
-        ("zenoh", ("tcp/\udcff:1",), "--zenoh"),
+        ("hub_name", "x\udcff", "hub_name="),
+        ("record", Path("bad_\udcff"), "record="),
+        ("zenoh", ("tcp/\udcff:1",), "zenoh="),
     ],
 )
-def test_text_that_messages_cannot_hold_is_refused(setting: str, value: Any, flag: str) -> None:
-    with pytest.raises(HubError, match=f"{flag} is not UTF-8"):
+def test_text_that_messages_cannot_hold_is_refused(setting: str, value: Any, argument: str) -> None:
+    with pytest.raises(HubError, match=rf"{argument}\.\.\.\) is not UTF-8"):
         Settings(**{setting: value})
 
 
 @pytest.mark.parametrize(
-    ("files", "flags"),
+    ("files", "arguments"),
     [
-        ({"cert": "hub.pem"}, ("--cert", "--key")),
-        ({"key": "hub.key"}, ("--key", "--cert")),
-        ({"client_ca": "ca.pem"}, ("--client-ca", "--cert")),
+        ({"cert": "hub.pem"}, ("cert=", "key=")),
+        ({"key": "hub.key"}, ("key=", "cert=")),
+        ({"client_ca": "ca.pem"}, ("client_ca=", "cert=")),
     ],
 )
-def test_tls_requires_certificate_and_key(files: dict[str, str], flags: tuple[str, str]) -> None:
+def test_tls_requires_certificate_and_key(
+    files: dict[str, str], arguments: tuple[str, str]
+) -> None:
     values: dict[str, Any] = {name: Path(file) for name, file in files.items()}
     with pytest.raises(HubError) as caught:
         Settings(**values)
-    assert all(flag in str(caught.value) for flag in flags)
+    assert all(argument in str(caught.value) for argument in arguments)
 
 
 def test_unknown_format_of_the_log_is_refused() -> None:
     xml: Any = "xml"
-    with pytest.raises(HubError, match="--log-format must be text or json, got xml"):
+    with pytest.raises(HubError, match=r"log_format=.* must be text or json, got xml"):
         Settings(log_format=xml)
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"),
+    [
+        ("port", "9090"),
+        ("port", True),
+        ("ros1", 1.5),
+        ("drain", "5"),
+        ("self_signed", 1),
+        ("tokens", "tokens.toml"),
+        ("allow_origin", "https://lab.example"),
+        ("allow_origin", (5,)),
+        ("hub_name", None),
+    ],
+)
+def test_value_of_another_type_is_refused_by_the_name_of_its_argument(
+    setting: str, value: Any
+) -> None:
+    with pytest.raises(SettingError) as caught:
+        Settings(**{setting: value})
+    assert f"Settings({setting}=...) must be " in str(caught.value)
+    assert repr(value) in str(caught.value)
+
+
+def test_unknown_argument_names_the_nearest_one() -> None:
+    values: dict[str, Any] = {"allow_orign": ("*",)}
+    with pytest.raises(TypeError, match=r"allow_orign; did you mean allow_origin\?"):
+        Settings(**values)
+
+
+@pytest.mark.parametrize("setting", fields(Settings), ids=lambda each: each.name)
+def test_error_has_the_name_of_the_argument(setting: Field[Any]) -> None:
+    error = SettingError(f"--{flag_of(setting)} must be small")
+    assert str(error) == f"Settings({setting.name}=...) must be small"

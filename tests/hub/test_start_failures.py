@@ -22,7 +22,6 @@ from conftest import SETTINGS, Faults
 
 from fibws.errors import FibwsError, HubError
 from fibws.hub import Hub, Settings
-from fibws.hub.settings import flag_of
 from fibws.tls import CA
 
 from .raw_client import timers, until
@@ -71,8 +70,8 @@ async def refused(**settings: Any) -> str:
     return str(caught.value)
 
 
-def flag(name: str) -> str:
-    return next(f"--{flag_of(each)}" for each in dataclasses.fields(Settings) if each.name == name)
+def argument(name: str) -> str:
+    return f"Settings({name}=...)"
 
 
 def with_path(name: str, path: Path, authority: Authority) -> dict[str, Any]:
@@ -119,7 +118,7 @@ async def test_unusable_file_or_folder_ends_the_start(
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     path = make(tmp_path)
     text = await refused(**with_path(name, path, authority))
-    assert text.startswith(f"{flag(name)}:")
+    assert text.startswith(f"{argument(name)}:")
     assert str(path) in text
 
 
@@ -128,7 +127,7 @@ async def test_invalid_address_ends_the_start(name: str, value: Any) -> None:
     extra = ROS1 if name == "ros1_host" else {}
     many = isinstance(getattr(Settings(), name), tuple)
     text = await refused(**extra, **{name: (value,) if many else value})
-    assert text.startswith((f"{flag(name)}:", f"{flag(name)} "))
+    assert text.startswith((f"{argument(name)}:", f"{argument(name)} "))
 
 
 @pytest.mark.parametrize("name", ["port", "ros1", *ENDPOINTS[::2]])
@@ -137,7 +136,7 @@ async def test_taken_port_ends_the_start(name: str) -> None:
         port = taken.getsockname()[1]
         value = (f"tcp/127.0.0.1:{port}",) if name in ENDPOINTS else port
         text = await refused(**{name: value})
-    assert flag(name) in text
+    assert argument(name) in text
     assert str(port) in text
 
 
@@ -159,7 +158,7 @@ async def test_state_folder_of_certificates_must_be_writable(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(below_a_file(tmp_path)))
-    assert (await refused(**TLS)).startswith("--self-signed:")
+    assert (await refused(**TLS)).startswith("Settings(self_signed=...):")
 
 
 async def test_certificates_for_joining_must_be_readable(
@@ -167,13 +166,13 @@ async def test_certificates_for_joining_must_be_readable(
 ) -> None:
     monkeypatch.setenv(CA, str(missing(tmp_path)))
     text = await refused(join=("wss://robot",))
-    assert text.startswith("--join:")
+    assert text.startswith("Settings(join=...):")
     assert CA in text
 
 
 async def test_recording_on_demand_needs_its_folder_at_the_start(tmp_path: Path) -> None:
     text = await refused(record=below_a_file(tmp_path), record_at_start=False)
-    assert text.startswith("--record:")
+    assert text.startswith("Settings(record=...):")
 
 
 # Cancelled starts.

@@ -55,7 +55,7 @@ async def test_invalid_setting_of_the_environment_is_an_error(start: Start) -> N
     program = await start(*DEMO, FIBWS_PORT="70000")
     code, out, err = await program.end()
     assert (code, out) == (2, "")
-    assert "--port must be between 0 and 65535, got 70000" in err
+    assert "FIBWS_PORT must be between 0 and 65535, got 70000" in err
 
 
 async def test_demo_uses_a_running_hub(hub: Hub, start: Start) -> None:

@@ -31,7 +31,7 @@ from fibws.access.limits import network_of
 from fibws.access.rights import RIGHTS, Principal, Rights, check_name
 from fibws.access.token_file import ANONYMOUS, Tokens
 from fibws.access.web_tokens import WebTokens
-from fibws.errors import AccessError, AuthenticationError, HubError, TooManyAttempts
+from fibws.errors import AccessError, AuthenticationError, SettingError, TooManyAttempts
 from fibws.hub.access.sessions import Session, Sessions
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.settings import Settings
@@ -122,7 +122,7 @@ class Authentication:
             if self._path is not None:
                 self._tokens = Tokens.load(self._path)
         except AccessError as error:
-            raise HubError(f"{option}: {error}") from None
+            raise SettingError(f"{option}: {error}") from None
 
     def reload(self) -> list[str]:
         """Read all files again, and return what has changed, as in ``token teleop revoked``.

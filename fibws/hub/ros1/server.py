@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeAlias, cast
 
 from fibws.access.rights import Principal
-from fibws.errors import HubError, NodeUnreachable, XmlRpcError
+from fibws.errors import NodeUnreachable, SettingError, XmlRpcError
 from fibws.files import state_folder
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
@@ -136,7 +136,7 @@ class Ros1Server:
                 lambda: _Sniffer(self), host, settings.ros1 or 0, start_serving=False
             )
         except OSError as error:
-            raise HubError(
+            raise SettingError(
                 f"--ros1: cannot listen on port {settings.ros1}: {error.strerror or error}; "
                 "is a roscore running?"
             ) from error

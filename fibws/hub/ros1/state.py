@@ -13,7 +13,7 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from fibws.errors import HubError
+from fibws.errors import SettingError
 from fibws.hub.kept_file import KeptFile
 from fibws.hub.ros1.nodes import SavedNode, is_api
 
@@ -42,7 +42,7 @@ class StateFile(KeptFile[Sequence[SavedNode]]):
         content = super().check()
         # One that a crash has damaged, or a newer hub has written, is replaced.
         if (known := content.strip(b"\0 \n")) and not known.startswith(b"{"):
-            raise HubError(f"{FLAG}: {self.path} is not a state file; choose another path")
+            raise SettingError(f"{FLAG}: {self.path} is not a state file; choose another path")
         return content
 
     def nodes(self) -> list[SavedNode]:

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibws.errors import FibwsError, HubError, Ros2Error
+from fibws.errors import FibwsError, Ros2Error, SettingError
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros2.key_layout import Attachment, tokens_key
 from fibws.hub.zenoh_session import (
@@ -211,7 +211,7 @@ class Network:
     async def open(self) -> None:
         """Connect; raises `HubError` if that is impossible, or a package is missing."""
         if find_spec("xxhash") is None:
-            raise HubError("--ros2 requires xxhash: pip install 'fibws[zenoh]'")
+            raise SettingError("--ros2 requires xxhash: pip install 'fibws[zenoh]'")
         self._session = await open_session(
             self._listen,
             self._connect,

@@ -20,7 +20,7 @@ from typing import TypeAlias
 
 from websockets.datastructures import Headers
 
-from fibws.errors import HubError
+from fibws.errors import SettingError
 
 Address: TypeAlias = ipaddress.IPv4Address | ipaddress.IPv6Address
 Network: TypeAlias = ipaddress.IPv4Network | ipaddress.IPv6Network
@@ -114,7 +114,7 @@ def parse_network(text: str, flag: str) -> Network:
     try:
         return ipaddress.ip_network(text.strip(), strict=False)
     except ValueError:
-        raise HubError(
+        raise SettingError(
             f"{flag} must be an IP address or a network such as 10.0.0.0/8, got {text}"
         ) from None
 

@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from fibws.errors import HubError
+from fibws.errors import SettingError
 from fibws.files import locked, make_private, replace_file, state_folder
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def ensure_certificate(addresses: Iterable[str]) -> Files:
         HubError: the package cryptography is not installed, or a file cannot be written.
     """
     if find_spec("cryptography") is None:
-        raise HubError(
+        raise SettingError(
             "--self-signed requires the package cryptography: python -m pip install 'fibws[auth]'"
         ) from None
     found = files()
@@ -75,7 +75,7 @@ def ensure_certificate(addresses: Iterable[str]) -> Files:
         with locked(found.certificate):  # Several hubs may start at once.
             _Maker(found, _names(), {"127.0.0.1", "::1", *addresses}).ensure()
     except OSError as error:
-        raise HubError(
+        raise SettingError(
             f"--self-signed: cannot write {error.filename or found.certificate}: {error.strerror}"
         ) from None
     return found

@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from fibws.errors import AccessError, HubError
+from fibws.errors import AccessError, SettingError
 from fibws.hub.access.authentication import Certificate
 from fibws.tls import Pair, load_authorities, load_pair
 
@@ -200,7 +200,7 @@ def _context(certificate: Path, key: Path, client_ca: Path | None) -> _Context:
         if client_ca is not None:
             load_authorities(context, "--client-ca", client_ca)
     except AccessError as error:
-        raise HubError(str(error)) from None
+        raise SettingError(str(error)) from None
     if client_ca is not None:
         context.verify_mode = ssl.CERT_OPTIONAL
         if context.cert_store_stats()["crl"]:

@@ -375,7 +375,7 @@ def test_audience_must_be_the_hub(tmp_path: Path) -> None:
     ("key", "algorithm", "fact"),
     [
         (b"short", "HS256", "32 bytes"),
-        (pem(private_keys()["EdDSA"]), "HS256", "--jwt-algorithm EdDSA"),
+        (pem(private_keys()["EdDSA"]), "HS256", r"jwt_algorithm=\.\.\.\) to EdDSA"),
         (b"", "HS256", "32 bytes"),
         (SECRET, "none", "HS256"),
         (SECRET, "HS512", "HS256"),

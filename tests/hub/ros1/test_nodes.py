@@ -256,7 +256,7 @@ async def test_nodes_are_back_after_a_restart(
 async def test_state_file_belongs_to_one_hub(start_hub: StartHub, tmp_path: Path) -> None:
     path = tmp_path / "state.json"
     first = await start_hub(ros1=0, ros1_state=path)
-    with pytest.raises(HubError, match=r"--ros1-state: another hub uses .*state\.json"):
+    with pytest.raises(HubError, match=r"ros1_state=.*: another hub uses .*state\.json"):
         await start_hub(ros1=0, ros1_state=path)
     await start_hub(ros1=0, ros1_state=tmp_path / "other.json")
     await first.close()

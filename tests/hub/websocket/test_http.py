@@ -407,7 +407,7 @@ class TestUrlPath:
 
     @pytest.mark.parametrize("url_path", ["robot", "/robot?x", "/a b", "//", "/robot#x", "/\n"])
     def test_invalid_path_is_refused(self, url_path: str) -> None:
-        with pytest.raises(HubError, match="--url-path"):
+        with pytest.raises(HubError, match="url_path"):
             Settings(url_path=url_path)
 
 

@@ -199,7 +199,7 @@ def test_several_host_headers_are_a_bad_request(path: str) -> None:
     ],
 )
 def test_setting_that_no_page_can_match_is_refused(origin: str) -> None:
-    with pytest.raises(HubError, match="--allow-origin"):
+    with pytest.raises(HubError, match="allow_origin"):
         Settings(allow_origin=(origin,))
 
 

@@ -151,7 +151,7 @@ def test_any_header_gives_an_address(values: list[str]) -> None:
 
 @pytest.mark.parametrize("network", ["proxy", "10.0.0.0/33", "", "10.0.0.1:80"])
 def test_invalid_network_is_refused(network: str) -> None:
-    with pytest.raises(HubError, match="--trusted-proxy"):
+    with pytest.raises(HubError, match="trusted_proxy"):
         Settings(trusted_proxy=(network,))
 
 

@@ -197,7 +197,7 @@ def test_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_folder_that_cannot_be_written_is_named(folder: Path) -> None:
     (folder / "fibws").write_text("a file")
-    with pytest.raises(HubError, match=r"--self-signed: cannot write .*fibws"):
+    with pytest.raises(HubError, match=r"self_signed=.*: cannot write .*fibws"):
         ensure_certificate([])
 
 

@@ -422,7 +422,7 @@ class TestFiles:
     ) -> None:
         certificate, key = authority.issue()
         files = {"cert": certificate, "key": key, missing: tmp_path / "missing.pem"}
-        with pytest.raises(HubError, match=rf"--{missing.replace('_', '-')}.*missing\.pem"):
+        with pytest.raises(HubError, match=rf"{missing}=.*missing\.pem"):
             await start_hub(**files)
 
     @pytest.mark.parametrize("wrong", ["cert", "key", "client_ca"])
@@ -432,7 +432,7 @@ class TestFiles:
         certificate, key = authority.issue()
         (tmp_path / "wrong.pem").write_text("nonsense")
         files = {"cert": certificate, "key": key, wrong: tmp_path / "wrong.pem"}
-        with pytest.raises(HubError, match=rf"--{wrong.replace('_', '-')}.*wrong\.pem"):
+        with pytest.raises(HubError, match=rf"{wrong}=.*wrong\.pem"):
             await start_hub(**files)
 
     async def test_key_of_another_certificate_is_refused(
@@ -440,7 +440,7 @@ class TestFiles:
     ) -> None:
         certificate, _ = authority.issue()
         _, other = authority.issue(file="other")
-        with pytest.raises(HubError, match=r"--key: .*other\.key is not the key"):
+        with pytest.raises(HubError, match=r"key=.*: .*other\.key is not the key"):
             await start_hub(cert=certificate, key=other)
 
     async def test_key_with_a_password_is_refused_without_a_question(
@@ -448,7 +448,7 @@ class TestFiles:
     ) -> None:
         certificate, key = authority.issue()
         add_password(key)
-        with pytest.raises(HubError, match=r"--key: .*password"):
+        with pytest.raises(HubError, match=r"key=.*: .*password"):
             await start_hub(cert=certificate, key=key)
 
 
