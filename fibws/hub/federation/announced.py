@@ -83,23 +83,29 @@ class Announced:
             return found
         return {home: record for home, record in found.items() if home not in self._lost}
 
-    def take(self, home: PeerGraph, announcement: Announcement) -> None:
-        """Take changes of what a hub has; names that it may not use are ignored."""
+    def take(self, home: PeerGraph, announcement: Announcement) -> Iterator[None]:
+        """Take changes of what a hub has, a record with each step.
+
+        Names that it may not use are ignored, as is the rest once the hub is lost.
+        """
+        for kind in KINDS:
+            for name, record in announcement.of(kind).items():
+                if home.is_lost:
+                    return
+                self._take_one(home, kind, name, record)
+                yield
+
+    def _take_one(self, home: PeerGraph, kind: Kind, name: str, record: Any) -> None:
         peer, view = home.peer, home.peer.backplane.view
-        for name, node in announcement.nodes.items():
-            if local := view.inward(name):
-                self._set(home, "nodes", local, node)
-        for name, topic in announcement.topics.items():
-            if local := view.inward(name):
-                self._set(home, "topics", local, _translated(topic, local, peer))
-        served: Any
-        for kind, records in (
-            ("services", announcement.services),
-            ("actions", announcement.actions),
-        ):
-            for name, served in records.items():
-                if (local := view.inward(name)) and view.may_import(local):
-                    self._set(home, kind, local, _renamed(served, peer))  # type: ignore[arg-type]
+        local = view.inward(name)
+        if not local:
+            return
+        if kind == "nodes":
+            self._set(home, kind, local, record)
+        elif kind == "topics":
+            self._set(home, kind, local, _translated(record, local, peer))
+        elif view.may_import(local):
+            self._set(home, kind, local, _renamed(record, peer))
 
     def forget(self, home: PeerGraph) -> Iterator[None]:
         """Forget a hub that is lost; return the steps that remove its records."""

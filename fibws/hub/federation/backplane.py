@@ -190,8 +190,8 @@ class Network(Protocol):
     def lost(self, peer: Peer, reason: str) -> None:
         """Take note that a hub is not reached any more."""
 
-    def announced(self, peer: Peer, announcement: Announcement) -> None:
-        """Take changes of what a hub has."""
+    def announced(self, peer: Peer, announcement: Announcement) -> Iterator[None]:
+        """Take changes of what a hub has, a record with each step."""
 
     def interested(self, backplane: Backplane, number: int, *, wanted: bool) -> None:
         """Take note that hubs ask for the messages of a publisher, or that none does any more."""

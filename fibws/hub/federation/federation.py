@@ -15,16 +15,26 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, replace
 from functools import partial
+from itertools import chain
 from typing import Any, Protocol
 
 from fibws.errors import NotAllowed
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.federation.announced import PeerGraph
 from fibws.hub.federation.backplane import Backplane, Cancel, OnReply, Peer, Traffic
 from fibws.hub.federation.calls import Calls
 from fibws.hub.federation.offers import LinkNode, Offers
 from fibws.hub.federation.outlets import Outlets
-from fibws.hub.federation.records import Announcement, HubInfo, Kind, Message, Reply, Request
+from fibws.hub.federation.records import (
+    Announcement,
+    HubInfo,
+    Kind,
+    Message,
+    ParameterRecord,
+    Reply,
+    Request,
+)
 from fibws.hub.federation.remote import RemoteGraph
 from fibws.hub.federation.remote_logs import LogReader
 from fibws.hub.federation.remote_nodes import RemoteNode
@@ -238,12 +248,24 @@ class Federation:
         self._calls.lost(peer)
         self._report_change()
 
-    def announced(self, peer: Peer, announcement: Announcement) -> None:
-        """Attach what a hub has."""
-        self._remote.announced(peer, announcement)
-        for name, record in announcement.parameters.items():
-            if local := peer.backplane.view.inward(name):
-                self._parameters.take(local, record, peer.backplane)
+    def announced(self, peer: Peer, announcement: Announcement) -> Iterator[None]:
+        """Attach what a hub has, a record with each step; nothing more once the hub is lost."""
+        home = self._remote.home(peer)
+        return chain(
+            self._remote.announced(home, announcement),
+            self._take_parameters(home, announcement.parameters),
+        )
+
+    def _take_parameters(
+        self, home: PeerGraph, records: Mapping[str, ParameterRecord | None]
+    ) -> Iterator[None]:
+        backplane = home.peer.backplane
+        for name, record in records.items():
+            if home.is_lost:
+                return
+            if local := backplane.view.inward(name):
+                self._parameters.take(local, record, backplane)
+            yield
 
     def interested(self, backplane: Backplane, number: int, *, wanted: bool) -> None:
         """Begin or cease to send the messages of a publisher."""

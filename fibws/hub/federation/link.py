@@ -27,7 +27,7 @@ from __future__ import annotations
 import logging
 import struct
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from itertools import count
 from typing import Annotated, Any, Protocol
@@ -378,7 +378,7 @@ class Link(Backplane):
     # Receiving.
 
     def receive(self, data: bytes | bytearray) -> Work:
-        """Take a WebSocket message, a record with each step.
+        """Take a WebSocket message, a record with each step; of an announcement, one of its own.
 
         A record that cannot be understood is left out, and logged.
 
@@ -399,13 +399,13 @@ class Link(Backplane):
             at += _SIZE.size
             if not 1 <= size <= len(data) - at + 1:
                 raise FederationError(f"invalid record: size {size}, of which not all is there")
-            self._receive_record(kind, view[at : at + size - 1])
+            yield from self._receive_record(kind, view[at : at + size - 1])
             at += size - 1
             yield
             while self._has_early():
                 early, record = self._early.popleft()
                 self._incomplete_bytes -= len(record) + OVERHEAD
-                self._receive_record(early, memoryview(record))
+                yield from self._receive_record(early, memoryview(record))
                 yield
 
     def _has_early(self) -> bool:
@@ -414,21 +414,21 @@ class Link(Backplane):
             return False
         return bool(self._early)
 
-    def _receive_record(self, kind: int, body: memoryview) -> None:
+    def _receive_record(self, kind: int, body: memoryview) -> Iterable[None]:
+        """Take a record at once, but for the steps that are left of a long one."""
         if self.peer is None:
             if kind != HELLO:
                 raise FederationError(f"expected hello (0) as the first record, got {kind}")
             self._receive_hello(bytes(body))
-            return
+            return ()
         if self.peer.clock_offset is None and kind not in (PING, PONG):
             self._early.append((kind, bytes(body)))
             self._incomplete_bytes += len(body) + OVERHEAD
             if self._incomplete_bytes > self._max_incoming:
                 raise FederationError("too much has come before the answer to a ping")
-            return
+            return ()
         if kind == PART:
-            self._receive_part(body)
-            return
+            return self._receive_part(body)
         try:
             if kind == MESSAGE:
                 number, sequence, stamp = _MESSAGE.unpack_from(body)
@@ -436,10 +436,11 @@ class Link(Backplane):
                 message = Message(number, sequence, stamp, bytearray(body[_MESSAGE.size :]))
                 self._network.received(self.peer, message)
             elif (receive := _RECEIVERS.get(kind)) is not None:
-                receive(self, self.peer, body)
+                return receive(self, self.peer, body) or ()
             # Other kinds are for later versions.
         except (struct.error, FederationError) as error:
             self._skip(f"record {kind}", f"invalid record of kind {kind}: {error}")
+        return ()
 
     def _skip(self, kind: str, text: str) -> None:
         """Log that a record is left out; the first one of a kind."""
@@ -473,7 +474,7 @@ class Link(Backplane):
         self.peer = peer
         self._ping()
 
-    def _receive_announcement(self, peer: Peer, body: memoryview) -> None:
+    def _receive_announcement(self, peer: Peer, body: memoryview) -> Work:
         if len(body) > MOST_ANNOUNCED:
             raise FederationError(
                 f"an announcement of {len(body)} bytes (limit is {MOST_ANNOUNCED})"
@@ -481,7 +482,7 @@ class Link(Backplane):
         announcement = decode_announcement(
             body, lambda kind, what: self._skip(kind, f"invalid record: {what}")
         )
-        self._network.announced(peer, announcement)
+        return self._network.announced(peer, announcement)
 
     def _receive_interest(self, peer: Peer, body: memoryview) -> None:
         number, wanted = _INTEREST.unpack(body)
@@ -503,7 +504,7 @@ class Link(Backplane):
         self._pong += _PING.pack(self._now())
         self._wire.wake()
 
-    def _receive_part(self, body: memoryview) -> None:
+    def _receive_part(self, body: memoryview) -> Iterable[None]:
         if len(body) <= _PART.size:
             raise FederationError("invalid record: a part without bytes")
         key, is_last = _PART.unpack_from(body)
@@ -527,13 +528,14 @@ class Link(Backplane):
             self._incomplete_bytes -= len(parts) + OVERHEAD
             if key in self._too_large:
                 self._too_large.discard(key)
-                return
+                return ()
             if len(parts) < _SIZE.size:
                 raise FederationError("invalid record: its size is cut off")
             _, kind = _SIZE.unpack_from(parts)
             if kind == PART:
                 raise FederationError("invalid record: a part of parts")
-            self._receive_record(kind, memoryview(parts)[_SIZE.size :])
+            return self._receive_record(kind, memoryview(parts)[_SIZE.size :])
+        return ()
 
     def _refuse_parts(self, key: int, parts: bytearray) -> None:
         """Leave out a record that is too large; a request or a reply ends with an error."""
@@ -684,7 +686,7 @@ def _halves(announcement: Announcement) -> tuple[Announcement, Announcement] | N
     return made[0], made[1]
 
 
-_RECEIVERS: dict[int, Callable[[Link, Peer, memoryview], None]] = {
+_RECEIVERS: dict[int, Callable[[Link, Peer, memoryview], Iterable[None] | None]] = {
     ANNOUNCE: Link._receive_announcement,
     INTEREST: Link._receive_interest,
     FLOWING: Link._receive_flowing,

@@ -108,9 +108,9 @@ class RemoteGraph:
         """Take some steps in turns, before names are settled."""
         self._work.add_steps(steps)
 
-    def announced(self, peer: Peer, announcement: Announcement) -> None:
-        """Take changes of what a hub has."""
-        self._announced.take(self._homes[peer], announcement)
+    def announced(self, home: PeerGraph, announcement: Announcement) -> Iterator[None]:
+        """Take changes of what a hub has, a record with each step."""
+        return self._announced.take(home, announcement)
 
     def reported_older(self, node: str, hub: str) -> None:
         """Take note that another hub has closed a node, as one of this name is older."""

@@ -172,10 +172,10 @@ class SharedParameters:
 
     def _is_concerned(self, parent: str) -> bool:
         """Return whether a namespace may have a new record as something in it has changed."""
-        if parent in self.records:
-            return True
-        is_emptied = not self._is_applying and self._text(parent) == EMPTY
-        return is_emptied and self._is_followed(parent)
+        is_emptied = self._text(parent) == EMPTY
+        if is_emptied and self._is_applying:
+            return False  # The other hub knows best whether it remains.
+        return parent in self.records or (is_emptied and self._is_followed(parent))
 
     def _is_followed(self, name: str) -> bool:
         return any(_is_in(name, namespace) for namespace in self._followed)

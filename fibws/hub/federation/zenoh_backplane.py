@@ -517,7 +517,7 @@ class ZenohBackplane(Backplane):
         self._peers[hub] = peer
         self._counters[hub] = state.counter
         self._network.joined(peer)
-        self._network.announced(peer, state.announcement)
+        self._take(peer, state.announcement)
         for counter, data in self._early.pop(hub, ()):
             self._change(hub, counter, data)
         self._answer_early(hub)
@@ -588,11 +588,15 @@ class ZenohBackplane(Backplane):
             return
         self._counters[hub] = counter
         try:
-            self._network.announced(
-                self._peers[hub], decode_announcement(data, partial(self._skip, hub))
-            )
+            announcement = decode_announcement(data, partial(self._skip, hub))
         except FederationError as error:
             self._report(error, hub)
+            return
+        self._take(self._peers[hub], announcement)
+
+    def _take(self, peer: Peer, announcement: Announcement) -> None:
+        """Take what a hub announces in turns, after what it has announced before."""
+        self._network.finish(self._network.announced(peer, announcement))
 
     def _answer_state(self, query: zenoh.Query) -> None:
         """Tell another hub everything."""

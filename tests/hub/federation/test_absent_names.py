@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -54,10 +54,10 @@ async def robots(
 ) -> AsyncIterator[Robots]:
     path, announced, announce = tmp_path / "tokens.toml", list[str](), Federation.announced
 
-    def record(self: Federation, peer: Peer, announcement: Announcement) -> None:
+    def record(self: Federation, peer: Peer, announcement: Announcement) -> Iterator[None]:
         if self.hub.name == "robot":
             announced.append(str(announcement))
-        announce(self, peer, announcement)
+        return announce(self, peer, announcement)
 
     monkeypatch.setattr(Federation, "announced", record)
     admin = TokenFile(path).add("operator", Rights(admin=True))

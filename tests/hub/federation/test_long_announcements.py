@@ -1,0 +1,127 @@
+"""An announcement of many records is taken record by record, whatever brings it."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Callable, Iterator
+from typing import Any
+from unittest.mock import Mock
+
+import pytest
+
+from fibws.hub.audit import Audit
+from fibws.hub.federation import link as links
+from fibws.hub.federation.federation import Federation
+from fibws.hub.federation.link import Link
+from fibws.hub.federation.names import NameView
+from fibws.hub.federation.records import HubInfo
+
+from ..fakes import ADD, FIBONACCI, INT32, FakeHub
+from ..work_clock import WorkClock
+from .test_link import HELLO, ID, NODE, record
+
+FEW, MANY = 50, 1000
+LIMIT = 1.2
+"""How many times as much work there may be between two steps if there are twenty times as many
+records."""
+RECORDS: dict[str, dict[str, Any]] = {
+    "nodes": NODE,
+    "topics": {"type": INT32, "subscribers": ["/there"]},
+    "services": {"node": "/there", "type": ADD, "since": 0},
+    "actions": {"node": "/there", "type": FIBONACCI, "since": 0},
+    "parameters": {"stamp": 1, "hub": ID, "value": "1"},
+}
+
+
+class World:
+    """A hub without sockets, and a link to another one."""
+
+    def __init__(self) -> None:
+        self.hub = FakeHub(share_params=("/shared",))
+        clock, settings = self.hub.clock, self.hub.settings
+        this = HubInfo(id="a" * 16, name="this")
+        self.federation = Federation(self.hub.graph, this, clock, settings, Audit(clock.time))
+        self.link = Link(
+            "accept",
+            Mock(),
+            self.federation,
+            this,
+            view=NameView(hub="this"),
+            node="/other",
+            principal=None,
+            address="",
+            clock=clock,
+            now=lambda: 1,
+            max_size=settings.max_message_size,
+            max_queued=settings.max_queued_bytes,
+            max_incoming=settings.max_total_incoming_bytes,
+        )
+        self.receive(record(links.HELLO, HELLO), record(links.PONG, struct.pack("<qq", 1, 1)))
+
+    def receive(self, *records: bytes) -> None:
+        for _ in self.link.receive(b"".join(records)):
+            pass
+
+
+def announcement(kind: str, count: int) -> bytes:
+    records = {f"/shared/name_{each}": RECORDS[kind] for each in range(count)}
+    return json.dumps({kind: records}).encode()
+
+
+def longest_step(steps: Iterator[None]) -> tuple[int, int]:
+    """Take steps; return how many there are, and the most work in one of them."""
+    clock, count = WorkClock(), [0]
+
+    def take() -> None:
+        for _ in steps:
+            count[0] += 1
+            clock()
+
+    clock.measure(take)
+    return count[0], clock.longest
+
+
+Take = Callable[[World, bytes], Iterator[None]]
+
+
+def by_link(world: World, data: bytes) -> Iterator[None]:
+    return world.link.receive(record(links.ANNOUNCE, data))
+
+
+@pytest.mark.parametrize("kind", RECORDS)
+def test_records_of_a_link_are_taken_one_by_one(kind: str) -> None:
+    longest = {}
+    for count in (FEW, MANY):
+        world = World()
+        by = [by_link(world, announcement(kind, each)) for each in (1, count)]
+        longest_step(by[0])  # It warms caches.
+        steps, longest[count] = longest_step(by[1])
+        assert steps >= count
+    assert longest[MANY] <= LIMIT * longest[FEW], longest
+
+
+def test_the_rest_of_an_announcement_is_ignored_once_the_hub_is_lost() -> None:
+    world = World()
+    steps = by_link(world, announcement("nodes", 3))
+    next(steps)
+    world.link.closed("it is gone")
+    for _ in steps:
+        pass
+    world.hub.clock.turn()
+    assert not world.hub.graph.nodes
+
+
+def test_value_may_come_after_the_end_of_the_namespace_that_it_replaces() -> None:
+    world = World()
+    for name, stamp, value in (
+        ("/shared/arm", 1, "1"),
+        ("/shared/arm", 2, None),
+        ("/shared/arm/length", 2, "2"),
+        ("/shared/arm/length", 3, None),
+        ("/shared/arm", 3, "3"),
+    ):
+        change = {"stamp": stamp, "hub": ID, "value": value}
+        text = json.dumps({"parameters": {name: change}}).encode()
+        world.receive(record(links.ANNOUNCE, text))
+    assert world.hub.graph.parameters.text("/shared/arm") == b"3"
