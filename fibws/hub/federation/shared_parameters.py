@@ -104,20 +104,25 @@ class SharedParameters:
         finally:
             self._is_applying = False
         self._changed(name)
-        self._compare(name)
+        if not (record.value == EMPTY and self._is_full(name)):
+            self._compare(name)
 
     def _apply(self, name: str, value: str | None, node: str) -> None:
         """Make a change of another hub; a namespace that is not empty here remains.
 
         What was deleted from it has records of its own, and what is new in it is not known there.
         """
-        graph, parameters = self._graph, self._graph.parameters
-        is_full = parameters.has(name) and not parameters.is_leaf(name)
+        graph, is_full = self._graph, self._is_full(name)
         if value is None and not is_full:
             graph.delete_parameter(node, name)
             self._remove_emptied(name, node)
         elif value is not None and not (value == EMPTY and is_full):
             graph.set_parameter(node, name, native(from_json(value)))
+
+    def _is_full(self, name: str) -> bool:
+        """Return whether a name is that of a namespace with parameters."""
+        parameters = self._graph.parameters
+        return parameters.has(name) and not parameters.is_leaf(name)
 
     def _remove_emptied(self, name: str, node: str) -> None:
         """Delete the namespaces that a deletion has left empty, unless they are so elsewhere."""

@@ -112,16 +112,34 @@ def test_the_rest_of_an_announcement_is_ignored_once_the_hub_is_lost() -> None:
     assert not world.hub.graph.nodes
 
 
-def test_value_may_come_after_the_end_of_the_namespace_that_it_replaces() -> None:
+Changes = list[tuple[str, int, str | None]]
+
+
+def shared(changes: Changes) -> bytes:
+    """Return what is at ``/shared`` after changes that come one by one."""
     world = World()
-    for name, stamp, value in (
+    for name, stamp, value in changes:
+        change = {"stamp": stamp, "hub": ID, "value": value}
+        text = json.dumps({"parameters": {name: change}}).encode()
+        world.receive(record(links.ANNOUNCE, text))
+    return world.hub.graph.parameters.text("/shared")
+
+
+def test_value_may_come_after_the_end_of_the_namespace_that_it_replaces() -> None:
+    changes: Changes = [
         ("/shared/arm", 1, "1"),
         ("/shared/arm", 2, None),
         ("/shared/arm/length", 2, "2"),
         ("/shared/arm/length", 3, None),
         ("/shared/arm", 3, "3"),
-    ):
-        change = {"stamp": stamp, "hub": ID, "value": value}
-        text = json.dumps({"parameters": {name: change}}).encode()
-        world.receive(record(links.ANNOUNCE, text))
-    assert world.hub.graph.parameters.text("/shared/arm") == b"3"
+    ]
+    assert shared(changes) == b'{"arm":3}'
+
+
+def test_empty_namespace_may_come_before_the_end_of_what_was_in_it() -> None:
+    changes: Changes = [
+        ("/shared/arm/length", 1, "1"),
+        ("/shared/arm", 2, "{}"),
+        ("/shared/arm/length", 2, None),
+    ]
+    assert shared(changes) == b'{"arm":{}}'
