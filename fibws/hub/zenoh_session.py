@@ -222,6 +222,14 @@ def lossless() -> dict[str, Any]:
     }
 
 
+def preferred() -> dict[str, Any]:
+    """Return the arguments of small messages that wait for no receiver, and for no other message.
+
+    They are dropped only for a receiver for which too much waits that is `lossless`.
+    """
+    return {**lossy(), "priority": lossless()["priority"]}
+
+
 class Calls(threading.Thread):
     """Makes calls of zenoh that may wait for the network, one after the other.
 

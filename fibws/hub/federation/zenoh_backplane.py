@@ -4,17 +4,21 @@ Each hub is a zenoh router, so that hubs need no other program; they can also co
 Below ``fibws/DOMAIN`` the keys are:
 
     hubs/HUB                 liveliness token of a hub, whose id HUB is
-    HUB/state                announcements, with a counter; a query returns everything
+    HUB/state                announcements, with a counter; a query returns all that has changed
+                             after the announcement ``since``, in pieces; without that everything
     HUB/data/NUMBER/TOPIC    messages of one publisher, in ROS 1's serialization; the attachment is
                              u64 sequence, i64 stamp, 16 bytes of the type's md5, the node's name
     HUB/interest             u64 publisher's number, u8 1 or 0, and the id of the hub that has
                              subscribed to its messages, or does not any more
     HUB/request              queries: see `records.Request`; fields are JSON in the attachment
     HUB/cancel               the other hub's id and the number of its request
-    HUB/ping                 queries for the hub's time
+    HUB/ping                 queries for the hub's time; the counter of announcements is attached
 
 A hub subscribes to the messages that somebody needs, and reports that to their hub, which sends
 nothing to the network while nobody does. A matching listener reports subscribers that vanish.
+
+Messages and announcements are dropped for a hub that does not read, so that it delays no other.
+Once it reads again, it asks for the announcements that it has missed.
 
 Calls of zenoh may wait for the network: they are made in threads. Its callbacks come in threads,
 too, and hand their data to the event loop.
@@ -24,7 +28,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import struct
+import sys
 import time
 from functools import partial
 from itertools import chain, count
@@ -38,6 +44,7 @@ from pydantic_core import from_json, to_json
 from fibws.access.rights import Principal
 from fibws.errors import FederationError
 from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer, call_all
+from fibws.hub.federation.change_log import ChangeLog
 from fibws.hub.federation.names import NameView
 from fibws.hub.federation.records import (
     Announcement,
@@ -68,6 +75,7 @@ from fibws.hub.zenoh_session import (
     lossless,
     lossy,
     open_session,
+    preferred,
 )
 
 if TYPE_CHECKING:
@@ -89,7 +97,9 @@ BUSY = 256 * 1024
 MOST_USERS = 10_000
 """Hubs that may subscribe to one publisher."""
 MOST_EARLY = 1000
-"""Announcements and requests of a hub that are kept until it has told what it had before."""
+"""Requests of a hub that are kept until it has told what it has."""
+MOST_AHEAD = 1024 * 1024
+"""Bytes of a hub's announcements that are kept until it has told what was missed before them."""
 
 _ATTACHMENT = struct.Struct("<Qq16s")
 _COUNTER = struct.Struct("<Q")
@@ -108,6 +118,52 @@ class _State(BaseModel):
     time: int
     counter: Number
     announcement: Announcement
+    since: Number = 0
+    """The counter after which all changes are in it; 0 if all that there is."""
+    more: bool = False
+    """Whether the hub has more to tell."""
+
+
+class _Known:
+    """What is known of the announcements of another hub.
+
+    Attributes:
+        counter: of the last one that was taken.
+        promised: the counter that the hub has told with the last ping.
+        is_asked: whether the hub was asked for what was missed.
+        delay: the seconds until it is asked again if it does not answer.
+    """
+
+    __slots__ = ("_ahead", "_ahead_bytes", "counter", "delay", "is_asked", "promised")
+
+    def __init__(self) -> None:
+        self.counter = 0
+        self.promised = 0
+        self.is_asked = False
+        self.delay = FIRST_RETRY / 2
+        self._ahead: dict[int, bytes] = {}
+        self._ahead_bytes = 0
+
+    def keep(self, counter: int, data: bytes) -> None:
+        """Keep an announcement until those before it are known, if there is room."""
+        if self._ahead_bytes + len(data) <= MOST_AHEAD:
+            self._ahead[counter] = data
+            self._ahead_bytes += len(data)
+
+    def take_next(self) -> bytes | None:
+        """Return the announcement that follows, if it was kept; forget earlier ones."""
+        for counter in [each for each in self._ahead if each <= self.counter]:
+            self._ahead_bytes -= len(self._ahead.pop(counter))
+        data = self._ahead.pop(self.counter + 1, None)
+        if data is not None:
+            self._ahead_bytes -= len(data)
+            self.counter += 1
+        return data
+
+    @property
+    def has_gap(self) -> bool:
+        """Whether announcements are missing before those that are kept."""
+        return bool(self._ahead)
 
 
 class _Publisher:
@@ -174,16 +230,10 @@ class ZenohBackplane(Backplane):
         """By the ids of the hubs."""
         self._alive: set[str] = set()
         """The hubs that have a token."""
-        self._counters: dict[str, int] = {}
-        """The counter of each hub's last announcement."""
-        self._delays: dict[str, float] = {}
-        """The seconds until each hub that has not told what it has is asked again."""
-        self._early: dict[str, list[tuple[int, bytes]]] = {}
+        self._known: dict[str, _Known] = {}
         self._early_queries: dict[str, list[zenoh.Query]] = {}
         """Requests of hubs that are not known yet, by their ids."""
-        self._state: dict[str, dict[str, Any]] = {}
-        """The announced records, by kind and name."""
-        self._counter = 0
+        self._log = ChangeLog()
         self._publishers: dict[int, _Publisher] = {}
         self._wanted: set[tuple[str, int]] = set()
         """The publishers of other hubs, by hub and number, whose messages are asked for."""
@@ -238,7 +288,11 @@ class ZenohBackplane(Backplane):
             ),
             session.declare_queryable(
                 f"{own}/ping",
-                lambda query: query.reply(f"{own}/ping", _TIME.pack(time.time_ns())),
+                lambda query: query.reply(
+                    f"{own}/ping",
+                    _TIME.pack(time.time_ns()),
+                    attachment=_COUNTER.pack(self._log.counter),
+                ),
                 complete=True,
             ),
             session.declare_subscriber(
@@ -292,20 +346,15 @@ class ZenohBackplane(Backplane):
 
     def announce(self, announcement: Announcement) -> None:
         """Send changes, and declare the publishers in them."""
-        for kind in ("nodes", "topics", "services", "actions", "parameters"):
-            records = self._state.setdefault(kind, {})
-            for name, record in getattr(announcement, kind).items():
-                older = records.pop(name, None)
-                if record is not None:
-                    records[name] = record
-                if kind == "topics":
-                    self._update_publishers(name, older, record)
-        self._counter += 1
-        data, counter = encode_announcement(announcement), _COUNTER.pack(self._counter)
+        for name, record in announcement.topics.items():
+            self._update_publishers(name, self._log.find("topics", name), record)
+        counter = _COUNTER.pack(self._log.add(announcement))
+        data = encode_announcement(announcement)
         key = f"{self._base}/{self._hub.id}/state"
 
         def send() -> None:
-            self._session.put(key, data, attachment=counter, **_in_order())
+            # It must not overtake messages, nor wait for a hub that does not read.
+            self._session.put(key, data, attachment=counter, **lossy())
             if self._control.bytes <= BUSY:
                 self._inbox.put(self._network.idle, self)
 
@@ -357,7 +406,7 @@ class ZenohBackplane(Backplane):
         """Report that messages of a publisher pass."""
         found = self._publishers.get(number)
         if found is not None:
-            put = partial(self._session.put, found.key, b"", attachment=_FLOWING, **_in_order())
+            put = partial(self._session.put, found.key, b"", attachment=_FLOWING, **preferred())
             self._control.call(put)
 
     def _put(self, publisher: _Publisher, data: bytes | bytearray, attachment: bytes) -> None:
@@ -466,11 +515,19 @@ class ZenohBackplane(Backplane):
             self._lose(hub, "it has left the zenoh network")
         elif hub not in self._alive:
             self._alive.add(hub)
-            self._ask_state(hub)
+            self._begin(hub)
 
-    def _ask_state(self, hub: str) -> None:
+    def _begin(self, hub: str) -> None:
+        """Ask a hub for everything that it has."""
+        self._known[hub] = known = _Known()
+        self._ask(hub, known)
 
-        self._early[hub] = []
+    def _ask(self, hub: str, known: _Known) -> None:
+        """Ask a hub for what it has announced since what is known."""
+        if self._known.get(hub) is not known:
+            return
+        known.is_asked = True
+        key = f"{self._base}/{hub}/state?since={known.counter}"
         times: list[int] = []
         answers: list[bytes] = []
 
@@ -480,27 +537,23 @@ class ZenohBackplane(Backplane):
                 answers.append(reply.ok.payload.to_bytes())
 
         def ended() -> None:
-            self._inbox.put(self._join, hub, answers, times)
+            self._inbox.put(self._told, hub, known, answers, times)
 
         def get() -> None:
             times.append(time.time_ns())
-            self._session.get(
-                f"{self._base}/{hub}/state",
-                direct(replied, ended),
-                timeout=STATE_TIMEOUT,
-                **lossless(),
-            )
+            self._session.get(key, direct(replied, ended), timeout=STATE_TIMEOUT, **lossless())
 
         self._control.call(get)
 
-    def _join(self, hub: str, answers: list[bytes], times: list[int]) -> None:
-        """Take everything that a hub has, or ask again.
+    def _told(self, hub: str, known: _Known, answers: list[bytes], times: list[int]) -> None:
+        """Take what a hub has told, or ask again.
 
         Args:
             times: when it was asked, and when it answered.
         """
-        if hub not in self._alive or hub in self._peers:
+        if self._known.get(hub) is not known:
             return
+        known.is_asked = False
         try:
             state = _decode_state(answers[0], partial(self._skip, hub)) if answers else None
         except FederationError as error:
@@ -508,29 +561,37 @@ class ZenohBackplane(Backplane):
             return
         if state is None or state.hub.id != hub:
             # Its token may arrive before the network knows that it can be asked.
-            self._delays[hub] = delay = min(2 * self._delays.get(hub, FIRST_RETRY / 2), RETRY)
-            self._loop.call_later(delay, self._ask_again, hub)
+            known.is_asked = True
+            known.delay = min(2 * known.delay, RETRY)
+            self._loop.call_later(known.delay, self._ask, hub, known)
             return
+        if state.since != known.counter:
+            logger.info("Hub %s: announcements were lost.", printable(state.hub.name))
+            self._lose(hub, "announcements were lost")
+            self._begin(hub)
+            return
+        known.delay, known.counter = FIRST_RETRY / 2, state.counter
+        peer = self._peers.get(hub)
+        if peer is None:
+            peer = self._join(state, times)
+        self._take(peer, state.announcement)
+        if state.more:
+            self._ask(hub, known)
+        else:
+            self._catch_up(peer, known)
+
+    def _join(self, state: _State, times: list[int]) -> Peer:
         address = f"zenoh, domain {self._domain}"
         peer = Peer(state.hub, self, address, connected=time.time_ns())
         peer.measured(times[0], state.time, times[1])
-        self._peers[hub] = peer
-        self._counters[hub] = state.counter
+        self._peers[peer.hub.id] = peer
         self._network.joined(peer)
-        self._take(peer, state.announcement)
-        for counter, data in self._early.pop(hub, ()):
-            self._change(hub, counter, data)
-        self._answer_early(hub)
-
-    def _ask_again(self, hub: str) -> None:
-        if hub in self._alive and hub not in self._peers:
-            self._ask_state(hub)
+        self._answer_early(peer.hub.id)
+        return peer
 
     def _lose(self, hub: str, reason: str) -> None:
         peer = self._peers.pop(hub, None)
-        self._early.pop(hub, None)
-        self._delays.pop(hub, None)
-        self._counters.pop(hub, None)
+        self._known.pop(hub, None)
         self._skipped = {each for each in self._skipped if each[0] != hub}
         lost = failure(f"the hub is lost: {reason}", "server_lost")
         requests = [id_ for id_, (of, *_) in self._requests.items() if of == hub]
@@ -571,42 +632,43 @@ class ZenohBackplane(Backplane):
         if hub == self._hub.id or len(attachment) != _COUNTER.size:
             return
         (counter,) = _COUNTER.unpack(attachment)
-        early = self._early.get(hub)
-        if hub in self._peers:
-            self._change(hub, counter, data)
-        elif early is not None and len(early) < MOST_EARLY:
-            early.append((counter, data))
+        known, peer = self._known.get(hub), self._peers.get(hub)
+        if known is not None and counter > known.counter:
+            known.keep(counter, data)
+            if peer is not None and not known.is_asked:
+                self._catch_up(peer, known)
 
-    def _change(self, hub: str, counter: int, data: bytes) -> None:
-        known = self._counters[hub]
-        if counter <= known:
-            return
-        if counter > known + 1:
-            logger.info("Hub %s: announcements were lost.", self._peers[hub].hub.name)
-            self._lose(hub, "announcements were lost")
-            self._ask_state(hub)
-            return
-        self._counters[hub] = counter
-        try:
-            announcement = decode_announcement(data, partial(self._skip, hub))
-        except FederationError as error:
-            self._report(error, hub)
-            return
-        self._take(self._peers[hub], announcement)
+    def _catch_up(self, peer: Peer, known: _Known) -> None:
+        """Take the announcements that follow what is known; ask for those that are missing."""
+        hub = peer.hub.id
+        while (data := known.take_next()) is not None:
+            try:
+                announcement = decode_announcement(data, partial(self._skip, hub))
+            except FederationError as error:
+                self._report(error, hub)
+                continue
+            self._take(peer, announcement)
+        if known.has_gap:
+            self._ask(hub, known)
 
     def _take(self, peer: Peer, announcement: Announcement) -> None:
         """Take what a hub announces in turns, after what it has announced before."""
         self._network.finish(self._network.announced(peer, announcement))
 
     def _answer_state(self, query: zenoh.Query) -> None:
-        """Tell another hub everything."""
-        announcement = Announcement.model_construct(None, **self._state)
+        """Tell another hub what it does not know yet; everything if it cannot ask for that."""
+        asked = str(query.parameters.get("since") or "")
+        since = int(asked) if re.fullmatch("[0-9]{1,19}", asked) else 0
+        since = since if self._log.covers(since) else 0
+        piece = self._log.piece(since) if asked else self._log.piece(0, sys.maxsize)
         state = _State.model_construct(
             None,
             hub=self._hub,
             time=time.time_ns(),
-            counter=self._counter,
-            announcement=announcement,
+            counter=piece.counter,
+            announcement=piece.announcement,
+            since=since,
+            more=not piece.is_last,
         )
         data = state.model_dump_json(exclude_defaults=True).encode()
         key = f"{self._base}/{self._hub.id}/state"
@@ -754,8 +816,19 @@ class ZenohBackplane(Backplane):
             if reply.ok is not None and len(reply.ok.payload) == _TIME.size:
                 (theirs,) = _TIME.unpack(reply.ok.payload.to_bytes())
                 self._inbox.put(peer.measured, sent, theirs, now)
+                counter = reply.ok.attachment
+                if counter is not None and len(counter) == _COUNTER.size:
+                    self._inbox.put(self._promised, hub, *_COUNTER.unpack(counter.to_bytes()))
 
         self._session.get(f"{self._base}/{hub}/ping", replied, timeout=PING_INTERVAL, **lossless())
+
+    def _promised(self, hub: str, counter: int) -> None:
+        """Ask for announcements that should have come since the last ping but one."""
+        known = self._known.get(hub)
+        if known is not None:
+            if known.promised > known.counter and not known.is_asked and hub in self._peers:
+                self._ask(hub, known)
+            known.promised = counter
 
     def _count_dropped(self) -> None:
         self.dropped += 1
@@ -797,13 +870,6 @@ def _decode_state(data: bytes, skipped: Skipped) -> _State:
         raise FederationError(f"invalid state: {error}") from None
     announcement = decode_announcement(announced, skipped)
     return state.model_copy(update={"announcement": announcement})
-
-
-def _in_order() -> dict[str, Any]:
-    """Return the arguments of what must not be lost, nor overtake or be overtaken by messages."""
-    import zenoh
-
-    return {"congestion_control": zenoh.CongestionControl.BLOCK}
 
 
 def _data_key(base: str, hub: str, number: int, topic: str) -> str:

@@ -29,7 +29,7 @@ ROUNDS, SIZE = 700, 60_000
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="processes cannot be stopped there")
-async def test_hub_that_is_stopped_costs_another_one_no_message(
+async def test_hub_that_is_stopped_costs_another_one_no_message_nor_announcement(
     start_hub: StartHub, start_node: StartNode, tmp_path: Path
 ) -> None:
     source = await start_hub(zenoh_listen=(ANY_PORT,), zenoh_config=zenoh_config(tmp_path))
@@ -75,11 +75,16 @@ async def test_hub_that_is_stopped_costs_another_one_no_message(
             process.send_signal(signal.SIGSTOP)
             for number in range(ROUNDS):
                 await publish(number, "x" * SIZE)
+            late = await talker.advertise("late", String, peers=True)
+            await until(lambda: "/late" in reading.graph.topics, reading)
             process.send_signal(signal.SIGCONT)
             for number in count(ROUNDS):
                 await publish(number, "end")
                 if ended.is_set():
                     break
+            # It learns what it has missed.
+            node.subscribe("late", String)
+            await peers(late, 1)
             # zenoh disconnects a receiver that it has waited for in vain.
             assert not lost
     finally:
