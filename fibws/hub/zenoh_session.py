@@ -1,8 +1,9 @@
 """zenoh sessions (https://zenoh.io), and the threads between them and the event loop.
 
-Calls of zenoh may wait for the network, so they are made in threads: messages in those of `Lanes`,
-which wait for no receiver, and all others in those of `Calls`. zenoh's callbacks come in threads,
-too, and hand their data to the event loop (`Inbox`).
+Calls of zenoh may wait for the network, so they are made in threads: messages in those of `Lanes`
+and declarations in that of `Calls`, which wait for no receiver, and all others in those of
+`Receivers`. zenoh's callbacks come in threads, too, and hand their data to the event loop
+(`Inbox`).
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import logging
 import re
 import threading
 import time
-from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter, deque
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from heapq import heappop, heappush
 from itertools import count
 from pathlib import Path
@@ -42,6 +43,8 @@ LARGE = 64 * 1024
 """Bytes of a message from which on it is sent in the thread for large messages."""
 LANE_BYTES = 2 * 1024 * 1024
 """Bytes of one publisher that may wait; its newest message always may."""
+LINGER = 0.5
+"""Seconds without calls after which a receiver's thread ends."""
 TURN = 0.001
 """Seconds for which arrivals are handled before others have their turn."""
 
@@ -231,7 +234,7 @@ def preferred() -> dict[str, Any]:
 
 
 class Calls(threading.Thread):
-    """Makes calls of zenoh that may wait for the network, one after the other.
+    """Makes calls of zenoh one after the other: those that wait for no receiver.
 
     Attributes:
         bytes: what waits.
@@ -270,6 +273,78 @@ class Calls(threading.Thread):
                 self.bytes -= size
             _attempt(job, lambda: self._is_closed)
             del job  # It may hold a query, which ends when nothing refers to it.
+
+
+class Receivers:
+    """Makes calls of zenoh that may wait for a receiver: one that stands still delays no other.
+
+    Those for one receiver are made one after the other, in a thread that ends when nothing waits.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._changed = threading.Condition()
+        self._jobs: dict[Hashable, deque[tuple[Callable[[], object], int]]] = {}
+        """What waits for each receiver that has a thread."""
+        self._bytes: Counter[Hashable] = Counter()
+        self._is_closed = False
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all calls that wait or are being made."""
+        with self._changed:
+            return self._bytes.total()
+
+    def waiting(self, receiver: Hashable) -> int:
+        """Return the bytes of the calls for a receiver that wait or are being made."""
+        with self._changed:
+            return self._bytes[receiver]
+
+    def call(self, receiver: Hashable, job: Callable[[], object], size: int = 0) -> None:
+        """Call a function after those that wait for the same receiver."""
+        with self._changed:
+            if self._is_closed:
+                return
+            self._bytes[receiver] += size
+            if receiver in self._jobs:
+                self._jobs[receiver].append((job, size))
+                self._changed.notify_all()
+                return
+            self._jobs[receiver] = jobs = deque([(job, size)])
+        arguments = (receiver, jobs)
+        threading.Thread(target=self._run, args=arguments, name=self._name, daemon=True).start()
+
+    def forget(self, receiver: Hashable) -> None:
+        """Drop what waits for a receiver that is gone."""
+        with self._changed:
+            if jobs := self._jobs.get(receiver):
+                self._bytes[receiver] -= sum(size for _, size in jobs)
+                jobs.clear()
+
+    def close(self) -> None:
+        """Take no more; the threads end once all is done that waits."""
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify_all()
+
+    def join(self, timeout: float) -> None:
+        """Wait until all threads have ended."""
+        with self._changed:
+            self._changed.wait_for(lambda: not self._jobs, timeout)
+
+    def _run(self, receiver: Hashable, jobs: deque[tuple[Callable[[], object], int]]) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: jobs or self._is_closed, LINGER)
+                if not jobs:
+                    del self._jobs[receiver], self._bytes[receiver]
+                    self._changed.notify_all()
+                    return
+                job, size = jobs.popleft()
+            _attempt(job, lambda: self._is_closed)
+            del job  # It may hold a query, which ends when nothing refers to it.
+            with self._changed:
+                self._bytes[receiver] -= size
 
 
 class Lane:

@@ -14,7 +14,7 @@ from conftest import StartHub
 from websockets.asyncio.client import connect
 
 import fibws
-from fibws.errors import HubError, InterfaceError, SettingError
+from fibws.errors import HubError, SettingError
 from fibws.hub import Hub, Settings, server
 
 from .raw_client import (

@@ -10,7 +10,8 @@ from functools import partial
 import pytest
 from patience import PATIENCE
 
-from fibws.hub.zenoh_session import LANE_BYTES, LARGE, Inbox, Lane, Lanes
+from fibws.hub import zenoh_session
+from fibws.hub.zenoh_session import LANE_BYTES, LARGE, Inbox, Lane, Lanes, Receivers
 
 
 async def test_inbox_drops_the_oldest_messages_and_no_other_calls() -> None:
@@ -191,3 +192,65 @@ def test_message_that_cannot_be_sent_is_logged_and_the_next_one_sent(
     sending.lanes.send(lane, fail, 1, 1)
     sending.wait(lane)
     assert "zenoh: no session" in caplog.text
+
+
+@pytest.fixture
+def receivers() -> Iterator[Receivers]:
+    found = Receivers("test")
+    yield found
+    found.close()
+    found.join(PATIENCE)
+
+
+def test_receiver_that_stands_still_delays_no_other_and_has_its_calls_in_order(
+    receivers: Receivers,
+) -> None:
+    go_on, is_stuck, is_done = threading.Event(), threading.Event(), threading.Event()
+    made: list[object] = []
+
+    def wait() -> None:
+        is_stuck.set()
+        go_on.wait(PATIENCE)
+
+    receivers.call("still", wait, 10)
+    assert is_stuck.wait(PATIENCE)
+    for number in range(3):
+        receivers.call("still", partial(made.append, number), 1)
+    other = threading.Event()
+    receivers.call("other", other.set)
+    assert other.wait(PATIENCE)
+    assert made == []
+    assert (receivers.waiting("still"), receivers.waiting("other"), receivers.bytes) == (13, 0, 13)
+    receivers.call("still", is_done.set)
+    go_on.set()
+    assert is_done.wait(PATIENCE)
+    assert made == [0, 1, 2]
+
+
+def test_calls_for_a_receiver_that_is_gone_are_dropped(receivers: Receivers) -> None:
+    go_on, is_stuck, is_done = threading.Event(), threading.Event(), threading.Event()
+    made: list[object] = []
+
+    def wait() -> None:
+        is_stuck.set()
+        go_on.wait(PATIENCE)
+
+    receivers.call("gone", wait, 10)
+    assert is_stuck.wait(PATIENCE)
+    receivers.call("gone", partial(made.append, 1), 5)
+    receivers.forget("gone")
+    assert receivers.bytes == 10
+    go_on.set()
+    receivers.call("gone", is_done.set)
+    assert is_done.wait(PATIENCE)
+    assert made == []
+
+
+def test_threads_of_receivers_end_when_nothing_waits(
+    receivers: Receivers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(zenoh_session, "LINGER", 0.0)
+    for number in range(5):
+        receivers.call(number, lambda: None, 1)
+    receivers.join(PATIENCE)
+    assert receivers._jobs == {} and receivers.bytes == 0 and not receivers._bytes

@@ -69,6 +69,7 @@ from fibws.hub.zenoh_session import (
     Inbox,
     Lane,
     Lanes,
+    Receivers,
     call_in_thread,
     close_session,
     direct,
@@ -225,6 +226,9 @@ class ZenohBackplane(Backplane):
         self._session: zenoh.Session
         self._inbox = Inbox(loop, max_queued)
         self._control = Calls("zenoh-control")
+        self._receivers = Receivers("zenoh-receivers")
+        """For what waits for a hub, by its id."""
+        self._max_queued = max_queued
         self._lanes = Lanes("zenoh", max_queued, self._count_dropped)
         self._peers: dict[str, Peer] = {}
         """By the ids of the hubs."""
@@ -336,8 +340,8 @@ class ZenohBackplane(Backplane):
 
     @property
     def waiting_bytes(self) -> int:
-        """Bytes of messages that wait for the network, and from it; both are bounded."""
-        return self._lanes.bytes + self._inbox.bytes
+        """Bytes of messages and requests that wait for the network, and from it."""
+        return self._lanes.bytes + self._receivers.bytes + self._inbox.bytes
 
     @property
     def is_busy(self) -> bool:
@@ -432,7 +436,7 @@ class ZenohBackplane(Backplane):
                 self._subscribers[hub, number] = found
             if is_wanted is wanted:
                 report = _INTEREST.pack(number, wanted) + self._hub.id.encode()
-                self._session.put(f"{self._base}/{hub}/interest", report, **lossless())
+                self._put_for(hub, "interest", report)
 
         if wanted:
             self._wanted.add((hub, number))
@@ -440,10 +444,22 @@ class ZenohBackplane(Backplane):
             self._wanted.discard((hub, number))
         self._control.call(subscribe)
 
+    def _put_for(self, hub: str, key: str, data: bytes) -> None:
+        """Send something to one hub, after what waits for it."""
+        put = partial(self._session.put, f"{self._base}/{hub}/{key}", data, **lossless())
+        self._receivers.call(hub, put, len(data))
+
+    def _is_full(self, hub: str, size: int) -> bool:
+        """Return whether too much waits for a hub to send it so many bytes more."""
+        return self._receivers.waiting(hub) + size > self._max_queued
+
     def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
         """Query another hub; see `Backplane`."""
         import zenoh
 
+        if self._is_full(peer.hub.id, len(request.body)) and not request.must_arrive:
+            on_reply(failure(f"too much waits for hub {peer.hub.name}", "limit"))
+            return lambda: None
         id_, token = next(self._ids), zenoh.CancellationToken()
         self._requests[id_] = peer.hub.id, on_reply, token
         fields = {"op": request.op, **request.fields, "hub": self._hub.id, "id": str(id_)}
@@ -467,14 +483,12 @@ class ZenohBackplane(Backplane):
                 **lossless(),
             )
 
-        self._control.call(get)
+        self._receivers.call(peer.hub.id, get, len(request.body))
 
         def cancel() -> None:
             if self._requests.pop(id_, None) is not None:
-                key = f"{self._base}/{peer.hub.id}/cancel"
-                data = f"{self._hub.id} {id_}".encode()
-                self._control.call(lambda: self._session.put(key, data, **lossless()))
-                self._control.call(token.cancel)
+                self._put_for(peer.hub.id, "cancel", f"{self._hub.id} {id_}".encode())
+                self._receivers.call(peer.hub.id, token.cancel)
 
         return cancel
 
@@ -499,9 +513,11 @@ class ZenohBackplane(Backplane):
     def _close_session(self) -> None:
         _undeclare(*reversed(self._declared))
         self._control.close()
+        self._receivers.close()
         self._lanes.close()
         close_session(self._session)
         self._control.join(LEASE)
+        self._receivers.join(LEASE)
         self._lanes.join(LEASE)
 
     # Other hubs.
@@ -527,7 +543,7 @@ class ZenohBackplane(Backplane):
         if self._known.get(hub) is not known:
             return
         known.is_asked = True
-        key = f"{self._base}/{hub}/state?since={known.counter}"
+        key = f"{self._base}/{hub}/state?since={known.counter};hub={self._hub.id}"
         times: list[int] = []
         answers: list[bytes] = []
 
@@ -543,7 +559,7 @@ class ZenohBackplane(Backplane):
             times.append(time.time_ns())
             self._session.get(key, direct(replied, ended), timeout=STATE_TIMEOUT, **lossless())
 
-        self._control.call(get)
+        self._receivers.call(hub, get)
 
     def _told(self, hub: str, known: _Known, answers: list[bytes], times: list[int]) -> None:
         """Take what a hub has told, or ask again.
@@ -607,6 +623,7 @@ class ZenohBackplane(Backplane):
         )
         self._network.finish(call_all(ends))
         self._wanted = {each for each in self._wanted if each[0] != hub}
+        self._receivers.forget(hub)
         self._control.call(lambda: self._forget_subscribers(hub))
         if peer is not None:
             self._network.lost(peer, reason)
@@ -677,7 +694,7 @@ class ZenohBackplane(Backplane):
             query.reply(key, data)
             query.drop()  # type: ignore[no-untyped-call]
 
-        self._control.call(reply)
+        self._receivers.call(str(query.parameters.get("hub") or ""), reply, len(data))
 
     # Messages.
 
@@ -748,19 +765,11 @@ class ZenohBackplane(Backplane):
         peer = self._peers.get(hub)
         id_ = str(fields.pop("id", ""))
         op = str(fields.pop("op", ""))
-        key = f"{self._base}/{self._hub.id}/request"
 
         def reply(found: Reply) -> None:
             if found.is_final and peer is not None:
                 self._handled.pop((peer.hub.id, id_), None)
-            head = encode_fields({**found.fields, "final": found.is_final})
-
-            def send() -> None:
-                query.reply(key, found.body, attachment=head)
-                if found.is_final:
-                    query.drop()  # type: ignore[no-untyped-call]
-
-            self._control.call(send)
+            self._reply(query, hub, found)
 
         if peer is None:
             waiting = self._early_queries.setdefault(hub, [])
@@ -776,6 +785,22 @@ class ZenohBackplane(Backplane):
         cancel = self._network.requested(peer, Request(op, fields, body), reply)
         if handled in self._handled:
             self._handled[handled] = cancel
+
+    def _reply(self, query: zenoh.Query, hub: str, reply: Reply) -> None:
+        """Answer a request of a hub; if too much waits for it, with an error alone."""
+        if self._is_full(hub, len(reply.body)):
+            if not reply.is_final:
+                return  # It is a goal's feedback.
+            reply = failure("too much waits for this hub", "limit")
+        key = f"{self._base}/{self._hub.id}/request"
+        head = encode_fields({**reply.fields, "final": reply.is_final})
+
+        def send() -> None:
+            query.reply(key, reply.body, attachment=head)
+            if reply.is_final:
+                query.drop()  # type: ignore[no-untyped-call]
+
+        self._receivers.call(hub, send, len(reply.body))
 
     def _cancel(self, data: bytes) -> None:
         hub, _, id_ = data.decode("ascii", "replace").partition(" ")
@@ -820,7 +845,8 @@ class ZenohBackplane(Backplane):
                 if counter is not None and len(counter) == _COUNTER.size:
                     self._inbox.put(self._promised, hub, *_COUNTER.unpack(counter.to_bytes()))
 
-        self._session.get(f"{self._base}/{hub}/ping", replied, timeout=PING_INTERVAL, **lossless())
+        key = f"{self._base}/{hub}/ping"
+        self._session.get(key, replied, timeout=PING_INTERVAL, **preferred())
 
     def _promised(self, hub: str, counter: int) -> None:
         """Ask for announcements that should have come since the last ping but one."""

@@ -26,6 +26,7 @@ from fibws.hub.zenoh_session import (
     Inbox,
     Lane,
     Lanes,
+    Receivers,
     close_session,
     direct,
     lossless,
@@ -197,8 +198,8 @@ class Network:
         self._session: zenoh.Session
         self.inbox = Inbox(loop, max_queued)
         self._control = Calls("ros2-control")
-        self._replies = Calls("ros2-replies")
-        """For responses to clients, each of which may wait for a client that does not read."""
+        self._receivers = Receivers("ros2-receivers")
+        """For requests, by client of a service here, and responses, by client there."""
         self._lanes = Lanes("ros2", max_queued, self._count_dropped)
         self._tokens: Declared
         self._is_open = False
@@ -222,7 +223,6 @@ class Network:
         self.session_id = str(self._session.zid())
         self._is_open = True
         self._control.start()
-        self._replies.start()
         self._lanes.start()
 
     def watch_tokens(self) -> None:
@@ -251,9 +251,9 @@ class Network:
 
     def _close_session(self) -> None:
         self._control.close()
-        self._replies.close()
+        self._receivers.close()
         self._control.join(LEASE)
-        self._replies.join(LEASE)
+        self._receivers.join(LEASE)
         self._lanes.close()
         self._lanes.join(LEASE)
         close_session(self._session)
@@ -382,7 +382,8 @@ class Network:
                 values = read(data)
             except FibwsError as error:
                 self.inbox.put(self.report, f"{key}: {error}")
-                self._reply(query, key, b"", None, str(error))
+                refuse = partial(self._reply, query, key, b"", None, str(error))
+                self._receivers.call(None, refuse)
                 return
 
             def respond(make: Callable[[], tuple[bytes, bytes]] | None, error: str = "") -> None:
@@ -395,7 +396,7 @@ class Network:
                             fault = str(found)
                     self._reply(query, key, data, head, fault)
 
-                self._replies.call(job)
+                self._receivers.call(attachment.gid, job)
 
             self.inbox.put(requested, attachment, values, respond)
 
@@ -479,7 +480,7 @@ class Network:
                 return
             if not querier.matching_status.matching and time.monotonic() < until:
                 # The token of a server may arrive before the network knows the way to it.
-                again = partial(self._loop.call_later, CHECK_AGAIN, self._control.call, job)
+                again = partial(self._loop.call_later, CHECK_AGAIN, self._send, client, job)
                 self._loop.call_soon_threadsafe(again)
                 return
             try:
@@ -494,8 +495,12 @@ class Network:
                 cancellation_token=token,
             )
 
-        self._control.call(job)
-        return lambda: self._control.call(token.cancel)
+        self._send(client, job)
+        return lambda: self._send(client, token.cancel)
+
+    def _send(self, client: Declared, job: Callable[[], object]) -> None:
+        """Call a function in the thread of a client, once that is declared."""
+        self._control.call(partial(self._receivers.call, client, job))
 
     # Checking what arrives.
 
