@@ -329,6 +329,7 @@ class Hub:
         account.add("latched", Part(self._latched, is_metered=True))
         account.add("queues", Part(self.federation.queued))
         account.add("incoming", Part(self.federation.incoming))
+        account.add("hubs", Part(self.federation.records))
         if self.ros1 is not None:
             account.add("queues", Part(self.ros1.queued))
             account.add("incoming", Part(self.ros1.incoming))

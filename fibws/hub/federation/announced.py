@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
+from sys import getsizeof
 from typing import Any, NamedTuple, TypeVar
 
 from fibws.hub.federation.backplane import Peer
@@ -13,6 +14,7 @@ from fibws.hub.federation.records import (
     MOST_RECORDS,
     Announcement,
     Kind,
+    NodeRecord,
     Publisher,
     TopicRecord,
 )
@@ -23,6 +25,11 @@ logger = logging.getLogger("fibws.hub")
 
 KINDS: tuple[Kind, ...] = ("nodes", "topics", "services", "actions")
 """The records that are kept here; `shared_parameters` keeps those of parameters."""
+
+RECORD = 1500
+"""Bytes of memory that a record takes, about, beside its texts and parts."""
+PART = 800
+"""Bytes of memory that a hub on a node's path, or a publisher, takes, about."""
 
 T = TypeVar("T")
 
@@ -48,6 +55,10 @@ class PeerGraph:
         self.peer = peer
         self.quota = quota
         self.is_lost = False
+        self.is_left = False
+        """Whether this hub is about to leave it, since its records take too much memory."""
+        self.bytes = 0
+        """The memory of its records, about, and of what is attached for them."""
         self.names: dict[Kind, set[str]] = {kind: set() for kind in KINDS}
         self.topics_of: dict[str, set[str]] = {}
         """The topics that each node uses."""
@@ -134,6 +145,7 @@ class Announced:
                 logger.warning(text, printable(home.peer.hub.name), MOST_RECORDS, home.ignored)
             return
         home.size += size
+        home.bytes += _bytes(name, record)
         home.names[kind].add(name)
         self._records[kind].setdefault(name, {})[home] = record
         if kind == "topics":
@@ -153,6 +165,7 @@ class Announced:
         if record is None:
             return False
         home.size -= _size(kind, record)
+        home.bytes -= _bytes(name, record)
         home.names[kind].discard(name)
         records = self._records[kind]
         del records[name][home]
@@ -169,6 +182,19 @@ class Announced:
 def _size(kind: Kind, record: Any) -> int:
     """Return how much a record counts towards `MOST_RECORDS`."""
     return 1 + len(record.publishers) + len(record.subscribers) if kind == "topics" else 1
+
+
+def _bytes(name: str, record: Any) -> int:
+    """Return about how much memory a record takes, and what is attached for it."""
+    if isinstance(record, NodeRecord):
+        texts = [text for hub in record.path for text in (hub.name, hub.version)]
+        size = len(record.path) * PART
+    elif isinstance(record, RemoteTopic):
+        texts = [record.type, *record.publishers, *record.subscribers]
+        size = len(record.publishers) * PART
+    else:
+        texts, size = [record.type, record.node], 0
+    return RECORD + size + sum(map(getsizeof, (name, *texts)))
 
 
 def _translated(record: TopicRecord | None, name: str, peer: Peer) -> RemoteTopic | None:

@@ -132,6 +132,10 @@ class Backplane(ABC):
         return
 
     @abstractmethod
+    def leave(self, peer: Peer) -> None:
+        """Leave a hub that has announced too much; it may join again later."""
+
+    @abstractmethod
     def announce(self, announcement: Announcement) -> None:
         """Send changes of what this hub has to all hubs."""
 

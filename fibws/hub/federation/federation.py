@@ -138,6 +138,15 @@ class Federation:
                     end=partial(_give_up, each),
                 )
 
+    def records(self) -> Iterator[Holding]:
+        """Yield what each hub has announced; one that has announced too much is left."""
+        for home in self._remote.homes():
+            yield Holding(
+                self.graph.policy.owner(home.peer.backplane.node),
+                partial(_record_bytes, home),
+                end=partial(_leave, home),
+            )
+
     def watch(self, changed: Callable[[], object]) -> None:
         """Call a function whenever a hub is reached or lost."""
         self._watchers.append(changed)
@@ -384,6 +393,15 @@ def _waiting_bytes(backplane: Backplane) -> int:
 
 def _incomplete_bytes(backplane: Backplane) -> int:
     return backplane.incomplete_bytes
+
+
+def _record_bytes(home: PeerGraph) -> int:
+    return 0 if home.is_left else home.bytes
+
+
+def _leave(home: PeerGraph, bound: Bound) -> None:
+    home.is_left = True
+    home.peer.backplane.leave(home.peer)
 
 
 def _shorten(backplane: Backplane, size: int, least: int, bound: Bound) -> None:

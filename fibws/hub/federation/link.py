@@ -82,6 +82,7 @@ HELLO, ANNOUNCE, INTEREST, FLOWING, MESSAGE, REQUEST, REPLY, CANCEL, PING, PONG,
 SAME_HUB = close_reason(4403, "a hub cannot join itself")
 LOST = CloseReason(1001, "no sign of life from the other hub")
 OVERFULL = close_reason(LIMITED, "too much waits for a hub that does not read")
+TOO_MUCH = close_reason(LIMITED, "it has announced too much for this hub's memory (--max-memory)")
 
 _SIZE = struct.Struct("<IB")
 _INTEREST = struct.Struct("<QB")
@@ -225,6 +226,10 @@ class Link(Backplane):
     def give_up(self) -> None:
         """Close the link; the other hub joins again later."""
         self._wire.close(OVERFULL)
+
+    def leave(self, peer: Peer) -> None:
+        """Close the link, since the other hub has announced too much."""
+        self._wire.close(TOO_MUCH)
 
     def announce(self, announcement: Announcement) -> None:
         """Send changes; large ones in several records."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.federation.announced import Announced, PeerGraph
@@ -94,6 +94,10 @@ class RemoteGraph:
     def home(self, peer: Peer) -> PeerGraph:
         """Return what a hub has announced."""
         return self._homes[peer]
+
+    def homes(self) -> Iterable[PeerGraph]:
+        """Return what all hubs have announced that are reached."""
+        return self._homes.values()
 
     def joined(self, peer: Peer) -> None:
         """Add a hub that is reached."""

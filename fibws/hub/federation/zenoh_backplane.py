@@ -91,6 +91,8 @@ STATE_TIMEOUT = 5.0
 """Seconds in which a hub must tell what it has."""
 FIRST_RETRY = 0.02
 """Seconds until a hub that did not tell is asked again; they double up to `RETRY`."""
+ABSENCE = 60.0
+"""Seconds until a hub that has announced too much is asked again."""
 REQUEST_TIMEOUT = 24 * 3600.0
 """Seconds, which zenoh needs to know; the hub of the caller ends calls much earlier."""
 BUSY = 256 * 1024
@@ -491,6 +493,14 @@ class ZenohBackplane(Backplane):
                 self._receivers.call(peer.hub.id, token.cancel)
 
         return cancel
+
+    def leave(self, peer: Peer) -> None:
+        """Leave a hub that has announced too much; it is asked again after `ABSENCE`."""
+        hub, reason = peer.hub.id, "it has announced too much"
+        self._lose(hub, reason)
+        self._known[hub] = known = _Known()
+        known.is_asked = True
+        self._loop.call_later(ABSENCE, self._ask, hub, known)
 
     def replaced(self) -> None:
         """Do nothing: the node's name is the hub's own."""

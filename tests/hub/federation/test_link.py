@@ -21,6 +21,7 @@ from websockets.typing import Subprotocol
 import fibws
 from fibws.hub import Hub
 from fibws.hub.federation import link as links
+from fibws.hub.settings import MIB
 from fibws.interfaces import Interfaces
 from fibws.msg.std_msgs import Int32
 
@@ -58,9 +59,9 @@ class OtherHub:
     async def send(self, *records: bytes) -> None:
         await self.websocket.send(b"".join(records))
 
-    async def join(self) -> None:
+    async def join(self, hello: dict[str, Any] = HELLO) -> None:
         """Send a hello and answer a ping."""
-        await self.send(record(links.HELLO, HELLO))
+        await self.send(record(links.HELLO, hello))
         async for kind, body in self.records():
             if kind == links.PING:
                 await self.send(record(links.PONG, body + body))
@@ -365,3 +366,25 @@ async def test_random_changes_of_records_harm_nobody(start_hub: StartHub) -> Non
                     assert other.websocket.close_code != 1011
                 await exchange()
         await until(lambda: not hub.federation.peers, hub)
+
+
+async def test_hub_that_announces_the_most_is_left_when_the_memory_is_full(
+    start_hub: StartHub,
+) -> None:
+    hub = await start_hub(max_memory=16 * MIB)
+    async with other_hub(hub) as small, other_hub(hub) as large:
+        for each, letter in ((small, "a"), (large, "b")):
+            own = {"id": 16 * letter, "name": letter}
+            await each.join({"hub": own})
+            nodes = {f"/node_{letter}": {**NODE, "path": [own]}}
+            await each.send(record(links.ANNOUNCE, {"nodes": nodes}))
+        await until(lambda: {"/node_a", "/node_b"} <= hub.graph.nodes.keys(), hub)
+        before = hub._account.held()["hubs"]
+        assert 2000 < before < 10_000
+        for number in range(10):
+            nodes = {f"/node_{number}_{each}": {**NODE, "path": [own]} for each in range(1000)}
+            await large.send(record(links.ANNOUNCE, {"nodes": nodes}))
+        assert await large.reason() == links.TOO_MUCH.reason
+        await until(lambda: "/node_b" not in hub.graph.nodes, hub)
+        assert 0 < hub._account.held()["hubs"] < before
+        assert "/node_a" in hub.graph.nodes

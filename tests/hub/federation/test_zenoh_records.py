@@ -153,3 +153,13 @@ async def test_announcements_that_are_kept_until_others_come_are_bounded() -> No
     assert world.known._ahead_bytes <= MOST_AHEAD
     world.join({}, since=1, counter=102)
     assert not world.known.has_gap and world.known._ahead_bytes == 0
+
+
+async def test_hub_that_has_announced_too_much_is_left_for_a_while() -> None:
+    world = World()
+    world.join(nodes_of("/one"))
+    world.backplane.leave(world.backplane.peers[0])
+    world.network.lost.assert_called_once()
+    world.change(2, nodes_of("/two"))
+    assert world.taken() == ["/one"]
+    assert not world.backplane.peers
