@@ -264,15 +264,18 @@ async def _drain(hub: Hub, signals: asyncio.Queue[int]) -> None:
 
 
 def _reload(hub: Hub, manager: ServiceManager) -> None:
+    what = "certificates, tokens and keys"
+
+    def done(changes: list[str]) -> None:
+        hub.audit.reloaded(what, changes, hub._files)
+        manager.ready()
+
     manager.reloading()
     try:
-        changes = hub.reload()
+        hub.reload(done)
     except FibwsError as error:
         text = explained(click.get_current_context(), error)
-        hub.audit.reload_failed("certificates, tokens and keys", text)
-    else:
-        hub.audit.reloaded("certificates, tokens and keys", changes, hub._files)
-    finally:
+        hub.audit.reload_failed(what, text)
         manager.ready()
 
 

@@ -51,7 +51,7 @@ from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection, Shared
-from fibws.hub.websocket.endpoint import Endpoints
+from fibws.hub.websocket.endpoint import Endpoints, Work
 from fibws.hub.websocket.http import HttpRequests, read_files
 from fibws.hub.websocket.login import LoginRoutes
 from fibws.hub.websocket.proxies import TrustedProxies
@@ -608,13 +608,18 @@ class Hub:
         if loop.get_exception_handler() == self._on_exception:
             loop.set_exception_handler(self._handle_exception)
 
-    def reload(self) -> list[str]:
+    def reload(self, done: Callable[[list[str]], object] = lambda changes: None) -> list[str]:
         """Read the files of certificates, tokens and keys again.
 
-        New connections get the new certificate. Clients lose what they may not do any more.
+        New connections get the new certificate. Clients lose what they may not do any more, one
+        after the other: there may be many.
+
+        Args:
+            done: called once all clients have lost it, with what has changed, and how many clients
+                were closed.
 
         Returns:
-            What has changed, as in ``token teleop revoked``; empty if nothing has.
+            What has changed in the files, as in ``token teleop revoked``; empty if nothing has.
 
         Raises:
             HubError: a certificate or its key cannot be used; nothing has changed.
@@ -623,7 +628,7 @@ class Hub:
         if self.settings.self_signed:
             ensure_certificate(machine_addresses())
         use_certificate = self._tls.read() if self._tls is not None else list
-        changes, closed = [], 0
+        changes: list[str] = []
         if self._authentication is not None:
             changes = self._authentication.reload()
             if self.ros1 is not None:
@@ -638,10 +643,14 @@ class Hub:
                 logger.warning("The new section zenoh counts when the hub is started again.")
             if isinstance(self.graph.policy, AccessPolicy):
                 self.graph.policy.keep_names(self._authentication.known())
-            closed = self._check_logins(self._connections, "after a reload")
         changes += use_certificate()
-        if closed:
-            changes.append(f"{closed} client{'s' if closed > 1 else ''} closed")
+
+        def checked(closed: int) -> None:
+            text = f"{closed} client{'s' if closed > 1 else ''} closed"
+            done([*changes, *([text] if closed else ())])
+
+        everyone = self._connections if self._authentication is not None else ()
+        self._check_logins(everyone, "after a reload", checked)
         return changes
 
     @property
@@ -654,18 +663,14 @@ class Hub:
         ended = [each for each in self._connections if each.is_logged_out]
         self._check_logins(ended, "after a log-out")
 
-    def _check_logins(self, connections: Iterable[Connection], when: str) -> int:
-        """Check the logins and rights of clients, and return how many are closed."""
-        closed = 0
-        for connection in list(connections):
-            try:
-                closed += not connection.check_login(when)
-            except Exception:
-                # A fault at one client must not leave the others their old rights, nor itself.
-                logger.exception("%s: its login cannot be checked.", connection.name)
-                connection.abort()
-                closed += 1
-        return closed
+    def _check_logins(
+        self,
+        connections: Iterable[Connection],
+        when: str,
+        done: Callable[[int], object] = lambda closed: None,
+    ) -> None:
+        """Check the logins and rights of clients in turns; ``done`` takes how many are closed."""
+        self._shared.turns.finish(_login_checks(list(connections), when, done))
 
     def _status(self) -> str:
         """Return one line about the hub, for the service manager."""
@@ -846,6 +851,21 @@ class _Reports:
             stack.callback(self._hub._count_out, connection)
             stack.callback(self._hub._own.disconnected, connection)
             stack.callback(self._hub._clients.left, connection)
+
+
+def _login_checks(connections: list[Connection], when: str, done: Callable[[int], object]) -> Work:
+    """Check the login and rights of a client with each step."""
+    closed = 0
+    for connection in connections:
+        try:
+            closed += not connection.check_login(when)
+        except Exception:
+            # A fault at one client must not leave the others their old rights, nor itself.
+            logger.exception("%s: its login cannot be checked.", connection.name)
+            connection.abort()
+            closed += 1
+        yield
+    done(closed)
 
 
 def local_url(settings: Settings, port: int, tls: ServerTls | None = None) -> str:

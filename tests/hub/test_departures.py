@@ -15,6 +15,7 @@ import pytest
 from fibws.access.rights import Principal, Rights
 from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
+from fibws.hub.server import _login_checks
 from fibws.hub.websocket.endpoint import Endpoint, Work
 from fibws.hub.websocket.turns import Turns
 from fibws.protocol.websocket import REPLACED, RESTART
@@ -188,6 +189,52 @@ def test_registrations_are_removed_one_by_one(
 def test_registrations_are_withdrawn_one_by_one(kind: str) -> None:
     nobody = Principal("ann", Rights())
     assert_one_by_one(kind, HubWithTokens, 0, lambda endpoint: endpoint.authorize(nobody))
+
+
+class Checked:
+    """The connection of a client, whose login is checked after a reload."""
+
+    name = "/client"
+
+    def __init__(self, session: Endpoint, *, stays: bool = True, fails: bool = False) -> None:
+        self.session = session
+        self.stays, self.fails = stays, fails
+        self.is_aborted = False
+
+    def check_login(self, when: str) -> bool:
+        if self.fails:
+            raise ValueError("a fault of the hub's")
+        finish(self.session.authorize(Principal("ann", Rights())))
+        return self.stays
+
+    def abort(self) -> None:
+        self.is_aborted = True
+
+
+def connections(hub: HubWithTokens, count: int, **arguments: bool) -> list[Any]:
+    clients = [hub.client(f"/client_{each}") for each in range(count)]
+    return [Checked(client.session, **arguments) for client in clients]
+
+
+def test_logins_are_checked_one_by_one() -> None:
+    longest, closed = {}, list[int]()
+    for count in (FEW, MANY):
+        found = connections(HubWithTokens(), count, stays=False)
+        iterations = Iterations()
+        iterations.finish(partial(_login_checks, found, "after a reload", closed.append))
+        assert iterations.count >= count
+        longest[count] = iterations.clock.longest
+    assert longest[MANY] <= LIMIT * longest[FEW], longest
+    assert closed == [FEW, MANY]
+
+
+def test_login_that_cannot_be_checked_ends_that_client_alone() -> None:
+    hub, closed = HubWithTokens(), list[int]()
+    good, bad = hub.client("/good"), hub.client("/bad")
+    found: list[Any] = [Checked(bad.session, fails=True), Checked(good.session)]
+    finish(_login_checks(found, "after a reload", closed.append))
+    assert [each.is_aborted for each in found] == [True, False]
+    assert closed == [1]
 
 
 def test_connection_is_closed_if_a_right_cannot_be_withdrawn(

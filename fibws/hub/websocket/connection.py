@@ -542,7 +542,7 @@ class Connection(asyncio.BufferedProtocol):
         return session is not None and session.has_ended
 
     def check_login(self, when: str) -> bool:
-        """Check the client's login and rights again after the tokens have changed.
+        """Check the client's login and rights again after the tokens have changed, in a turn.
 
         Args:
             when: for the client, if it is refused.
@@ -558,7 +558,6 @@ class Connection(asyncio.BufferedProtocol):
                 withdrawing = self.endpoint.authorize(principal)
                 self.principal = principal
                 self._join(principal)
-                self._shared.turns.began = self._shared.turns.clock()
                 self._reader.do_first(withdrawing)
                 if self._is_held() and not self._waiting:
                     self._busy = True
@@ -818,6 +817,7 @@ class Connection(asyncio.BufferedProtocol):
         if now > self._login_due:
             self.fail(MISSING_TOKEN)
         if self.is_logged_out:
+            self._shared.turns.began = self._shared.turns.clock()
             self.check_login("after newer log-ins")
         if self._is_expired():
             assert self.principal is not None

@@ -274,7 +274,10 @@ async def test_revoked_token_ends_its_clients(start: Hubs) -> None:
         start.path.write_text(
             FILE.replace("tokens.ann", "tokens.eve").replace(digest_of("one"), digest_of("x"))
         )
-        assert hub.reload() == ["token ann revoked", "token eve added", "1 client closed"]
+        reloaded = asyncio.get_running_loop().create_future()
+        assert hub.reload(reloaded.set_result) == ["token ann revoked", "token eve added"]
+        changes = await asyncio.wait_for(reloaded, PATIENCE)
+        assert changes == ["token ann revoked", "token eve added", "1 client closed"]
         assert (await closing(ann))[0] == 4401
         assert await nodes(bob)
 
