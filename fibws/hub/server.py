@@ -637,10 +637,8 @@ class Hub:
                 self.ros2.set_principal(self._authentication.network("ros2"))
             for join in self._joins:
                 join.check_rights()
-            if self._zenoh is not None and (
-                self._zenoh.principal != self._authentication.network("zenoh")
-            ):
-                logger.warning("The new section zenoh counts when the hub is started again.")
+            if self._zenoh is not None:
+                self._zenoh.set_principal(self._authentication.network("zenoh"))
             if isinstance(self.graph.policy, AccessPolicy):
                 self.graph.policy.keep_names(self._authentication.known())
         changes += use_certificate()

@@ -43,19 +43,20 @@ class _Entry(NamedTuple):
 class ChangeLog:
     """The records of a hub, each with the number of the announcement that has changed it last.
 
-    Attributes:
-        counter: the number of the last announcement.
+    Args:
+        counter: the number of the last announcement of an earlier log, of which nothing is left.
     """
 
-    def __init__(self) -> None:
-        self.counter = 0
+    def __init__(self, counter: int = 0) -> None:
+        self.counter = counter
+        """The number of the last announcement."""
         self._records: dict[tuple[Kind, str], Record | None] = {}
         """None for those that were removed."""
         self._counters: dict[tuple[Kind, str], int] = {}
         self._entries: list[_Entry] = []
         self._present = 0
         """Records that were not removed."""
-        self._forgotten = 0
+        self._forgotten = counter
         """The number of the last announcement whose removals may be forgotten."""
 
     def find(self, kind: Kind, name: str) -> Record | None:

@@ -236,7 +236,8 @@ class Federation:
 
     def idle(self, backplane: Backplane) -> None:
         """Continue to announce changes."""
-        self._offers[backplane].resume()
+        if offers := self._offers.get(backplane):
+            offers.resume()
 
     def joined(self, peer: Peer) -> None:
         """Take note that a hub is reached; its totals continue if it was reached before."""

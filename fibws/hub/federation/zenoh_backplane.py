@@ -32,6 +32,7 @@ import re
 import struct
 import sys
 import time
+from collections.abc import Iterator
 from functools import partial
 from itertools import chain, count
 from pathlib import Path
@@ -42,7 +43,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import from_json, to_json
 
 from fibws.access.rights import Principal
-from fibws.errors import FederationError
+from fibws.errors import FederationError, NotAllowed
 from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer, call_all
 from fibws.hub.federation.change_log import ChangeLog
 from fibws.hub.federation.names import NameView
@@ -246,6 +247,9 @@ class ZenohBackplane(Backplane):
         self._subscribers: dict[tuple[str, int], Any] = {}
         """The subscribers for messages of other hubs; used in the thread for control."""
         self._declared: list[Any] = []
+        self._own_token: Any = None
+        self._is_attached = False
+        """Whether hubs may join: not while their rights change, nor if these forbid it."""
         self._ids = count(1)
         self._requests: dict[int, tuple[str, OnReply, Any]] = {}
         """Own requests by their ids: the hub, what takes replies, and what ends the query."""
@@ -276,6 +280,7 @@ class ZenohBackplane(Backplane):
         self._lanes.start()
         self._is_open = True
         self._network.attach(self)
+        self._is_attached = True
         await call_in_thread(self._declare)
         self._timer = self._loop.call_later(PING_INTERVAL, self._ping)
 
@@ -330,8 +335,47 @@ class ZenohBackplane(Backplane):
                 ),
                 history=True,
             ),
-            session.liveliness().declare_token(f"{self._base}/hubs/{self._hub.id}"),
         ]
+        self._declare_token()
+
+    def _declare_token(self) -> None:
+        token = f"{self._base}/hubs/{self._hub.id}"
+        self._own_token = self._session.liveliness().declare_token(token)
+
+    def _undeclare_token(self) -> None:
+        _undeclare(self._own_token)
+        self._own_token = None
+
+    def set_principal(self, principal: Principal | None) -> None:
+        """Give the other hubs the rights of a principal: leave them, and join them again."""
+        if principal == self.principal:
+            return
+        self.principal = principal
+        for hub in list(self._peers):
+            self._lose(hub, "it has other rights now")
+        self._known.clear()
+        self._control.call(self._undeclare_token)
+        for number in list(self._publishers):
+            self._control.call(partial(self._close_publisher, self._publishers.pop(number)))
+        self._log = ChangeLog(self._log.counter)
+        if self._is_attached:
+            self._network.detach(self)
+            self._is_attached = False
+        self._network.finish(self._join_again(principal))
+
+    def _join_again(self, principal: Principal | None) -> Iterator[None]:
+        """Join the network, once all is removed that the other hubs had here."""
+        if self._is_open and self.principal is principal:
+            try:
+                self._network.attach(self)
+            except NotAllowed as error:
+                logger.warning("No hub is joined over zenoh: %s.", printable(str(error)))
+                return
+            self._is_attached = True
+            self._control.call(self._declare_token)
+            for hub in self._alive:
+                self._begin(hub)
+        yield
 
     # Sending: see `Backplane`.
 
@@ -515,13 +559,14 @@ class ZenohBackplane(Backplane):
             self._timer = None
         for hub in list(self._peers):
             self._lose(hub, "this hub ends")
-        self._network.detach(self)
+        if self._is_attached:
+            self._network.detach(self)
         self._inbox.close()
         self._early_queries.clear()
         await asyncio.to_thread(self._close_session)
 
     def _close_session(self) -> None:
-        _undeclare(*reversed(self._declared))
+        _undeclare(self._own_token, *reversed(self._declared))
         self._control.close()
         self._receivers.close()
         self._lanes.close()
@@ -544,7 +589,9 @@ class ZenohBackplane(Backplane):
             self._begin(hub)
 
     def _begin(self, hub: str) -> None:
-        """Ask a hub for everything that it has."""
+        """Ask a hub for everything that it has, if hubs may join."""
+        if not self._is_attached:
+            return
         self._known[hub] = known = _Known()
         self._ask(hub, known)
 

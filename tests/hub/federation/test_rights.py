@@ -22,7 +22,7 @@ from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger
 
 from ..zenoh_endpoints import listens_at, zenoh_config
-from .conftest import until
+from .conftest import Join, until
 from .test_federation import remote_nodes
 
 
@@ -212,6 +212,56 @@ async def test_section_join_counts_as_soon_as_it_is_reloaded(
         await viewer.advertise("/other", String)
         await until(lambda: has("/other"), robot)
         assert not has("/cmd_vel")
+
+
+@pytest.mark.parametrize("join", ["zenoh"], indirect=True)
+async def test_section_zenoh_counts_as_soon_as_it_is_reloaded(join: Join, path: Path) -> None:
+    cloud = await join("cloud")
+    admin = TokenFile(path).add("operator", Rights(admin=True))
+    read, write_text = path.read_text, path.write_text
+    tokens = read()
+    section = '[zenoh]\nallow = {{publish = ["{}"], subscribe = ["/scan"], node = ["/**"]}}\n'
+
+    def write(text: str) -> None:
+        write_text(tokens + text)
+
+    write(section.format("/**"))
+    robot = await join("robot", cloud, tokens=path)
+
+    def has(topic: str) -> bool:
+        return "/viewer" in getattr(robot.graph.topics.get(topic), "sources", ())
+
+    async with (
+        fibws.Node("viewer", hub=cloud.url) as viewer,
+        fibws.Node("driver", hub=robot.url, token=admin) as driver,
+    ):
+        await viewer.advertise("/cmd_vel", String)
+        await until(lambda: has("/cmd_vel"), robot)
+        scan = await driver.advertise("/scan", String, latch=True)
+        await scan.publish(data="before")
+        scans = aiter(viewer.subscribe("/scan", String))
+        assert (await anext(scans)).data == "before"
+        robot.reload()
+        assert has("/cmd_vel"), "nothing has changed"
+        write(section.format("/other"))
+        robot.reload()
+        await until(lambda: not has("/cmd_vel"), robot)
+        await viewer.advertise("/other", String)
+        await until(lambda: has("/other"), robot)
+        assert not has("/cmd_vel")
+        # Messages pass again.
+        await scan.publish(data="after")
+        async with asyncio.timeout(PATIENCE):
+            while (await anext(scans)).data != "after":
+                pass
+        write('[zenoh]\nallow = {subscribe = ["/scan"]}\n')
+        robot.reload()
+        await until(
+            lambda: not robot.federation.peers and "/driver" not in cloud.graph.nodes, robot, cloud
+        )
+        write(section.format("/other"))
+        robot.reload()
+        await until(lambda: has("/other") and "/driver" in cloud.graph.nodes, robot, cloud)
 
 
 async def test_nodes_are_announced_once_they_have_something_that_may_be_seen(
