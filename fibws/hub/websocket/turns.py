@@ -48,18 +48,28 @@ class _Rest:
 
     def take_turn(self) -> None:
         """Take steps until the turn is over, then wait again."""
-        for _ in self._work:
+        while self._take_step():
             if self._turns.is_over():
                 self._turns.wait(self)
                 return
 
     def finish(self) -> None:
         """Take all steps."""
-        for _ in self._work:
+        while self._take_step():
             pass
 
     def abort(self) -> None:
-        """Drop what is left: a step has failed."""
+        """Do nothing: a step that fails keeps no other from being taken."""
+
+    def _take_step(self) -> bool:
+        """Take a step; return whether there was one, even if it has failed."""
+        try:
+            next(self._work)
+        except StopIteration:
+            return False
+        except Exception:
+            logger.exception("Something that a client has left behind could not be removed.")
+        return True
 
 
 class Turns:

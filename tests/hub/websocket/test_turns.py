@@ -211,6 +211,28 @@ def test_all_is_removed_when_the_hub_ends() -> None:
     assert len(removed) == 100
 
 
+@pytest.mark.parametrize("is_at_end", [False, True])
+def test_a_step_that_fails_keeps_no_other_from_being_taken(
+    caplog: pytest.LogCaptureFixture, is_at_end: bool
+) -> None:
+    loop, removed = Loop(), list[int]()
+
+    def remove(number: int) -> None:
+        loop.now += TURN
+        if number % 3 == 1:
+            raise ValueError("a fault of the hub's")
+        removed.append(number)
+
+    for begin in (0, 10):
+        loop.turns.finish(map(remove, range(begin, begin + 10)))
+    if is_at_end:
+        loop.turns.close()
+    while not loop.idle:
+        loop.iterate()
+    assert sorted(removed) == [each for each in range(20) if each % 3 != 1]
+    assert "could not be removed" in caplog.text
+
+
 # With real connections.
 
 
