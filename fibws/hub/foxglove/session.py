@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import ExitStack
 from functools import partial
-from itertools import chain
 from typing import assert_never
 
 from fibws.access.rights import Principal
@@ -61,16 +59,9 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import (
-    Opening,
-    Part,
-    Registration,
-    Removals,
-    Work,
-    remove_all,
-    withdraw_all,
-)
-from fibws.protocol.websocket import REPLACED, RESTART, Payload
+from fibws.hub.websocket.endpoint import Opening, Registration, Work
+from fibws.hub.websocket.node_session import NodeSession
+from fibws.protocol.websocket import Payload
 
 CAPABILITIES = (
     *("clientPublish", "parameters", "parametersSubscribe"),
@@ -189,14 +180,12 @@ class Foxglove:
         self._was_simulated = is_simulated
 
 
-class Session:
+class Session(NodeSession[Client]):
     """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
 
     __slots__ = (
         "_assets",
         "_channels",
-        "_client",
-        "_close",
         "_dropped",
         "_foxglove",
         "_graph_feed",
@@ -206,7 +195,6 @@ class Session:
         "_subscriptions",
         "_undefined",
         "calls",
-        "node",
         "parameters",
         "protocol",
     )
@@ -324,45 +312,17 @@ class Session:
         if self._graph_feed is not None:
             self._graph_feed.changed(*_graph_keys(graph), *self._graph_feed.known)
         parts = (self.calls, self._playback, self._publications, self._subscriptions)
-        return withdraw_all((part.withdraw_forbidden() for part in parts), self._fail)
-
-    def _fail(self) -> None:
-        """Close the connection, which may be opened again: some rights could not be withdrawn."""
-        self.revoke()
-        self._close(RESTART)
-
-    def revoke(self) -> None:
-        """Take all rights from the client, which is about to leave."""
-        self._client.graph.revoke(self, self.node)
+        return self._withdraw_forbidden(parts)
 
     def leave(self) -> Work:
-        """Take the client's node back, and return the steps that remove what it has registered.
-
-        The second time nothing happens.
-        """
+        """Take the client's node back; see `Endpoint.leave`. The second time nothing happens."""
         self._foxglove.left(self)
         feeds = (self._channels, self._undefined, self._services, self._graph_feed)
-        removals: list[Removals] = []
-
-        def leave(part: Part) -> None:
-            removals.append(part.leave())
-
-        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
-            stack.callback(self._client.graph.leave, self, self.node)
-            for part in (self.parameters, self._assets, self._playback):
-                stack.callback(part.leave)
-            for each in (self.calls, self._publications, self._subscriptions):
-                stack.callback(leave, each)
-            for feed in feeds:
-                if feed is not None:
-                    stack.callback(feed.close)
-        return remove_all([*chain(*removals)])
+        ends = [part.leave for part in (self.parameters, self._assets, self._playback)]
+        ends += [feed.close for feed in feeds if feed is not None]
+        return self._leave((self.calls, self._publications, self._subscriptions), ends)
 
     # As a node.
-
-    def replaced(self) -> None:
-        """Close the connection, and so leave: another client has taken this one's name."""
-        self._close(REPLACED)
 
     def publishing(self) -> set[str]:
         """Return the global names of the topics that the client publishes."""

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -40,15 +39,8 @@ from fibws.hub.rosbridge.statuses import Report, Statuses, ignore
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import (
-    Opening,
-    Part,
-    Registration,
-    Removals,
-    Work,
-    remove_all,
-    withdraw_all,
-)
+from fibws.hub.websocket.endpoint import Opening, Registration, Work
+from fibws.hub.websocket.node_session import NodeSession, RegisteringPart
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
@@ -81,8 +73,6 @@ from fibws.protocol.websocket import (
     FORBIDDEN,
     LIMITED,
     MISSING_TOKEN,
-    REPLACED,
-    RESTART,
     UNAUTHENTICATED,
     Payload,
     close_reason,
@@ -261,14 +251,12 @@ def token_of(request: Auth) -> str:
     return request.token
 
 
-class Session:
+class Session(NodeSession[Client]):
     """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
 
     __slots__ = (
         "_actions",
         "_calls",
-        "_client",
-        "_close",
         "_count_operations",
         "_dropped",
         "_goals",
@@ -277,7 +265,6 @@ class Session:
         "_services",
         "_sources",
         "_statuses",
-        "node",
         "topics",
     )
 
@@ -436,42 +423,18 @@ class Session:
     def authorize(self, principal: Principal) -> Work:
         """Use the rights of a principal from now on; see `Endpoint.authorize`."""
         self._client.graph.authorize(self, self.node, principal)
-        parts = (self._actions, self._goals, self._services, self._calls, self.topics)
-        withdrawing = (part.withdraw_forbidden() for part in parts if part is not None)
-        return withdraw_all(withdrawing, self._fail)
-
-    def _fail(self) -> None:
-        """Close the connection, which may be opened again: some rights could not be withdrawn."""
-        self.revoke()
-        self._close(RESTART)
-
-    def revoke(self) -> None:
-        """Take all rights from the client, which is about to leave."""
-        self._client.graph.revoke(self, self.node)
+        return self._withdraw_forbidden(self._parts())
 
     def leave(self) -> Work:
-        """Take the client's node back, and return the steps that remove what it has registered.
-
-        The second time nothing happens.
-        """
+        """Take the client's node back; see `Endpoint.leave`. The second time nothing happens."""
         self._reassembly = None
-        removals: list[Removals] = []
+        return self._leave(self._parts())
 
-        def leave(part: Part) -> None:
-            removals.append(part.leave())
-
-        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
-            stack.callback(self._client.graph.leave, self, self.node)
-            for part in (self._actions, self._goals, self._services, self._calls, self.topics):
-                if part is not None:
-                    stack.callback(leave, part)
-        return remove_all([*chain(*removals)])
+    def _parts(self) -> list[RegisteringPart]:
+        parts = (self._actions, self._goals, self._services, self._calls, self.topics)
+        return [part for part in parts if part is not None]
 
     # As a node.
-
-    def replaced(self) -> None:
-        """Close the connection, and so leave: another client has taken this one's name."""
-        self._close(REPLACED)
 
     def publishing(self) -> set[str]:
         """Return the global names of the topics that the client publishes."""
