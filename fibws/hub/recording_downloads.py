@@ -9,6 +9,7 @@ from __future__ import annotations
 import http
 import os
 import stat
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from urllib.parse import quote, unquote
@@ -16,14 +17,13 @@ from urllib.parse import quote, unquote
 from websockets.http11 import Response
 
 from fibws.access.rights import Principal
-from fibws.errors import AuthenticationError
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.audit import Audit
 from fibws.hub.byte_room import ByteRoom, Reservation
+from fibws.hub.file_route import FileRefused, FileRoute
 from fibws.hub.recording import Recording
 from fibws.hub.websocket.http import (
     PIECE,
-    DeferredResponse,
     FileResponse,
     Get,
     HttpRequests,
@@ -37,17 +37,10 @@ HELD = 2 * PIECE
 FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 
-class RecordingRoute:
+class RecordingRoute(FileRoute):
     """``/recordings/``.
 
     On a hub with authentication the client needs the right ``admin``.
-
-    Args:
-        requests: what the resources are added to.
-        authentication: None on a hub without authentication.
-        threads: read the files.
-        room: for files on their way to clients.
-        audit: records refusals.
     """
 
     PATH = "/recordings/"
@@ -61,63 +54,38 @@ class RecordingRoute:
         room: ByteRoom,
         audit: Audit,
     ) -> None:
-        self._requests = requests
-        self._audit = audit
         self._recording = recording
-        self._authentication = authentication
-        self._threads = threads
-        self._room = room
-        requests.add_folder(self.PATH, self._respond)
+        super().__init__(requests, authentication, threads, room, audit)
 
-    def _respond(self, get: Get) -> Response:
-        refusal = self._requests.refusal(get)
-        if refusal is not None:
-            return text_response(http.HTTPStatus.FORBIDDEN, refusal)
-        try:
-            principal = self._principal(get)
-            if principal is not None and not principal.rights.admin:
-                fault = "recordings need a token with the right admin"
-                self._audit.refused("right", fault, principal=principal.title, ip=get.address)
-                return text_response(http.HTTPStatus.FORBIDDEN, fault)
-        except AuthenticationError as error:
-            self._audit.refused("authentication", f"{self.PATH}: {error}", ip=get.address)
-            found = text_response(http.HTTPStatus.UNAUTHORIZED, str(error))
-            found.headers["WWW-Authenticate"] = "Bearer"
-            return found
-        name = unquote(get.path.partition("?")[0].removeprefix(self.PATH))
-        path = self._recording.find(name)
-        if path is None:
-            return text_response(
-                http.HTTPStatus.NOT_FOUND,
-                "this hub has not recorded such a file since its start; see its folder (--record)",
+    def _find(
+        self, get: Get, path: str, principal: Principal | None, reservation: Reservation
+    ) -> Callable[[], Response]:
+        if principal is not None and not principal.rights.admin:
+            fault = "recordings need a token with the right admin"
+            self._audit.refused("right", fault, principal=principal.title, ip=get.address)
+            raise FileRefused(http.HTTPStatus.FORBIDDEN, fault)
+        found = self._recording.find(unquote(path))
+        if found is None:
+            fault = (
+                "this hub has not recorded such a file since its start; see its folder (--record)"
             )
-        reservation = Reservation(self._room)
-        make = partial(self._make, path, reservation)
-        return DeferredResponse(make, self._threads.run, reservation.end)
+            raise FileRefused(http.HTTPStatus.NOT_FOUND, fault)
+        return partial(self._make, found, reservation)
 
-    def _principal(self, get: Get) -> Principal | None:
-        """Return who asks; None on a hub without authentication."""
-        if self._authentication is None:
-            return None
-        login = self._authentication.log_in(get.headers, "/", (), get.certificate, get.address)
-        if login is None:
-            raise AuthenticationError("missing token")
-        return login.principal
+    def _refusal(self, status: http.HTTPStatus, reason: str) -> Response:
+        return text_response(status, reason)
 
     def _make(self, path: Path, reservation: Reservation) -> Response:
         """Open a file; in any thread."""
         if not reservation.reserve(HELD):
-            fault = "the hub is busy with other files; try again"
-            found = text_response(http.HTTPStatus.SERVICE_UNAVAILABLE, fault)
-            found.headers["Retry-After"] = "1"
-            return found
+            return self._busy()
         try:
             return _file_response(path)
         except FileNotFoundError:
             fault = f"{path.name} is not complete yet, or has been removed"
         except OSError as error:
             fault = f"the hub cannot read {path.name}: {error.strerror}"
-        return text_response(http.HTTPStatus.NOT_FOUND, fault)
+        return self._refusal(http.HTTPStatus.NOT_FOUND, fault)
 
 
 def _file_response(path: Path) -> Response:

@@ -25,17 +25,18 @@ from pydantic_core import to_json
 from websockets.datastructures import Headers
 from websockets.http11 import Response
 
-from fibws.access.rights import Right
-from fibws.errors import AssetRefused, AuthenticationError
+from fibws.access.rights import Principal, Right
+from fibws.errors import AssetRefused
 from fibws.hub.access.authentication import Authentication
+from fibws.hub.audit import Audit
 from fibws.hub.byte_room import ByteRoom, Reservation
+from fibws.hub.file_route import FileRoute
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.package_folders import MANIFEST, PackageFolders, name_of
 from fibws.hub.settings import MIB
 from fibws.hub.websocket.http import (
     COMPRESSED,
-    DeferredResponse,
     Get,
     HttpRequests,
     accepts_gzip,
@@ -196,18 +197,12 @@ def _is_of(file: Path, package: str) -> bool:
     return False
 
 
-class AssetRoute:
+class AssetRoute(FileRoute):
     """``/assets/package/``.
 
     Who may read a robot's description may read its files: pages that may open a WebSocket, with
-    the same token. Refusals are 404, with ``{"reason": "..."}``.
-
-    Args:
-        requests: what the resources are added to.
-        authentication: None on a hub without authentication.
-        threads: read and compress the files.
-        room: for files on their way to clients, by any protocol.
-        refused: records why a login was refused, and the client's address.
+    the same token. Refusals are 404, with ``{"reason": "..."}``. The threads compress the files,
+    too.
     """
 
     PATH = "/assets/package/"
@@ -219,40 +214,24 @@ class AssetRoute:
         authentication: Authentication | None,
         threads: WorkerThreads,
         room: ByteRoom,
-        refused: Callable[[str, str], object],
+        audit: Audit,
     ) -> None:
-        self._requests = requests
-        self._refused = refused
         self._assets = assets
-        self._authentication = authentication
-        self._threads = threads
-        self._room = room
-        requests.add_folder(self.PATH, self._respond)
+        super().__init__(requests, authentication, threads, room, audit)
 
-    def _respond(self, get: Get) -> Response:
-        refusal = self._requests.refusal(get)
-        if refusal is not None:
-            return _refusal(http.HTTPStatus.FORBIDDEN, refusal)
-        origin = get.headers.get("Origin")
-        try:
-            named = self._assets.named(self._rights(get))
-        except AuthenticationError as error:
-            self._refused(f"{self.PATH}: {error}", get.address)
-            found = _refusal(http.HTTPStatus.UNAUTHORIZED, str(error))
-            found.headers["WWW-Authenticate"] = "Bearer"
-            return _shared(found, origin)
-        path = get.path.partition("?")[0].removeprefix(self.PATH)
-        download = Reservation(self._room)
-        make = partial(self._make, f"{SCHEME}{path}", named, get.headers, download)
-        return DeferredResponse(make, self._threads.run, download.end)
+    def _find(
+        self, get: Get, path: str, principal: Principal | None, reservation: Reservation
+    ) -> Callable[[], Response]:
+        named = self._assets.named(principal.rights.allows if principal is not None else _allow)
+        return partial(self._make, f"{SCHEME}{path}", named, get.headers, reservation)
 
-    def _rights(self, get: Get) -> Allows:
-        if self._authentication is None:
-            return lambda right, name: True
-        login = self._authentication.log_in(get.headers, "/", (), get.certificate, get.address)
-        if login is None:
-            raise AuthenticationError("missing token")
-        return login.principal.rights.allows
+    def _refusal(self, status: http.HTTPStatus, reason: str) -> Response:
+        found = response(status, "application/json", to_json({"reason": reason}))
+        found.headers["Cache-Control"] = "no-store"
+        return found
+
+    def _completed(self, found: Response, get: Get) -> Response:
+        return _shared(found, get.headers.get("Origin"))
 
     def _make(
         self, uri: str, named: Collection[str], headers: Headers, download: Reservation
@@ -260,9 +239,11 @@ class AssetRoute:
         try:
             found = self._read(self._assets.resolve(uri, named), headers, download)
         except AssetRefused as error:
-            found = _refusal(http.HTTPStatus.NOT_FOUND, str(error))
+            found = self._refusal(http.HTTPStatus.NOT_FOUND, str(error))
         except OSError as error:
-            found = _refusal(http.HTTPStatus.NOT_FOUND, f"the hub cannot read it: {error.strerror}")
+            found = self._refusal(
+                http.HTTPStatus.NOT_FOUND, f"the hub cannot read it: {error.strerror}"
+            )
         return _shared(found, headers.get("Origin"))
 
     def _read(self, path: Path, headers: Headers, download: Reservation) -> Response:
@@ -280,10 +261,7 @@ class AssetRoute:
             if any(tag.strip() in (etag, "*") for tag in known.split(",")):
                 found = response(http.HTTPStatus.NOT_MODIFIED)
             elif not download.reserve(info.st_size):
-                fault = "the hub is busy with other files; try again"
-                found = _refusal(http.HTTPStatus.SERVICE_UNAVAILABLE, fault)
-                found.headers["Retry-After"] = "1"
-                return found
+                return self._busy()
             else:
                 found = _content(path.suffix.lower(), file.read(info.st_size), headers)
         found.headers["Cache-Control"] = "no-cache"
@@ -301,10 +279,8 @@ def _content(suffix: str, data: bytes, headers: Headers) -> Response:
     return found
 
 
-def _refusal(status: http.HTTPStatus, reason: str) -> Response:
-    found = response(status, "application/json", to_json({"reason": reason}))
-    found.headers["Cache-Control"] = "no-store"
-    return found
+def _allow(right: Right, name: str) -> bool:
+    return True
 
 
 def _shared(found: Response, origin: str | None) -> Response:

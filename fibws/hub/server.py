@@ -279,7 +279,7 @@ class Hub:
         refuse = partial(_refuse_login, self.audit)
         LoginRoutes(requests, self._authentication, refuse, self._logged_out)
         self._asset_room = room = ByteRoom(min(MOST_UNSENT, self._account.reserved))
-        AssetRoute(requests, self.assets, self._authentication, self._readers, room, refuse)
+        AssetRoute(requests, self.assets, self._authentication, self._readers, room, self.audit)
         if self.recording is not None:
             RecordingRoute(
                 requests, self.recording, self._authentication, self._readers, room, self.audit
