@@ -270,6 +270,18 @@ class UnknownDefinition(OperationError):
         )
 
 
+class NotSerialized(OperationError):
+    """Bytes of a call or a goal cannot be read, since client and hub know different definitions."""
+
+    code = "not_serialized"
+
+    def __init__(self, type_: str, md5sum: str | None) -> None:
+        self.type = type_
+        self.md5sum = md5sum
+        known = "has another definition in the hub" if md5sum else "is unknown to the hub"
+        super().__init__(f"{type_} {known}: send its values as JSON, not as bytes")
+
+
 class UnknownPublisher(OperationError):
     """A binary frame names a publisher that its client has not advertised, or no longer."""
 

@@ -106,7 +106,7 @@ BELOW_IN_HUB = {
         "hub.delivery",
         "hub.rosbridge",
     }
-    | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
+    | {"hub.settings", "hub.log_text", "hub.websocket.endpoint", "interfaces.serialized_values"},
     "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
     | {"hub.audit", "hub.byte_room", "hub.delivery", "hub.log_text", "hub.settings"}
     | {"hub.websocket.endpoint"},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 from weakref import WeakValueDictionary
@@ -11,6 +11,7 @@ from weakref import WeakValueDictionary
 from fibws.errors import (
     InvalidMessage,
     NodeClosed,
+    NotSerialized,
     OperationRejected,
     ServiceError,
     ServiceLost,
@@ -20,6 +21,7 @@ from fibws.errors import (
 )
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.checks import check_timeout
 from fibws.node.session import OperationHandler, Session, throw
 from fibws.node.types import Types
@@ -93,10 +95,12 @@ class Calls(OperationHandler):
         """Call a service by its global name; see `Node.call_with_header`."""
         type_of_service = self._types.service(type_)
         header = check_headers(headers) if headers is not None else None
-        args = type_of_service.write_request(request)
-        response = await self._call(service, args, within, header)
+        data = type_of_service.encode_request(request)
+        codec = type_of_service.request
+        serialized = SerializedValues(data, type_of_service.md5sum)
+        response = await self._call(service, within, header, lambda: codec.json(data), serialized)
         try:
-            return type_of_service.read_response(response.values), response.header or {}
+            return type_of_service.response.read(response.values), response.header or {}
         except InvalidMessage as error:
             text = f"its response does not fit {type_of_service.name}: {error}"
             raise ServiceError(service, text) from None
@@ -146,7 +150,7 @@ class Calls(OperationHandler):
         """
         while True:
             try:
-                await self._call(ROUND_TRIP, {}, None, None)
+                await self._call(ROUND_TRIP, None, None, dict)
             except ServiceLost:
                 continue  # On the next connection, everything is registered again.
             except ServiceError:
@@ -193,22 +197,41 @@ class Calls(OperationHandler):
     async def _call(
         self,
         service: str,
-        args: dict[str, Any],
         within: float | None,
         headers: dict[str, str] | None,
+        json: Callable[[], dict[str, Any]],
+        serialized: SerializedValues | None = None,
     ) -> ServiceResponse:
+        """Call a service.
+
+        Args:
+            json: returns the request as JSON values.
+            serialized: the request as bytes, for a hub that takes those.
+        """
         loop = asyncio.get_running_loop()
         end = loop.time() + within if within is not None else None
         id_ = self._session.id("call_service", service)
+        outcome: _Outcome
         try:
             async with asyncio.timeout_at(end), self._slots_of(service):
                 await self._session.wait_for_hub()
                 call = self._waiting[id_] = _Call(service, loop.create_future())
                 left = max(end - loop.time(), SHORTEST_TIMEOUT) if end is not None else None
-                self._session.send(
-                    CallService(id=id_, service=service, args=args, timeout=left, headers=headers)
+                is_serialized = serialized is not None and self._session.serialized_values
+                request = CallService(
+                    id=id_,
+                    service=service,
+                    args=serialized if is_serialized else json(),
+                    timeout=left,
+                    headers=headers,
                 )
+                self._session.send(request)
                 outcome = await call.outcome
+                if is_serialized and isinstance(outcome, ServiceResponse):
+                    if outcome.code == NotSerialized.code:  # It was not executed.
+                        call = self._waiting[id_] = _Call(service, loop.create_future())
+                        self._session.send(request.model_copy(update={"args": json()}))
+                        outcome = await call.outcome
         except TimeoutError:
             sent = id_ in self._waiting or self._session.outgoing.connected
             missing = "no response" if sent else "no hub"

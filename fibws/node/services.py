@@ -17,6 +17,7 @@ from fibws.errors import (
 )
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.checks import described, without_surrogates
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ServiceType, Types
@@ -28,6 +29,7 @@ from fibws.protocol.operations import (
     ServiceResponse,
     UnadvertiseService,
 )
+from fibws.protocol.serialized import ROS1
 
 MOST_CALLS = 100
 """Calls of one service that are handled at once."""
@@ -99,6 +101,13 @@ class ServiceServer(Registration, Generic[Req, Res]):
     def operation(self) -> AdvertiseService:
         """The registration."""
         return self._operation
+
+    def registration(self) -> AdvertiseService:
+        """Return the registration for the current connection."""
+        if not self._session.serialized_values:
+            return self._operation
+        update = {"compression": ROS1, "md5sum": self._type.md5sum}
+        return self._operation.model_copy(update=update)
 
     async def spin(self) -> None:
         """Wait until the service or its node ends.
@@ -190,7 +199,10 @@ class ServiceServer(Registration, Generic[Req, Res]):
             self._session.log.error("Service %s failed: %s", self.name, text, exc_info=error)
             return f"error processing request: {text}", False
         try:
-            return self._type.write_response(answer), True
+            data = self._type.encode_response(answer)
+            if isinstance(call.args, SerializedValues):
+                return SerializedValues(data), True
+            return self._type.response.json(data), True
         except Exception as error:
             self._session.log.error("Service %s failed: %s", self.name, error)
             return without_surrogates(f"service cannot process request: {error}"), False
@@ -237,13 +249,13 @@ class Services(OperationHandler):
         )
         server = ServiceServer(self._session, operation, service_type, handler, self._withdraw)
         self._servers[name] = server
-        self._session.send(operation)
+        self._session.send(server.registration())
         return server
 
     def registrations(self) -> Iterator[Operation]:
         """Yield the registrations of all services."""
         for server in self._servers.values():
-            yield server.operation
+            yield server.registration()
 
     def receive(self, reply: Reply) -> bool:
         """Handle a call; it may come late, for a service that was withdrawn."""

@@ -24,7 +24,7 @@ from fibws.errors import (
     OperationRejected,
 )
 from fibws.node.outgoing_queue import OutgoingQueue, PublisherLane, Writer
-from fibws.protocol.decoding import decode_json, parse_reply
+from fibws.protocol.decoding import decode_json, decode_operation, parse_reply
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
     ActionFeedback,
@@ -43,8 +43,10 @@ from fibws.protocol.operations import (
     Status,
     Subscribed,
     encode,
+    encode_serialized,
 )
-from fibws.protocol.websocket import TEXT, UNLIMITED, Payload, client_frame
+from fibws.protocol.serialized import is_operation
+from fibws.protocol.websocket import BINARY, TEXT, UNLIMITED, Payload, client_frame
 
 MAX_SIZE = 64 << 20
 """Default of the bytes that one message of the hub may have: images and point clouds pass."""
@@ -212,12 +214,12 @@ class Session:
         """The handlers' tasks; the node's end cancels them."""
         self.serialized = False
         """Whether messages go as bytes on the current connection (`fibws.v1`), not as JSON."""
+        self.serialized_values = False
+        """Whether calls and goals do, too; not to older hubs of `fibws.v1`."""
         self.over = False
         """Whether the node has ended."""
         self.begun = False
         """Whether the node has been entered."""
-        self.receive_binary: Callable[[Payload], None] = lambda data: None
-        """Handles a binary frame of the hub: a message of a topic."""
         self.is_simulated = False
         """Whether the hub's time was simulated when this connection was made."""
         self.has_token = False
@@ -225,6 +227,7 @@ class Session:
         self.on_not_authenticated: Callable[[], None] = _do_nothing
         """Called when the hub refuses an operation of a client that has not shown a token."""
         self._receive_message: _OnMessage = lambda topic, message, header: False
+        self._receive_serialized: Callable[[Payload], None] = lambda data: None
         self._handlers: dict[OperationHandler, None] = {}
         self._end_turn: Callable[[], None] = _do_nothing
         self._fragments = Reassembly(max_size=self.max_message_size)
@@ -271,10 +274,10 @@ class Session:
         Args:
             on_json: takes the topic, the message, and its connection header if it has one; returns
                 whether the topic has a reader.
-            on_binary: takes a binary frame's payload (see `protocol.serialized`).
+            on_binary: takes the payload of a message's binary frame (see `protocol.serialized`).
         """
         self._receive_message = on_json
-        self.receive_binary = on_binary
+        self._receive_serialized = on_binary
 
     def id(self, verb: str, name: str) -> str:
         """Return a new id for an operation."""
@@ -287,7 +290,7 @@ class Session:
         Raises:
             MessageTooLarge: the hub does not take it.
         """
-        frame = text_frame(operation)
+        frame = operation_frame(operation)
         self.outgoing.check_size(frame, subject(operation))
         if self.outgoing.connected:
             self.outgoing.put(frame)
@@ -331,6 +334,7 @@ class Session:
         writer: Writer,
         *,
         serialized: bool,
+        serialized_values: bool = False,
         largest: int = UNLIMITED,
         end_turn: Callable[[], None] = lambda: None,
         hold: bool = False,
@@ -339,18 +343,20 @@ class Session:
 
         Args:
             serialized: whether messages go as bytes, as on a connection of `fibws.v1`.
+            serialized_values: whether calls and goals do, too.
             largest: bytes that the hub takes in one message; what is larger is dropped.
             end_turn: stops reading until the loop's next turn.
             hold: keep messages until `OutgoingQueue.release`; registrations are sent at once.
         """
         self.serialized = serialized
+        self.serialized_values = serialized and serialized_values
         self._end_turn = end_turn
         self.outgoing.largest = largest
         faults = []
         first: list[tuple[bytes, PublisherLane | None]] = []
         for handler in self._handlers:
             for operation in handler.registrations():
-                frame = text_frame(operation)
+                frame = operation_frame(operation)
                 try:
                     self.outgoing.check_size(frame, subject(operation))
                     first.append((frame, None))
@@ -371,18 +377,28 @@ class Session:
         except (OperationError, InvalidUtf8) as error:
             self.log.warning("The hub sent an invalid operation: %s", error)
 
+    def receive_binary(self, data: Payload) -> None:
+        """Handle a binary frame of the hub: a topic's message, or a call or a goal."""
+        if not is_operation(data):
+            self._receive_serialized(data)
+            return
+        try:
+            self._dispatch(parse_reply(decode_operation(data)))
+        except (OperationError, InvalidUtf8) as error:
+            self.log.warning("The hub sent an invalid operation: %s", error)
+
     def skipped(self, size: int, beginning: bytes, is_text: bool) -> None:
         """Handle a message of the hub that was too long to be read (`max_message_size`).
 
         Args:
             size: its bytes.
             beginning: the first of them.
-            is_text: whether it was a text frame: a response, or a message as JSON.
+            is_text: whether it was a text frame: an operation.
         """
         fault = f"a message of {size} bytes is larger than this node takes " + (
             f"(limit {self.max_message_size}, Node(max_message_size=...))"
         )
-        if is_text:
+        if is_text or is_operation(beginning):
             id_ = _ID.search(beginning)
             error = OperationRejected(fault)
             error.code = MessageTooLarge.code
@@ -516,8 +532,11 @@ class Session:
         self.log.log(level, "The hub: %s", status.msg)
 
 
-def text_frame(operation: Operation) -> bytes:
+def operation_frame(operation: Operation) -> bytes:
     """Return an operation as a WebSocket frame with the zero key."""
+    serialized = encode_serialized(operation)
+    if serialized is not None:
+        return client_frame(BINARY, serialized)
     return client_frame(TEXT, encode(operation, exact=True))
 
 

@@ -14,6 +14,7 @@ from fibws.interfaces import Action, Duration, Interfaces, Message, Service, Tim
 from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.interfaces.python_names import ros_name
 from fibws.interfaces.serialization import ClassCodec, Serializers, class_codec
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.msg import default_interfaces, message_class
 from fibws.srv import service_class
 from fibws.suggestions import suggestion_or_known
@@ -142,12 +143,32 @@ class MessageCodec(Generic[N]):
         return TypeError(text)
 
     def read(self, values: Any) -> N:
-        """Return the message that JSON values are.
+        """Return the message that JSON values or `SerializedValues` are.
 
         Raises:
             InvalidMessage: they do not fit the type.
         """
+        if isinstance(values, SerializedValues):
+            return self.deserialize(values.data)
         return self.message_class.from_dict(self._validate(values))
+
+    def encode(self, given: object) -> bytes:
+        """Return a message's bytes.
+
+        Args:
+            given: as for `write`.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: it is neither a message of the class nor a mapping.
+        """
+        if isinstance(given, self.message_class):
+            return self.serialize(given)
+        return self.serialize(self.message_class.from_dict(self.write(given)))
+
+    def json(self, data: bytes) -> dict[str, Any]:
+        """Return the JSON values of bytes that `encode` has returned."""
+        return self.write(self.deserialize(data))
 
 
 class SerializedCodec(MessageCodec[Any]):
@@ -209,34 +230,38 @@ class SerializedCodec(MessageCodec[Any]):
 
 
 class ServiceType(Generic[Req, Res]):
-    """One service type: how its requests and responses become JSON values, and back.
+    """One service type: the codecs of its requests and responses.
 
     Args:
         name: its name, ``package/Type``.
+        md5sum: its md5.
         request: the codec of its requests.
         response: the codec of its responses.
     """
 
-    def __init__(self, name: str, request: MessageCodec[Req], response: MessageCodec[Res]) -> None:
+    def __init__(
+        self, name: str, md5sum: str, request: MessageCodec[Req], response: MessageCodec[Res]
+    ) -> None:
         self.name = name
-        self._request = request
-        self._response = response
+        self.md5sum = md5sum
+        self.request = request
+        self.response = response
 
-    def write_request(self, given: Req | Mapping[str, Any] | None) -> dict[str, Any]:
-        """Return a caller's request as JSON values; fields that are not given have defaults.
+    def encode_request(self, given: Req | Mapping[str, Any] | None) -> bytes:
+        """Return a caller's request as bytes; fields that are not given have defaults.
 
         Raises:
             InvalidMessage: a field does not fit the type.
             TypeError: it is not a request of this type.
         """
-        return self._request.write({} if given is None else given)
+        return self.request.encode({} if given is None else given)
 
     def read_request(self, args: Any) -> Req:
-        """Return the request that JSON values are, or raise `InvalidMessage`."""
-        return self._request.read({} if args is None else args)
+        """Return the request that values are, or raise `InvalidMessage`."""
+        return self.request.read({} if args is None else args)
 
-    def write_response(self, given: object) -> dict[str, Any]:
-        """Return what a handler returned as JSON values.
+    def encode_response(self, given: object) -> bytes:
+        """Return what a handler returned as bytes.
 
         As in rospy it may be a response, a dict of its fields, a tuple or list of them in order, or
         the only field's value.
@@ -249,17 +274,13 @@ class ServiceType(Generic[Req, Res]):
         if not isinstance(given, Mapping | Message):
             fields = given if isinstance(given, (tuple, list)) else (given,)
             try:
-                given = self._response.message_class(*fields)
+                given = self.response.message_class(*fields)
             except TypeError as error:
                 raise InvalidMessage(f"handler returned wrong number of values: {error}") from None
         try:
-            return self._response.write(given)
+            return self.response.encode(given)
         except (InvalidMessage, TypeError) as error:
             raise InvalidMessage(f"handler returned invalid value: {error}") from None
-
-    def read_response(self, values: Any) -> Res:
-        """Return the response that JSON values are, or raise `InvalidMessage`."""
-        return self._response.read(values)
 
 
 class ActionType(Generic[G, R, F]):
@@ -273,6 +294,8 @@ class ActionType(Generic[G, R, F]):
         self.name = action._type
         self.definition = types.action_definition(action._type)
         """The type's text for hubs that may lack it; None for standard types."""
+        self.md5sum = types.action_md5(action._type)
+        """The md5s of goal, feedback and result, with commas between them."""
         self.goal = types.codec(action.Goal)
         self.result = types.codec(action.Result)
         self.feedback = types.codec(action.Feedback)
@@ -359,6 +382,7 @@ class Types:
             response = self._validators.of_definition(definition.response).validate
             self._services[type_] = ServiceType(
                 definition.type,
+                self._interfaces.service_md5(type_._type),
                 MessageCodec(type_.Request, request),
                 MessageCodec(type_.Response, response),
             )
@@ -373,6 +397,12 @@ class Types:
     def action_class(self, type_: type[Action[G, R, F]] | str) -> type[Action[Any, Any, Any]]:
         """Return the class itself, or that of the action type of this name."""
         return action_class(type_) if isinstance(type_, str) else _checked(type_, "an action")
+
+    def action_md5(self, type_: str) -> str:
+        """Return the md5s of an action's goal, feedback and result, with commas between them."""
+        action = self._interfaces.action(type_)
+        messages = (action.goal, action.feedback, action.result)
+        return ",".join(self._interfaces.md5(each.type) for each in messages)
 
     def action_definition(self, type_: str) -> str | None:
         """Return an action type's text, as `definition` does."""

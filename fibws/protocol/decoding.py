@@ -24,7 +24,9 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic_core import from_json, to_json
 
 from fibws.errors import InvalidUtf8, OperationError
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.operations import LONGEST_ID, Reply, Request
+from fibws.protocol.serialized import VALUES, read_operation
 from fibws.protocol.value_limits import MOST_CONTAINERS, check_cbor
 
 T = TypeVar("T")
@@ -120,6 +122,29 @@ def _object(value: object) -> dict[str, Any]:
     if isinstance(value, dict):
         return value
     raise OperationError(f"Expected a JSON object. Original message was: {quoted(value)}")
+
+
+def decode_operation(data: bytes | bytearray) -> dict[str, Any]:
+    """Return the fields of an operation with serialized values (see `protocol.serialized`).
+
+    The values are `SerializedValues` in their field.
+
+    Raises:
+        OperationError: the frame is invalid, or its operation has no values.
+        InvalidUtf8: its text is not UTF-8.
+    """
+    text, values = read_operation(data)
+    objects = list(decode_json(text))
+    operation = objects[0].get("op") if objects else None
+    name = VALUES.get(operation) if isinstance(operation, str) else None
+    if len(objects) != 1 or name is None:
+        raise OperationError(f"{quoted(operation)} has no serialized values")
+    fields = objects[0]
+    md5sum = fields.pop("md5sum", "") if name == "args" else None
+    if md5sum is not None and not isinstance(md5sum, str):
+        raise OperationError(f"md5sum must be a string, got {quoted(md5sum)}")
+    fields[name] = SerializedValues(values, md5sum)
+    return fields
 
 
 # CBOR (RFC 8949)

@@ -16,8 +16,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from fibws.interfaces.json_text import exact_json_of
 from fibws.interfaces.json_text import json_of as json_of
 from fibws.interfaces.json_text import plain_json as plain_json
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.headers import Headers, HubHeader
-from fibws.protocol.serialized import MOST_PUBLISHERS
+from fibws.protocol.serialized import MOST_PUBLISHERS, VALUES, operation_head
 
 MOST_CREDIT = 1000
 """The largest credit of a subscription."""
@@ -181,6 +182,11 @@ class AdvertiseService(Operation):
     """The type's .srv text, for types that the hub does not have (an addition of fibws)."""
     headers: Asked = None
     """Whether calls carry a ``header``, see `CallService` (an addition of fibws)."""
+    compression: str | None = None
+    """`ROS1` to get requests serialized, on a connection of ``fibws.v1``, as long as the type of
+    the service has the ``md5sum`` (an addition of fibws)."""
+    md5sum: Annotated[str, Field(max_length=LONGEST_ID)] | None = None
+    """The md5 of the type as the server knows it (an addition of fibws)."""
 
 
 class UnadvertiseService(Operation):
@@ -211,6 +217,11 @@ class AdvertiseAction(Operation):
     type: str
     definition: str | None = None
     """The type's .action text, for types that the hub does not have (an addition of fibws)."""
+    compression: str | None = None
+    """As in `AdvertiseService`, for goals (an addition of fibws)."""
+    md5sum: Annotated[str, Field(max_length=LONGEST_ID)] | None = None
+    """The md5s of goal, feedback and result as the server knows them, with commas between them (an
+    addition of fibws)."""
 
 
 class UnadvertiseAction(Operation):
@@ -423,6 +434,20 @@ def encode(operation: Operation, *, exact: bool = False) -> bytes:
     """
     fields = operation.__dict__
     return encode_fields({"op": fields["op"], **fields}, exact=exact)
+
+
+def encode_serialized(operation: Operation) -> bytes | None:
+    """Return the payload of an operation with serialized values; None if it has no such.
+
+    See `protocol.serialized`.
+    """
+    fields = operation.__dict__
+    name = VALUES.get(fields["op"], "")
+    values = fields.get(name)
+    if not isinstance(values, SerializedValues):
+        return None
+    fields = {"op": fields["op"], **fields, name: None, "md5sum": values.md5sum}
+    return operation_head(encode_fields(fields)) + values.data
 
 
 def encode_fields(fields: dict[str, Any], *, exact: bool = False, **texts: bytes) -> bytes:

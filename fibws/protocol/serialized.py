@@ -8,12 +8,14 @@ in ROS 1's serialization (http://wiki.ros.org/msg); integers before them are lit
                     u8 2, u32 publisher, u16 n, n bytes of a node's name (UTF-8), message
     hub to client   u8 1, u32 topic, u64 received, message
                     u8 2, u32 topic, u64 received, u16 n, n bytes of JSON, message
+    either way      u8 3, u32 n, n bytes of JSON, values
 
 ``publisher`` is a number that the client chose in its ``advertise``. ``topic`` is a number that the
 hub gives in ``subscribed``, its answer to a ``subscribe`` whose compression is `ROS1`; it is the
 same for all subscribers of a topic. ``received`` counts nanoseconds from 1970. With kind 2 a client
 sends a message to one node alone, and the hub sends the publisher's connection header to a
-subscription that asked for headers.
+subscription that asked for headers. Kind 3 is an operation of a call or a goal: its JSON without
+``args`` or ``values``, and then those, serialized.
 """
 
 from __future__ import annotations
@@ -29,11 +31,22 @@ ROS1: Final = "ros1"
 MOST_PUBLISHERS: Final = 2**32
 """A publisher's number is below this."""
 
-_PLAIN, _NAMED = 1, 2
+_PLAIN, _NAMED, _OPERATION = 1, 2, 3
 _FROM_CLIENT = struct.Struct("<BI")
 _FROM_CLIENT_NAMED = struct.Struct("<BIH")
 _FROM_HUB = struct.Struct("<BIQ")
 _FROM_HUB_NAMED = struct.Struct("<BIQH")
+_BEFORE_OPERATION = struct.Struct("<BI")
+
+
+VALUES: Final = {
+    "call_service": "args",
+    "service_response": "values",
+    "send_action_goal": "args",
+    "action_feedback": "values",
+    "action_result": "values",
+}
+"""The operations that may travel in a frame of kind 3, and the field that is serialized."""
 
 
 class FromClient(NamedTuple):
@@ -116,6 +129,30 @@ def read_delivery(data: bytes | bytearray) -> FromHub:
     raise _invalid(data)
 
 
+def operation_head(text: bytes) -> bytes:
+    """Return the header of the serialized values of an operation, which has this JSON text."""
+    return _BEFORE_OPERATION.pack(_OPERATION, len(text)) + text
+
+
+def is_operation(data: bytes | bytearray | memoryview) -> bool:
+    """Return whether a frame is an operation with serialized values, not a topic's message."""
+    return data[:1] == b"\x03"
+
+
+def read_operation(data: bytes | bytearray) -> tuple[bytes, bytes]:
+    """Return the JSON text and the values of an operation's frame.
+
+    Raises:
+        OperationError: the frame is too short.
+    """
+    if len(data) >= (start := _BEFORE_OPERATION.size):
+        _, size = _BEFORE_OPERATION.unpack_from(data)
+        if size <= len(data) - start:
+            view = memoryview(data)
+            return bytes(view[start : start + size]), bytes(view[start + size :])
+    raise _invalid(data)
+
+
 def read_topic(beginning: bytes) -> int:
     """Return the topic's number in the first bytes of a hub's frame; -1 if there is none."""
     if len(beginning) < _FROM_HUB.size or beginning[0] not in (_PLAIN, _NAMED):
@@ -126,6 +163,6 @@ def read_topic(beginning: bytes) -> int:
 
 def _invalid(data: bytes | bytearray | memoryview) -> OperationError:
     kind = data[0] if data else None
-    if kind in (_PLAIN, _NAMED):
+    if kind in (_PLAIN, _NAMED, _OPERATION):
         return OperationError(f"invalid binary frame: {len(data)} bytes are too few for its header")
-    return OperationError(f"invalid binary frame: kind must be 1 or 2, got {kind}")
+    return OperationError(f"invalid binary frame: kind must be 1, 2 or 3, got {kind}")

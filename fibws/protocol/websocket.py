@@ -94,6 +94,10 @@ SIMULATED = "simulated"
 SIZE_HEADER = "Fibws-Max-Message-Size"
 """The header of the handshake's response that says how many bytes one message may have: a larger
 one closes the connection (code 1009)."""
+VALUES_HEADER = "Fibws-Serialized-Values"
+"""The header of the handshake's response of a hub that takes calls and goals serialized."""
+SERIALIZED = "ros1"
+"""Its value."""
 LONGEST_TOKEN = 8000
 """Most characters of a token: a line of a request's head has 8192 bytes at most."""
 MISSING_TOKEN = CloseReason(UNAUTHENTICATED, "missing token")

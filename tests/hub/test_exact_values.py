@@ -16,7 +16,12 @@ from typing import Any
 import cbor2
 import pytest
 
-from fibws.protocol.serialized import publish_head, read_delivery
+from fibws.protocol.serialized import (
+    operation_head,
+    publish_head,
+    read_delivery,
+    read_operation,
+)
 
 from .fakes import BINARY, TEXT, Client, FakeHub
 from .foxglove.foxglove_client import FoxgloveHub
@@ -206,65 +211,242 @@ def test_message_arrives_as_it_was_sent(
 
 # Services and actions.
 
-PLAN = "nav_msgs/GetPlan"
-GRIPPER = "control_msgs/GripperCommand"
-ENDS = [(True, True), (True, False), (False, True), (False, False)]
-"""Whether the client and the server speak ``fibws.v1``."""
+SERVICE = f"{DEFINITION}---\n{DEFINITION}"
+ACTION = f"{DEFINITION}---\n{DEFINITION}---\n{DEFINITION}"
+SERVICE_TYPE, ACTION_TYPE = "test_msgs/ExactCall", "test_msgs/ExactGoal"
+ODD_NAN = struct.pack("<Q", 0xFFF0000000000123)
+ODD = DATA[:20] + ODD_NAN + DATA[28:-3] + b"\xff" + DATA[-2:]
+"""Another NaN, and a string that is not UTF-8: only bytes have them."""
 
 
-def received_text(client: Client) -> bytes:
-    """Return the one operation that came, as it came."""
-    [(first, payload)] = client.receive_frames()
-    assert first == TEXT
-    return payload
+class End:
+    """A client or a server: its connection, and the form of its values."""
+
+    def __init__(self, client: Client, *, exact: bool, serialized: bool) -> None:
+        self.client = client
+        self.exact = exact
+        self.serialized = serialized
+
+    @property
+    def expected(self) -> object:
+        """What arrives here of the values that the other end has sent."""
+        return DATA if self.serialized else EXACT if self.exact else ROSBRIDGE
+
+    def send(self, op: str, field: str, data: bytes = DATA, **fields: Any) -> None:
+        text = json.dumps({"op": op, **fields})
+        if self.serialized:
+            self.client.send_binary(operation_head(text.encode()) + data)
+        else:
+            self.client.send_text(f'{text[:-1]}, "{field}": {exact_json(VALUES)}}}')
+
+    def receive(self) -> dict[str, Any]:
+        """Return the one operation that came; ``"body"`` has its values."""
+        [(first, payload)] = self.client.receive_frames()
+        assert first == (BINARY if self.serialized else TEXT), payload
+        text, data = read_operation(payload) if self.serialized else (payload, b"")
+        fields: dict[str, Any] = json.loads(text)
+        name = fields.keys() & {"args", "values"}
+        fields["body"] = data if self.serialized else fields[name.pop()]
+        assert not name
+        return fields
 
 
-def infinities(text: bytes, is_exact: bool) -> None:
-    """Check the numbers in the text of an operation."""
-    expected = [1, 1, 1] if is_exact else [0, 0, 3]
-    found = [text.count(b":1e999"), text.count(b":-1e999"), text.count(b":null")]
-    assert found == expected, text
+END_KINDS = {
+    "rosbridge": {"exact": False, "serialized": False},
+    "fibws.v1 in JSON": {"exact": True, "serialized": False},
+    "fibws.v1": {"exact": True, "serialized": True},
+}
 
 
-def send(client: Client, op: str, **fields: object) -> None:
-    """Send an operation in which infinity is a number that no float can hold."""
-    text = json.dumps({"op": op, **fields})
-    client.send_text(text.replace("Infinity", "1e999").replace("NaN", "null"))
+def end(hub: FakeHub, node: str, kind: str) -> End:
+    kinds = END_KINDS[kind]
+    return End(hub.client(node, serialized=kinds["exact"]), **kinds)
 
 
-@pytest.mark.parametrize(("is_client", "is_server"), ENDS)
-def test_call_and_response_arrive_as_they_were_sent(is_client: bool, is_server: bool) -> None:
+def md5sums(hub: FakeHub) -> tuple[str, str]:
+    """Return the md5s that clients of the service and of the action name."""
+    action = hub.graph.actions["/a"].type.md5sum if "/a" in hub.graph.actions else ""
+    service = hub.graph.services["/s"].type.md5sum if "/s" in hub.graph.services else ""
+    return service or "", action or ""
+
+
+def serve(hub: FakeHub, kind: str) -> End:
+    """Return the server of a service and of an action."""
+    server = end(hub, "/server", kind)
+    for _ in range(2):  # The second time, the md5s are known.
+        service, action = md5sums(hub)
+        fields = {"compression": "ros1"} if server.serialized else {}
+        more = {"type": SERVICE_TYPE, "definition": SERVICE, "md5sum": service}
+        server.client.send("advertise_service", service="/s", **more, **fields)
+        more = {"type": ACTION_TYPE, "definition": ACTION, "md5sum": action}
+        server.client.send("advertise_action", action="/a", **more, **fields)
+    assert server.client.receive() == []
+    return server
+
+
+@pytest.mark.parametrize("server_kind", END_KINDS)
+@pytest.mark.parametrize("client_kind", END_KINDS)
+def test_call_and_response_arrive_as_they_were_sent(client_kind: str, server_kind: str) -> None:
     hub = FakeHub()
-    server = hub.client("/server", serialized=is_server)
-    client = hub.client("/client", serialized=is_client)
-    server.send("advertise_service", service="/plan", type=PLAN)
-    pose = {"pose": {"position": {"x": math.inf, "y": -math.inf, "z": math.nan}}}
-    send(client, "call_service", id="c", service="/plan", args={"goal": pose})
-    text = received_text(server)
-    infinities(text, is_server)
-    values = {"plan": {"poses": [pose]}}
-    id_ = json.loads(text)["id"]
-    send(server, "service_response", id=id_, service="/plan", result=True, values=values)
-    infinities(received_text(client), is_client)
+    server = serve(hub, server_kind)
+    client = end(hub, "/client", client_kind)
+    client.send("call_service", "args", id="c", service="/s", md5sum=md5sums(hub)[0])
+    call = server.receive()
+    assert same(call["body"], server.expected)
+    server.send("service_response", "values", id=call["id"], service="/s", result=True)
+    response = client.receive()
+    assert (response["id"], response["result"]) == ("c", True)
+    assert same(response["body"], client.expected)
 
 
-@pytest.mark.parametrize(("is_client", "is_server"), ENDS)
+@pytest.mark.parametrize("server_kind", END_KINDS)
+@pytest.mark.parametrize("encoding", ["ros1", "json"])
+def test_calls_of_foxglove_arrive_as_they_were_sent(encoding: str, server_kind: str) -> None:
+    hub = FoxgloveHub()
+    server = serve(hub, server_kind)
+    client = hub.foxglove_client("/foxglove")
+    client.receive()
+    is_json = encoding == "json"
+    data = exact_json(VALUES).encode() if is_json else DATA
+    client.call(client.services["/s"]["id"], data, encoding=encoding)
+    call = server.receive()
+    assert same(call["body"], server.expected)
+    server.send("service_response", "values", id=call["id"], service="/s", result=True)
+    *_, response = client.receive_response()
+    assert same(json.loads(response) if is_json else response, ROSBRIDGE if is_json else DATA)
+
+
+@pytest.mark.parametrize("server_kind", END_KINDS)
+@pytest.mark.parametrize("client_kind", END_KINDS)
 def test_goal_feedback_and_result_arrive_as_they_were_sent(
-    is_client: bool, is_server: bool
+    client_kind: str, server_kind: str
 ) -> None:
     hub = FakeHub()
-    server = hub.client("/server", serialized=is_server)
-    client = hub.client("/client", serialized=is_client)
-    server.send("advertise_action", action="/grip", type=GRIPPER)
-    goal = {"action": "/grip", "action_type": GRIPPER, "feedback": True}
-    command = {"position": math.inf, "max_effort": -math.inf}
-    send(client, "send_action_goal", id="g", args={"command": command}, **goal)
-    text = received_text(server)
-    assert (b'"max_effort":-1e999' if is_server else b'"max_effort":null') in text
-    end = {"id": json.loads(text)["id"], "action": "/grip", "result": True, "status": 4}
-    values = {"position": -math.inf, "effort": math.nan}
+    server = serve(hub, server_kind)
+    client = end(hub, "/client", client_kind)
+    fields: dict[str, Any] = {"action": "/a", "action_type": ACTION_TYPE, "feedback": True}
+    client.send("send_action_goal", "args", id="g", md5sum=md5sums(hub)[1], **fields)
+    goal = server.receive()
+    assert same(goal["body"], server.expected)
+    end_ = {"id": goal["id"], "action": "/a", "result": True, "status": 4}
     for op in ("action_feedback", "action_result"):
-        send(server, op, values=values, **end)
-        text = received_text(client)
-        assert (b'"position":-1e999' if is_client else b'"position":null') in text
-        assert b'"effort":null' in text
+        server.send(op, "values", **end_)
+        received = client.receive()
+        assert (received["op"], received["id"]) == (op, "g")
+        assert same(received["body"], client.expected)
+
+
+def test_bytes_that_json_cannot_express_arrive_unchanged() -> None:
+    hub = FakeHub()
+    server, client = serve(hub, "fibws.v1"), end(hub, "/client", "fibws.v1")
+    service, action = md5sums(hub)
+    client.send("call_service", "args", ODD, id="c", service="/s", md5sum=service)
+    call = server.receive()
+    assert call["body"] == ODD
+    server.send("service_response", "values", ODD, id=call["id"], service="/s", result=True)
+    assert client.receive()["body"] == ODD
+    fields: dict[str, Any] = {"action": "/a", "action_type": ACTION_TYPE, "md5sum": action}
+    client.send("send_action_goal", "args", ODD, id="g", **fields)
+    goal = server.receive()
+    assert goal["body"] == ODD
+    server.send("action_result", "values", ODD, id=goal["id"], action="/a", result=True)
+    assert client.receive()["body"] == ODD
+
+
+@pytest.mark.parametrize("md5sum", ["0" * 32, "", None])
+def test_bytes_of_another_definition_are_refused_before_the_server_gets_them(
+    md5sum: str | None,
+) -> None:
+    hub = FakeHub()
+    server, client = serve(hub, "fibws.v1"), end(hub, "/client", "fibws.v1")
+    fields: dict[str, Any] = {} if md5sum is None else {"md5sum": md5sum}
+    client.send("call_service", "args", id="c", service="/s", **fields)
+    response = client.client.receive_one("service_response")
+    assert (response["id"], response["code"]) == ("c", "not_serialized")
+    goal = {"action": "/a", "action_type": ACTION_TYPE, **fields}
+    client.send("send_action_goal", "args", id="g", **goal)
+    result = client.client.receive_one("action_result")
+    assert (result["id"], result["code"]) == ("g", "not_serialized")
+    assert server.client.receive() == []
+
+
+def test_server_of_another_definition_gets_json() -> None:
+    hub = FakeHub()
+    server, client = serve(hub, "fibws.v1"), end(hub, "/client", "fibws.v1")
+    fields = {"type": SERVICE_TYPE, "definition": SERVICE, "compression": "ros1"}
+    server.client.send("advertise_service", service="/s", md5sum="0" * 32, **fields)
+    client.send("call_service", "args", id="c", service="/s", md5sum=md5sums(hub)[0])
+    assert same(server.client.receive_one("call_service")["args"], EXACT)
+
+
+def test_invalid_bytes_of_a_response_fail_the_call() -> None:
+    hub = FakeHub()
+    server, client = serve(hub, "fibws.v1"), end(hub, "/client", "fibws.v1")
+    service, action = md5sums(hub)
+    client.send("call_service", "args", id="c", service="/s", md5sum=service)
+    id_ = server.receive()["id"]
+    server.send("service_response", "values", DATA[:-1], id=id_, service="/s", result=True)
+    assert client.client.receive_one("service_response")["code"] == "invalid_message"
+    fields: dict[str, Any] = {"action": "/a", "action_type": ACTION_TYPE, "md5sum": action}
+    client.send("send_action_goal", "args", id="g", **fields)
+    assert len(server.client.receive_frames()) == 2  # a status, and the goal
+    [goal] = hub.graph.actions["/a"].goals.values()
+    server.send("action_result", "values", b"", id=goal.id, action="/a", result=True)
+    assert client.client.receive_one("action_result")["code"] == "invalid_message"
+
+
+def test_bytes_with_too_many_values_for_json_fail_the_call_or_the_goal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hub = FakeHub()
+    server, client = serve(hub, "rosbridge"), end(hub, "/client", "fibws.v1")
+    service, action = md5sums(hub)
+    monkeypatch.setattr("fibws.hub.graph.types.FEWEST_BYTES", 0)
+    monkeypatch.setattr("fibws.interfaces.serialization.MOST_WEIGHT", 0)
+    client.send("call_service", "args", id="c", service="/s", md5sum=service)
+    assert "too many values" in client.client.receive_one("service_response")["values"]
+    fields: dict[str, Any] = {"action": "/a", "action_type": ACTION_TYPE, "md5sum": action}
+    client.send("send_action_goal", "args", id="g", **fields)
+    assert "too many values" in client.client.receive_one("action_result")["values"]
+    assert server.client.receive() == []
+    assert hub.graph.actions["/a"].goals == {}
+
+
+def test_bytes_with_too_many_values_for_json_fail_the_response_or_the_result(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hub = FakeHub()
+    server, client = serve(hub, "fibws.v1"), end(hub, "/client", "rosbridge")
+    monkeypatch.setattr("fibws.hub.graph.types.FEWEST_BYTES", 0)
+    monkeypatch.setattr("fibws.interfaces.serialization.MOST_WEIGHT", 0)
+    client.send("call_service", "args", id="c", service="/s")
+    id_ = server.receive()["id"]
+    server.send("service_response", "values", id=id_, service="/s", result=True)
+    assert "too many values" in client.client.receive_one("service_response")["values"]
+    client.send("send_action_goal", "args", id="g", action="/a", action_type=ACTION_TYPE)
+    id_ = server.receive()["id"]
+    server.send("action_feedback", "values", id=id_, action="/a")
+    assert client.client.receive() == [], "it has not asked for feedback"
+    server.send("action_result", "values", id=id_, action="/a", result=True)
+    assert "too many values" in client.client.receive_one("action_result")["values"]
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        b"\x03\xff\xff\xff\xff{}",
+        b"\x03\x02\x00",
+        operation_head(b"{"),
+        operation_head(b"\xff"),
+        operation_head(b"[]"),
+        operation_head(b"{}{}"),
+        operation_head(b'{"op":"publish"}'),
+        operation_head(b'{"op":["call_service"]}'),
+        operation_head(b'{"op":"call_service","service":"/s","id":"c","md5sum":1}'),
+    ],
+)
+def test_invalid_frame_gets_a_status(frame: bytes) -> None:
+    client = FakeHub().client(serialized=True)
+    client.send_binary(frame)
+    [status] = client.receive()
+    assert (status["op"], status["level"]) == ("status", "error")

@@ -76,10 +76,10 @@ def test_delivered_frame_that_is_too_short_is_refused(head: bytes) -> None:
             read_delivery(head[:size])
 
 
-@pytest.mark.parametrize(("frame", "kind"), [(b"", "None"), (b"\x00abc", "0"), (b"\x03", "3")])
+@pytest.mark.parametrize(("frame", "kind"), [(b"", "None"), (b"\x00abc", "0"), (b"\x04", "4")])
 def test_frame_of_an_unknown_kind_is_refused(frame: bytes, kind: str) -> None:
     for read in (read_publish, read_delivery):
-        with pytest.raises(OperationError, match=f"kind must be 1 or 2, got {kind}"):
+        with pytest.raises(OperationError, match=f"kind must be 1, 2 or 3, got {kind}"):
             read(frame)
 
 

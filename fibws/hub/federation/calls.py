@@ -6,19 +6,17 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-from pydantic_core import from_json
-
 from fibws.errors import CallFailed, FibwsError, InvalidMessage, UnknownDefinition
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.federation.backplane import Cancel, OnReply, Peer
 from fibws.hub.federation.records import ActionRecord, Kind, Reply, Request, ServiceRecord, failure
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import ANY_MD5SUM, Call, Service
-from fibws.hub.graph.types import read_values
 from fibws.interfaces import full_text
 from fibws.interfaces.folders import Kind as TypeKind
-from fibws.interfaces.serialization import Serializer
+from fibws.interfaces.serialized_values import SerializedValues
 
 logger = logging.getLogger("fibws.hub")
 
@@ -42,14 +40,13 @@ class RemoteServer:
             error = UnknownDefinition(type_.name, type_.fault)
             call.fail(str(error), error.code)
             return
-        request, response = type_.codecs.service_serializers(type_.name)
         view = peer.backplane.view
         fields = {
             "service": view.outward(self._name),
             "caller": view.node_outward(call.caller),
             "md5sum": type_.md5sum or ANY_MD5SUM,
         }
-        body = bytes(request.serialize(call.request))
+        body = call.request.ros1()
 
         def reply(found: Reply) -> None:
             if self._open.pop(call, None) is None:
@@ -58,7 +55,7 @@ class RemoteServer:
                 call.fail(*_error(found))
                 return
             try:
-                call.respond(read_values(response, found.body))
+                call.respond(SerializedValues(bytes(found.body)))
             except FibwsError as error:
                 call.fail(f"Service {self._name} returned an invalid response: {error}")
 
@@ -93,7 +90,6 @@ class RemoteActionServer:
             error = UnknownDefinition(type_.name, type_.fault)
             goal.fail(str(error), error.code)
             return
-        out, feedback, result = type_.codecs.action_serializers(type_.name)
         view = peer.backplane.view
         fields = {
             "action": view.outward(self._name),
@@ -110,15 +106,15 @@ class RemoteActionServer:
                     goal.fail(*_error(found))
                 elif found.is_final:
                     status = Ros2GoalStatus(found.fields["status"])
-                    goal.finish(status, read_values(result, found.body))
+                    goal.finish(status, SerializedValues(bytes(found.body)))
                 else:
-                    goal.feedback(read_values(feedback, found.body))
+                    goal.feedback(SerializedValues(bytes(found.body)))
             except (FibwsError, KeyError, ValueError) as error:
                 goal.fail(f"Action {self._name} returned an invalid reply: {error}")
 
         self._open[goal] = _nothing
-        body = bytes(out.serialize(goal.request))
-        cancel = peer.backplane.request(peer, Request("goal", fields, body), reply)
+        request = Request("goal", fields, goal.request.ros1())
+        cancel = peer.backplane.request(peer, request, reply)
         if goal in self._open:
             self._open[goal] = cancel
 
@@ -222,20 +218,19 @@ class Calls:
         type_ = service.type
         if type_.codecs is None:
             raise UnknownDefinition(type_.name, type_.fault)
-        into, out = type_.codecs.service_serializers(type_.name)
         headers = {"md5sum": str(request.fields.get("md5sum", ANY_MD5SUM))}
 
-        def succeeded(call: Call, text: bytes) -> None:
+        def succeeded(call: Call, response: Body) -> None:
             try:
-                values = call.response if call.response is not None else from_json(text)
-                open_.reply(Reply({}, bytes(out.serialize(values))))
+                open_.reply(Reply({}, response.ros1()))
             except (FibwsError, ValueError) as error:
                 open_.reply(failure(f"{name} returned an invalid response: {error}", "invalid"))
 
         def failed(call: Call, text: str, code: str) -> None:
             open_.reply(failure(text, code))
 
-        call = graph.call(name, read_values(into, request.body), caller, succeeded, failed, headers)
+        values = SerializedValues(bytes(request.body))
+        call = graph.call(name, values, caller, succeeded, failed, headers)
         call.start()
         return self._until_done(open_, call)
 
@@ -255,10 +250,9 @@ class Calls:
         type_ = action.type
         if type_.codecs is None:
             raise UnknownDefinition(type_.name, type_.fault)
-        into, feedback, result = type_.codecs.action_serializers(type_.name)
-        client = _GoalClient(open_, feedback, result)
         wanted = str(request.fields.get("type", type_.name))
-        goal = graph.send_goal(name, wanted, read_values(into, request.body), client, caller)
+        values = SerializedValues(bytes(request.body))
+        goal = graph.send_goal(name, wanted, values, _GoalClient(open_), caller)
         key = peer, str(request.fields.get("goal"))
         self._goals[key] = goal
         open_.on_done = lambda: self._goals.pop(key, None)
@@ -268,8 +262,8 @@ class Calls:
     def _ask_node(self, request: Request, caller: str, open_: _OpenRequest) -> Cancel:
         """Ping or kill a node of this hub, or of one behind it, as a client of it would."""
 
-        def succeeded(call: Call, text: bytes) -> None:
-            answer = from_json(text)
+        def succeeded(call: Call, response: Body) -> None:
+            answer = response.values()
             is_fine = bool(answer["success"])
             open_.reply(Reply({}) if is_fine else failure(str(answer["message"]), "node"))
 
@@ -334,24 +328,20 @@ class _OpenRequest:
 class _GoalClient:
     """Sends a goal's feedback and result to another hub; an `ActionClient`."""
 
-    def __init__(self, open_: _OpenRequest, feedback: Serializer, result: Serializer) -> None:
+    def __init__(self, open_: _OpenRequest) -> None:
         self._open = open_
-        self._feedback = feedback
-        self._result = result
 
-    def feedback(self, goal: Goal, values: bytes) -> None:
+    def feedback(self, goal: Goal, feedback: Body) -> None:
         """Send feedback."""
-        body = bytes(self._feedback.serialize(from_json(values)))
-        self._open.reply(Reply({}, body, is_final=False))
+        self._open.reply(Reply({}, feedback.ros1(), is_final=False))
 
-    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
-        """Send the result, or the error of a goal without one."""
-        if code is not None:
-            text = from_json(values)
-            self._open.reply(failure(text if isinstance(text, str) else str(text), code))
-            return
-        body = bytes(self._result.serialize(from_json(values)))
-        self._open.reply(Reply({"status": int(status)}, body))
+    def result(self, goal: Goal, status: Ros2GoalStatus, result: Body) -> None:
+        """Send the result."""
+        self._open.reply(Reply({"status": int(status)}, result.ros1()))
+
+    def failed(self, goal: Goal, status: Ros2GoalStatus, text: str, code: str) -> None:
+        """Send the error of a goal without a result."""
+        self._open.reply(failure(text, code))
 
 
 def _error(reply: Reply) -> tuple[str, str]:

@@ -11,12 +11,11 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple, Self
 
-from pydantic_core import from_json
-
 from fibws.errors import FibwsError, OperationError
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import PlaybackRequest, playback_frame
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Call
 from fibws.hub.graph.topic import SinkReport, Topic
@@ -220,9 +219,9 @@ class Playback:
     def _call(self, command: dict[str, Any], done: Callable[[str], object]) -> None:
         client = self._client
 
-        def succeeded(call: Call, values: bytes) -> None:
+        def succeeded(call: Call, body: Body) -> None:
             self._end(call)
-            response = from_json(values)
+            response = body.values()
             state = PlayerState.read(response.get("state"))
             if self._state is not None and state is not None:
                 self._state = state

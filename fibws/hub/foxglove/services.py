@@ -17,12 +17,12 @@ from fibws.hub.foxglove.messages import (
     response_frame,
     text_frame,
 )
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.service import Call
-from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import INTERNAL_ERROR, shortened
 from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.interfaces.json_text import plain_json
-from fibws.interfaces.serialization import Serializer
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.value_limits import check_json
 
 
@@ -32,7 +32,6 @@ class WaitingCall(NamedTuple):
     service: int
     call: int
     encoding: str
-    response: Serializer
     timer: Timer | None
 
 
@@ -99,29 +98,23 @@ class Calls:
             raise UnknownDefinition(type_.name, type_.fault)
         if (type_.name, type_.md5sum) != (entry.type, entry.md5sum):
             raise CallFailed(f"Service {entry.name} has another type now", "type_conflict")
-        out, back = type_.codecs.service_serializers(type_.name)
-        args = _read(request, out)
+        args = _read(request)
         call = client.graph.call(entry.name, args, client.node, self._succeeded, self._failed)
         timer, timeout = None, client.settings.service_timeout
         if timeout:
             timer = client.clock.call_later(timeout, lambda: call.time_out(timeout))
-        self._waiting[call] = WaitingCall(
-            request.service, request.call, request.encoding, back, timer
-        )
+        self._waiting[call] = WaitingCall(request.service, request.call, request.encoding, timer)
         try:
             call.start()
         except Exception:
             self._pop(call)
             raise
 
-    def _succeeded(self, call: Call, values: bytes) -> None:
+    def _succeeded(self, call: Call, response: Body) -> None:
         waiting = self._pop(call)
         try:
-            if waiting.encoding == JSON:
-                data = plain_json(values)
-            else:
-                response = from_json(values) if call.response is None else call.response
-                data = waiting.response.serialize(response)
+            is_json = waiting.encoding == JSON
+            data = plain_json(response.json()) if is_json else response.ros1()
         except Exception as fault:  # It is no fault of the server's.
             self._fail(waiting.service, waiting.call, INTERNAL_ERROR)
             self._client.statuses.log(f"{call.service.name}: {INTERNAL_ERROR}", fault=fault)
@@ -145,8 +138,8 @@ class Calls:
         self._client.queue.reply(frame)
 
 
-def _read(request: ClientRequest, serializer: Serializer) -> object:
-    """Return the values of a request; raise `InvalidMessage` or `OperationError`."""
+def _read(request: ClientRequest) -> object:
+    """Return the values of a request; raise `OperationError` if they are invalid JSON."""
     if request.encoding == JSON:
         text = bytes(request.data)
         check_json(text)
@@ -154,4 +147,4 @@ def _read(request: ClientRequest, serializer: Serializer) -> object:
             return from_json(text) if text.strip() else {}
         except ValueError as error:
             raise OperationError(f"invalid JSON: {error}") from None
-    return read_values(serializer, request.data)
+    return SerializedValues(bytes(request.data))

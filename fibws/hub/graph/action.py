@@ -11,10 +11,13 @@ from enum import IntEnum
 from typing import Any, Protocol
 
 from fibws.errors import NotAllowed
+from fibws.hub.graph.body import Body, check_serialized
 from fibws.hub.graph.types import ActionType
 from fibws.interfaces import base64text
-from fibws.interfaces.json_text import exact_json_of, json_of
+from fibws.interfaces.serialized_values import SerializedValues
 
+GOAL, FEEDBACK, RESULT = 0, 1, 2
+"""The messages of an action's type."""
 CANCEL_SUFFIX = "/_action/cancel_goal"
 """The suffix of an action's name in the name of the service that cancels its goals."""
 
@@ -54,14 +57,14 @@ class ActionServer(Protocol):
 class ActionClient(Protocol):
     """Sent a goal."""
 
-    def feedback(self, goal: Goal, values: bytes) -> None:
-        """Take a goal's feedback, as JSON in which infinity is as in `exact_json_of`."""
+    def feedback(self, goal: Goal, feedback: Body) -> None:
+        """Take a goal's feedback."""
 
-    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
-        """Take a goal's end: its result, or the reason if there is a ``code``.
+    def result(self, goal: Goal, status: Ros2GoalStatus, result: Body) -> None:
+        """Take a goal's end with its result."""
 
-        Both are JSON, in which infinity is as in `exact_json_of`.
-        """
+    def failed(self, goal: Goal, status: Ros2GoalStatus, text: str, code: str) -> None:
+        """Take a goal's end without a result, and why."""
 
 
 class Goals(dict[bytes, "Goal"]):
@@ -90,13 +93,14 @@ class Goal:
     """One goal, from its start to its result.
 
     Args:
-        args: the goal's fields: an object, or a list in their order.
+        args: the goal's fields: an object, a list in their order, or `SerializedValues`.
         caller: the node that sends it.
         uuid: 16 bytes that no other goal has.
         accepted: when, in nanoseconds since 1970.
 
     Raises:
         InvalidMessage: the goal does not fit the type.
+        NotSerialized: it is serialized by another definition.
     """
 
     __slots__ = ("_canceling", "_client", "accepted", "action", "caller", "id", "request", "uuid")
@@ -112,8 +116,8 @@ class Goal:
     ) -> None:
         self.action = action
         self.caller = caller
-        self.request = action.type.fill_goal(args)
-        """Its values, every field filled."""
+        self.request = self._body(GOAL, args, action.type.fill_goal)
+        """With every field filled."""
         self.uuid = uuid
         self.accepted = accepted
         self.id = ""
@@ -126,15 +130,23 @@ class Goal:
         self.action.goals[self.uuid] = self
         self.action.server.execute(self)
         # The server has it; a large goal need not be kept until it ends.
-        self.request = {}
+        self.request = Body(self.action.type, GOAL, values={})
 
     def feedback(self, values: object) -> None:
-        """Pass the server's feedback to the client; raises `InvalidMessage`."""
-        self._client.feedback(self, exact_json_of(self.action.type.feedback(values)))
+        """Pass the server's feedback to the client: an object, or `SerializedValues`.
+
+        Raises:
+            InvalidMessage: it does not fit the type.
+            NotSerialized: it is serialized by another definition.
+        """
+        feedback = self._body(FEEDBACK, values, self.action.type.feedback)
+        self._client.feedback(self, feedback)
 
     def finish(self, status: Ros2GoalStatus, values: object) -> None:
-        """End with the server's result; if that raises `InvalidMessage`, the goal goes on."""
-        self._end(status, exact_json_of(self.action.type.result(values)), None)
+        """End with the server's result; if that raises as `feedback`, the goal goes on."""
+        result = self._body(RESULT, values, self.action.type.result)
+        if self._close():
+            self._client.result(self, status, result)
 
     def fail(
         self,
@@ -143,7 +155,8 @@ class Goal:
         status: Ros2GoalStatus = Ros2GoalStatus.ABORTED,
     ) -> None:
         """End without a result; codes are those of `CallFailed`."""
-        self._end(status, json_of(text), code)
+        if self._close():
+            self._client.failed(self, status, text, code)
 
     def cancel(self) -> None:
         """Ask the server to stop, once."""
@@ -163,10 +176,20 @@ class Goal:
         self.cancel()
         self.fail(f"{error}; the goal was cancelled", error.code)
 
-    def _end(self, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
-        if self.action.goals.pop(self.uuid, None) is not None:
+    def _close(self) -> bool:
+        """Return whether this is the goal's one end."""
+        is_first = self.action.goals.pop(self.uuid, None) is not None
+        if is_first:
             self.action.server.forget(self)
-            self._client.result(self, status, values, code)
+        return is_first
+
+    def _body(
+        self, message: int, given: object, validate: Callable[[object], dict[str, Any]]
+    ) -> Body:
+        type_ = self.action.type
+        if isinstance(given, SerializedValues):
+            return check_serialized(type_, message, given, type_.name, type_.md5sum)
+        return Body(type_, message, values=validate(given))
 
 
 def cancel_service(action: str) -> str:

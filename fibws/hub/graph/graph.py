@@ -37,6 +37,7 @@ from fibws.hub.graph.action import (
     cancel_goals,
     cancel_service,
 )
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.clock import GraphClock
 from fibws.hub.graph.latched import LatchQuota, LatchTotal
 from fibws.hub.graph.numbers import Numbers
@@ -753,7 +754,7 @@ class Graph:
         name: str,
         args: object,
         caller: str,
-        succeeded: Callable[[Call, bytes], None],
+        succeeded: Callable[[Call, Body], None],
         failed: Callable[[Call, str, str], None],
         headers: dict[str, str] | None = None,
     ) -> Call:

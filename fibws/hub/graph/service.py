@@ -14,12 +14,15 @@ from functools import partial
 from typing import Any, Protocol, TypeAlias
 
 from fibws.errors import CallFailed, FibwsError, NotAllowed
+from fibws.hub.graph.body import Body, check_serialized
 from fibws.hub.graph.totals import CallTotals
 from fibws.hub.graph.types import ServiceType
-from fibws.interfaces.json_text import exact_json_of
+from fibws.interfaces.serialized_values import SerializedValues
 
 logger = logging.getLogger("fibws.hub")
 
+REQUEST, RESPONSE = 0, 1
+"""The messages of a service's type."""
 ANY_MD5SUM = "*"
 """The md5sum of a caller that leaves open which type it means."""
 
@@ -113,15 +116,16 @@ class Call:
     """One call, from its start to its response.
 
     Args:
-        args: the request: an object, or a list of its fields in order.
+        args: the request: an object, a list of its fields in order, or `SerializedValues`.
         caller: the calling node.
-        succeeded: takes the response as JSON, in which infinity is as in `exact_json_of`.
+        succeeded: takes the response.
         failed: takes the error's text and code (see `CallFailed`).
         headers: the connection header that the caller sends with the request.
         totals: counts how the call ends.
 
     Raises:
         InvalidMessage: the request does not fit the type.
+        NotSerialized: it is serialized by another definition.
         CallFailed: the caller means another type.
     """
 
@@ -136,7 +140,6 @@ class Call:
         "headers",
         "id",
         "request",
-        "response",
         "service",
     )
 
@@ -145,17 +148,15 @@ class Call:
         service: Service,
         args: object,
         caller: str,
-        succeeded: Callable[[Call, bytes], None],
+        succeeded: Callable[[Call, Body], None],
         failed: Callable[[Call, str, str], None],
         headers: dict[str, str] | None = None,
         totals: CallTotals | None = None,
     ) -> None:
         _check_md5sum(service, caller, headers or {})
         self.service = service
-        self.request: Any = service.type.fill_request(args) if service.type.is_known else args
-        """Its values with every field filled; unchanged from the caller if the type is unknown."""
-        self.response: dict[str, Any] | None = None
-        """Its values, if the server has not responded in JSON."""
+        self.request = _request(service.type, args)
+        """With every field filled; unchanged from the caller if the type is unknown."""
         self.caller = caller
         self.headers = headers
         self.due = math.inf
@@ -172,10 +173,10 @@ class Call:
         """Pass the call to the server."""
         self.service.server.handle(self)
         # The server has it; a large request need not be kept until it responds.
-        self.request = {}
+        self.request = Body(self.service.type, REQUEST, values={})
         self.headers = None
 
-    def fill(self, args: object, headers: Mapping[str, str] | None) -> dict[str, Any]:
+    def fill(self, args: object, headers: Mapping[str, str] | None) -> Body:
         """Return the request of a call that was made before its service's type was known.
 
         Raises:
@@ -183,23 +184,31 @@ class Call:
             CallFailed: the caller means another type.
         """
         _check_md5sum(self.service, self.caller, headers or {})
-        return self.service.type.fill_request(args)
+        return _request(self.service.type, args)
 
     def respond(self, values: object) -> None:
-        """Take the server's response.
+        """Take the server's response: an object, or `SerializedValues`.
 
         Raises:
             InvalidMessage: it does not fit the type; the call still waits for a response.
+            NotSerialized: it is serialized by another definition; as for `InvalidMessage`.
         """
-        self.response = self.service.type.response(values)
-        self.respond_json(exact_json_of(self.response))
+        type_ = self.service.type
+        if isinstance(values, SerializedValues):
+            body = check_serialized(type_, RESPONSE, values, type_.name, type_.md5sum)
+        else:
+            body = Body(type_, RESPONSE, values=type_.response(values))
+        self._respond(body)
 
     def respond_json(self, text: bytes) -> None:
         """Take the response as JSON, in which infinity is as in `exact_json_of`."""
+        self._respond(Body(self.service.type, RESPONSE, json=text))
+
+    def _respond(self, body: Body) -> None:
         if self._close():
             if self._totals is not None:
                 self._totals.responded(self.service.name, self._started)
-            self._succeeded(self, text)
+            self._succeeded(self, body)
 
     def fail(self, text: str, code: str = "server_failed") -> None:
         """End the call without a response."""
@@ -248,7 +257,7 @@ class InternalServer:
     def handle(self, call: Call) -> None:
         """Respond to a call, now or later."""
         try:
-            response = self._function(call.request, call.caller)
+            response = self._function(call.request.values(), call.caller)
         except FibwsError as error:
             call.fail(str(error), error.code)
         except Exception:
@@ -280,6 +289,14 @@ class InternalServer:
             call.respond(response)
         except FibwsError as error:
             call.fail(str(error), error.code)
+
+
+def _request(type_: ServiceType, args: object) -> Body:
+    """Return a request; raises as `Call`."""
+    if isinstance(args, SerializedValues):
+        return check_serialized(type_, REQUEST, args, type_.name, type_.md5sum)
+    values = type_.fill_request(args) if type_.is_known else args
+    return Body(type_, REQUEST, values=values)
 
 
 def _check_md5sum(service: Service, caller: str, headers: Mapping[str, str]) -> None:

@@ -45,19 +45,25 @@ Validate: TypeAlias = Callable[[object], dict[str, Any]]
 
 
 def read_values(
-    serializer: Serializer, data: Buffer, errors: Literal["replace", "strict"] = "replace"
+    serializer: Serializer,
+    data: Buffer,
+    errors: Literal["replace", "strict"] = "replace",
+    *,
+    is_checked: bool = False,
 ) -> dict[str, Any]:
     """Return the values of a request, a response or a goal that came from outside.
 
     Args:
         errors: what becomes of strings that are not UTF-8, as for ``bytes.decode``; with
             ``"strict"`` they are invalid.
+        is_checked: whether the bytes are known to fit the type.
 
     Raises:
         InvalidMessage: the bytes do not fit the type.
         OperationError: their values would keep the hub busy for too long.
     """
-    serializer.check(data)
+    if not is_checked:
+        serializer.check(data)
     if len(data) > FEWEST_BYTES and serializer.is_heavy(data, numbers=True):
         text = f"a message of {len(data)} bytes of type {serializer.type} has too many values"
         raise OperationError(f"{text} for JSON")
@@ -278,6 +284,16 @@ class ServiceType:
     is_known: bool = True
     """Whether requests can be checked; else the server does it, once it has learned the type."""
 
+    def serializer(self, message: int) -> Serializer:
+        """Return the serializer of the request (0) or the response (1).
+
+        Raises:
+            UnknownDefinition: the fields are unknown.
+        """
+        if self.codecs is None:
+            raise UnknownDefinition(self.name, self.fault)
+        return self.codecs.service_serializers(self.name)[message]
+
     def fill_request(self, args: object) -> dict[str, Any]:
         """Return the request that ``args`` stand for: an object, or a list of fields in order.
 
@@ -307,6 +323,21 @@ class ActionType:
     codecs: Codecs | None = None
     fault: str = ""
     meant: str = ""
+
+    @property
+    def md5sum(self) -> str | None:
+        """The md5s of goal, feedback and result, with commas between them."""
+        return ",".join(self.md5sums) if self.md5sums is not None else None
+
+    def serializer(self, message: int) -> Serializer:
+        """Return the serializer of the goal (0), the feedback (1) or the result (2).
+
+        Raises:
+            UnknownDefinition: the fields are unknown.
+        """
+        if self.codecs is None:
+            raise UnknownDefinition(self.name, self.fault)
+        return self.codecs.action_serializers(self.name)[message]
 
     def fill_goal(self, args: object) -> dict[str, Any]:
         """Return the goal that ``args`` stand for; as `ServiceType.fill_request`."""

@@ -6,11 +6,9 @@ import asyncio
 import logging
 import struct
 from collections import deque
-from collections.abc import Callable, Coroutine, Iterator, Mapping
+from collections.abc import Coroutine, Iterator, Mapping
 from contextlib import suppress
 from typing import Any, TypeVar
-
-from pydantic_core import from_json
 
 from fibws.errors import (
     CallFailed,
@@ -20,19 +18,18 @@ from fibws.errors import (
     TcprosError,
     UnknownDefinition,
 )
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.service import Call, Service
-from fibws.hub.graph.types import read_values
 from fibws.hub.log_text import printable
 from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
 from fibws.hub.ros1.nodes import Ros1Node, Ros1Nodes
-from fibws.hub.ros1.rosrpc import INSTANT, Address, ServiceConnection, ServiceConnections
+from fibws.hub.ros1.rosrpc import Address, ServiceConnection, ServiceConnections
 from fibws.hub.ros1.tcpros import ANY, LENGTH, require
 from fibws.hub.ros1.topic_registrations import CLIENT
 from fibws.hub.settings import Settings
-from fibws.interfaces.json_text import exact_json_of
-from fibws.interfaces.serialization import Serializer
+from fibws.interfaces.serialized_values import SerializedValues
 
 T = TypeVar("T")
 
@@ -103,25 +100,25 @@ class RemoteService:
         self._connections.close()
 
     async def _perform(
-        self, call: Call, args: Any, headers: Mapping[str, str] | None, is_filled: bool
+        self, call: Call, request: Body, headers: Mapping[str, str] | None, is_filled: bool
     ) -> None:
         """Call the service and respond to the caller."""
         try:
             async with self._room:
                 if call.service.type.codecs is None and (fault := await self._learn()):
                     raise fault
-                request = args if is_filled else call.fill(args, headers)
-                call.respond_json(await self._call(call, request, headers or {}))
+                body = request if is_filled else call.fill(request.values(), headers)
+                response = await self._call(call, body.ros1(), headers or {})
+                call.respond(SerializedValues(response))
         except FibwsError as error:
             call.fail(str(error), error.code)
         except Exception:
             logger.exception("A call of %s failed.", self.name)
             call.fail(f"a call of {self.name} failed in the hub; see its log")
 
-    async def _call(self, call: Call, request: dict[str, Any], headers: Mapping[str, str]) -> bytes:
+    async def _call(self, call: Call, request: bytes, headers: Mapping[str, str]) -> bytes:
         type_ = call.service.type
         assert type_.codecs is not None
-        out, back = type_.codecs.service_serializers(type_.name)
         header = {
             **self._links.graph.header(call.caller, headers),
             "service": self.name,
@@ -129,8 +126,7 @@ class RemoteService:
             "type": type_.name,
         }
         limit = self._links.settings.max_message_size
-        body = await self._connections.call(header, out.serialize(request), limit)
-        return await _converted(len(body), _to_json, back, body)
+        return await self._connections.call(header, request, limit)
 
     async def _watch(self) -> None:
         delay = FIRST_RETRY
@@ -350,25 +346,21 @@ class ServedClient:
         type_ = self._find().type
         if type_.md5sum != self._md5sum or type_.codecs is None:
             raise OperationError(f"{self._service} has become a {type_.name}")
-        into, out = type_.codecs.service_serializers(type_.name)
         try:
-            values = await _converted(len(request), read_values, into, request)
-            call, text = await self._call(values)
-            size = len(text)
-            body = await _converted(size, _serialized_response, out, call.response, text)
+            response = await self._call(SerializedValues(request))
+            return _answer(1, response.ros1())
         except FibwsError as error:
             return _answer(0, str(error).encode("utf-8", "replace"))
-        return _answer(1, body)
 
-    async def _call(self, values: dict[str, Any]) -> tuple[Call, bytes]:
-        """Call the service; return the call and the response as JSON, or raise `CallFailed`."""
+    async def _call(self, values: SerializedValues) -> Body:
+        """Call the service; return the response, or raise `CallFailed`."""
         loop = asyncio.get_running_loop()
-        done: asyncio.Future[bytes | CallFailed] = loop.create_future()
+        done: asyncio.Future[Body | CallFailed] = loop.create_future()
         call = self._links.graph.call(
             self._service,
             values,
             self._caller,
-            lambda call, text: _finish(done, text),
+            lambda call, response: _finish(done, response),
             lambda call, text, code: _finish(done, CallFailed(text, code)),
             dict(self._header),
         )
@@ -380,7 +372,7 @@ class ServedClient:
             result = await done
             if isinstance(result, CallFailed):
                 raise result
-            return call, result
+            return result
         except asyncio.CancelledError:
             call.abandon()
             raise
@@ -497,25 +489,10 @@ class ServiceLinks:
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-def _to_json(serializer: Serializer, data: bytes) -> bytes:
-    return exact_json_of(read_values(serializer, data))
-
-
-def _serialized_response(
-    serializer: Serializer, values: dict[str, Any] | None, text: bytes
-) -> bytes:
-    return serializer.serialize(from_json(text) if values is None else values)
-
-
-def _finish(done: asyncio.Future[bytes | CallFailed], result: bytes | CallFailed) -> None:
+def _finish(done: asyncio.Future[Body | CallFailed], result: Body | CallFailed) -> None:
     if not done.done():
         done.set_result(result)
 
 
 def _answer(is_ok: int, body: bytes) -> bytes:
     return struct.pack("<BI", is_ok, len(body)) + body
-
-
-async def _converted(size: int, work: Callable[..., T], /, *args: Any) -> T:
-    """Return the result of a function, which works in a thread if that may take long."""
-    return work(*args) if size < INSTANT else await asyncio.to_thread(work, *args)

@@ -9,14 +9,13 @@ from collections import deque
 from collections.abc import Callable
 from functools import partial
 
-from pydantic_core import from_json
-
 from fibws.errors import (
     FibwsError,
     InterfaceError,
     UnknownDefinition,
 )
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
 from fibws.hub.graph.types import read_values
@@ -73,8 +72,8 @@ class Ros2Server:
             service = self._services.ros2_type(call.service)
             if type_.codecs is None or service is None:
                 raise UnknownDefinition(type_.name, type_.fault)
-            out, back = type_.codecs.service_serializers(type_.name)
-            request = out.serialize(call.request)
+            _, back = type_.codecs.service_serializers(type_.name)
+            request = call.request.ros1()
         except FibwsError as error:
             call.fail(str(error), error.code)
             return
@@ -398,7 +397,7 @@ class Ros2Services:
         type_ = own.service.type
         if type_.codecs is None:
             raise UnknownDefinition(type_.name, type_.fault)
-        into, out = type_.codecs.service_serializers(type_.name)
+        into, _ = type_.codecs.service_serializers(type_.name)
         convert = own.type.response.to_cdr
         ended: list[Callable[[], object]] = []
 
@@ -407,11 +406,10 @@ class Ros2Services:
             for each in ended:
                 each()
 
-        def succeeded(call: Call, text: bytes) -> None:
+        def succeeded(call: Call, body: Body) -> None:
             end(call)
             try:
-                values = call.response if call.response is not None else from_json(text)
-                response = out.serialize(values)
+                response = body.ros1()
             except (FibwsError, ValueError) as error:
                 respond(None, f"{name} returned an invalid response: {error}")
                 return

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from fibws.errors import FibwsError, InvalidMessage, OperationError
+from fibws.errors import FibwsError, InvalidMessage, NotSerialized, OperationError
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_service
+from fibws.hub.graph.body import Body
 from fibws.hub.rosbridge.client import Client, check_room
 from fibws.hub.websocket.endpoint import Removals, Work
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.operations import (
     ActionFeedback,
@@ -22,6 +24,19 @@ from fibws.protocol.operations import (
     json_of,
     legal_id,
 )
+from fibws.protocol.serialized import ROS1
+
+
+class SentGoal(NamedTuple):
+    """A goal until its end, without its arguments, which may be large.
+
+    ``lane`` is that of the feedback in the client's send queue; ``serialized`` is true if the goal
+    came as bytes, and so feedback and result are to.
+    """
+
+    request: SendActionGoal
+    lane: Lane
+    serialized: bool
 
 
 class Goals:
@@ -34,8 +49,7 @@ class Goals:
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._sent: dict[Goal, tuple[SendActionGoal, Lane]] = {}
-        """With the lane of the feedback in the client's send queue."""
+        self._sent: dict[Goal, SentGoal] = {}
         self._by_id: dict[Id, Goal] = {}
         """By the ids that the client gave."""
 
@@ -55,11 +69,11 @@ class Goals:
                 name, request.action_type, request.args, self, client.node
             )
         except FibwsError as error:
-            self._respond(request, Ros2GoalStatus.ABORTED, json_of(str(error)), error.code)
+            self._fail(request, Ros2GoalStatus.ABORTED, str(error), error.code)
             return
-        # The arguments may be large, and the server gets them.
+        serialized = isinstance(request.args, SerializedValues)
         request = request.model_copy(update={"args": None})
-        self._sent[goal] = (request, Lane(client.settings.queue_length))
+        self._sent[goal] = SentGoal(request, Lane(client.settings.queue_length), serialized)
         if request.id is not None:
             self._by_id[request.id] = goal
         try:
@@ -78,7 +92,7 @@ class Goals:
         action, id_ = fields.get("action"), legal_id(fields.get("id"))
         if isinstance(action, str) and id_ is not None and id_ not in self._by_id:
             request = SendActionGoal(id=id_, action=action, action_type="")
-            self._respond(request, Ros2GoalStatus.ABORTED, json_of(text), code)
+            self._fail(request, Ros2GoalStatus.ABORTED, text, code)
 
     def cancel(self, request: CancelActionGoal) -> None:
         """Cancel a goal; its result still comes."""
@@ -90,16 +104,33 @@ class Goals:
         else:
             goal.cancel()
 
-    def feedback(self, goal: Goal, values: bytes) -> None:
+    def feedback(self, goal: Goal, feedback: Body) -> None:
         """Send the client feedback, if it wants any."""
-        request, lane = self._sent[goal]
-        if request.feedback:
-            text = _text(request, {"op": "action_feedback"}, self._client.json(values))
-            self._client.queue.put(self._client.frames(text, request.fragment_size), lane)
+        sent = self._sent[goal]
+        if not sent.request.feedback:
+            return
+        try:
+            frames = self._frames(sent, {"op": "action_feedback"}, feedback)
+        except FibwsError as error:  # It came as bytes that are too much for JSON.
+            text = f"action_feedback: {error}"
+            self._client.statuses.error(sent.request.id, text, code=error.code)
+        else:
+            self._client.queue.put(frames, sent.lane)
 
-    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
-        """Send the client a goal's end."""
-        self._respond(self._pop(goal), status, self._client.json(values), code)
+    def result(self, goal: Goal, status: Ros2GoalStatus, result: Body) -> None:
+        """Send the client a goal's end with its result."""
+        sent = self._pop(goal)
+        fields = {"op": "action_result", "status": int(status), "result": True}
+        try:
+            frames = self._frames(sent, fields, result)
+        except FibwsError as error:  # It came as bytes that are too much for JSON.
+            self._fail(sent.request, Ros2GoalStatus.ABORTED, str(error), error.code)
+        else:
+            self._client.queue.reply(frames)
+
+    def failed(self, goal: Goal, status: Ros2GoalStatus, text: str, code: str) -> None:
+        """Send the client a goal's end without a result."""
+        self._fail(self._pop(goal).request, status, text, code)
 
     def withdraw_forbidden(self) -> Work:
         """Cancel, one by one, the goals that the client's rights do not allow any more."""
@@ -119,22 +150,43 @@ class Goals:
             goal.abandon()
             self._pop(goal)
 
-    def _pop(self, goal: Goal) -> SendActionGoal:
-        request, lane = self._sent.pop(goal)
-        self._client.queue.forget(lane)
-        self._by_id.pop(request.id, None)
-        return request
+    def _pop(self, goal: Goal) -> SentGoal:
+        sent = self._sent.pop(goal)
+        self._client.queue.forget(sent.lane)
+        self._by_id.pop(sent.request.id, None)
+        return sent
 
-    def _respond(
-        self, request: SendActionGoal, status: Ros2GoalStatus, values: bytes, code: str | None
-    ) -> None:
+    def _frames(self, sent: SentGoal, fields: dict[str, Any], body: Body) -> bytes:
+        request = sent.request
+        return self._client.body_frames(
+            {**fields, "action": request.action, "id": request.id},
+            body,
+            serialized=sent.serialized,
+            fragment_size=request.fragment_size,
+        )
+
+    def _fail(self, request: SendActionGoal, status: Ros2GoalStatus, text: str, code: str) -> None:
         fields = {
             "op": "action_result",
             "status": int(status),
-            "result": code is None,
+            "result": False,
             "code": self._client.code(code),
+            "action": request.action,
+            "id": request.id,
         }
-        self._client.reply(_text(request, fields, values), request.fragment_size)
+        self._client.reply(encode_fields(fields, values=json_of(text)), request.fragment_size)
+
+
+class ServedAction(NamedTuple):
+    """One of the client's actions, as it advertised it.
+
+    ``spelling`` is its name as the client knows it. Goals are serialized if the type has the
+    ``md5sum``.
+    """
+
+    action: Action
+    spelling: str
+    md5sum: str | None
 
 
 class Actions:
@@ -144,8 +196,8 @@ class Actions:
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._served: dict[str, tuple[Action, str]] = {}
-        """By the action's name, with the spelling of it that the client knows."""
+        self._served: dict[str, ServedAction] = {}
+        """By the action's name."""
         self._goals: dict[Id, tuple[Goal, str]] = {}
         """By the ids that the client was given, with its spelling of the action's name."""
         self._goals_of: dict[str, dict[Id, Goal]] = {}
@@ -166,7 +218,9 @@ class Actions:
         if name not in self._served:
             self._client.check_room("advertisements", len(self._served))
         action = self._client.graph.serve_action(name, request.type, request.definition, self)
-        self._served[name] = (action, request.action)
+        is_serialized = self._client.serialized and request.compression == ROS1
+        md5sum = request.md5sum if is_serialized else None
+        self._served[name] = ServedAction(action, request.action, md5sum)
         statuses, type_ = self._client.statuses, action.type
         if type_.arguments is None:
             text = f"{name}: goals of type {type_.name} are not checked"
@@ -180,9 +234,9 @@ class Actions:
         return self._remove(name) if name in self._served else None
 
     def _remove(self, name: str) -> Work:
-        action, _ = self._served.pop(name, (None, ""))
-        if action is not None:
-            self._client.graph.remove_action(action)
+        served = self._served.pop(name, None)
+        if served is not None:
+            self._client.graph.remove_action(served.action)
         return self._abort(name)
 
     def _abort(self, name: str) -> Work:
@@ -209,16 +263,22 @@ class Actions:
     def execute(self, goal: Goal) -> None:
         """Pass a goal to the client."""
         action = goal.action
-        _, spelling = self._served[action.name]
+        _, spelling, md5sum = self._served[action.name]
         goal.id = f"action_goal:{spelling}:{next(self._client.numbers)}"
-        request = SendActionGoal(
-            id=goal.id,
-            action=spelling,
-            action_type=action.type.name,
-            args=goal.request,
-            feedback=True,
-        )
-        if self._client.forward_request(encode(request, exact=self._client.serialized)):
+        fields = {
+            "op": "send_action_goal",
+            "id": goal.id,
+            "action": spelling,
+            "action_type": action.type.name,
+            "feedback": True,
+        }
+        serialized = md5sum is not None and md5sum == action.type.md5sum
+        try:
+            frame = self._client.body_frames(fields, goal.request, serialized=serialized)
+        except FibwsError as error:  # It came as bytes that are too much for JSON.
+            goal.fail(str(error), error.code)
+            return
+        if self._client.forward_request(frame):
             self._goals[goal.id] = (goal, spelling)
             self._goals_of.setdefault(action.name, {})[goal.id] = goal
         else:
@@ -249,7 +309,7 @@ class Actions:
             self._client.statuses.displaced(action.name, newer.node)
 
     def feedback(self, feedback: ActionFeedback) -> None:
-        """Take the client's feedback; raises `InvalidMessage`."""
+        """Take the client's feedback; raises `InvalidMessage` and `NotSerialized`."""
         goal, _ = self._goals.get(feedback.id, (None, ""))
         if goal is None:
             self._report_unknown(feedback)
@@ -260,7 +320,8 @@ class Actions:
         """Take a goal's result.
 
         Raises:
-            InvalidMessage: it does not fit the type; the goal's client gets the error, too.
+            InvalidMessage, NotSerialized: it does not fit the type; the goal's client gets the
+                error, too.
         """
         goal, _ = self._goals.get(result.id, (None, ""))
         if goal is None:
@@ -276,7 +337,7 @@ class Actions:
         try:
             values = {} if result.values is None else result.values
             goal.finish(status or Ros2GoalStatus.SUCCEEDED, values)
-        except InvalidMessage as error:
+        except (InvalidMessage, NotSerialized) as error:
             goal.fail(str(error), error.code)
             raise
 
@@ -288,7 +349,7 @@ class Actions:
     def leave(self) -> Removals:
         """Serve nothing any more, and return the actions to remove and the goals that fail."""
         graph = self._client.graph
-        actions = [action for action, _ in self._served.values()]
+        actions = [served.action for served in self._served.values()]
         self._served.clear()
         graph.abandon(actions)
         return (graph.remove_action, actions), (self._lose, list(self._goals))
@@ -303,7 +364,3 @@ class Actions:
         # The goal may have ended in the meantime.
         text = f"{operation.op}: no goal of {operation.action} has this id"
         self._client.statuses.info(operation.id, text)
-
-
-def _text(request: SendActionGoal, fields: dict[str, Any], values: bytes) -> bytes:
-    return encode_fields({**fields, "action": request.action, "id": request.id}, values=values)

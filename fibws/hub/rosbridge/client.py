@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import count
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fibws import names
 from fibws.access.rights import Right
 from fibws.errors import LimitReached, NotAllowed
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph
-from fibws.hub.rosbridge.encodings import text_frame, text_frames
+from fibws.hub.rosbridge.encodings import text_frames
 from fibws.hub.rosbridge.statuses import Statuses
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Registration
-from fibws.protocol.operations import Id, plain_json
+from fibws.protocol.operations import Id, encode_fields, plain_json
+from fibws.protocol.serialized import VALUES, operation_head
+from fibws.protocol.websocket import BINARY, server_frame
 
 if TYPE_CHECKING:
     from fibws.hub.rosbridge.services import Services
@@ -91,23 +94,42 @@ class Client:
         """Return the frame of a text, or those of its pieces."""
         return text_frames(text, fragment_size, lambda: f"{self.node}:{next(self.numbers)}")
 
-    def forward_request(self, text: bytes) -> bool:
+    def forward_request(self, frame: bytes) -> bool:
         """Send another client's request; return False if the send queue is half full.
 
         Replies are never dropped, and the calls of others must not make the client overfull.
         """
-        if not self.queue.has_room(len(text)):
+        if not self.queue.has_room(len(frame)):
             return False
-        self.queue.reply(text_frame(text))
+        self.queue.reply(frame)
         return True
 
-    def json(self, text: bytes) -> bytes:
-        """Return values in JSON as the client reads it: rosbridge's clients get null for infinity.
+    def body_frames(
+        self,
+        fields: dict[str, Any],
+        body: Body,
+        *,
+        serialized: bool,
+        fragment_size: int | None = None,
+    ) -> bytes:
+        """Return the frames of an operation with a request, a response, a goal or the like.
+
+        In JSON, rosbridge's clients get null for infinity.
 
         Args:
-            text: the values, in which infinity is as in `exact_json_of`.
+            fields: of the operation, without the body.
+            serialized: whether the body is sent in ROS 1's serialization, in one frame.
+
+        Raises:
+            OperationError: the body cannot be converted.
         """
-        return text if self.serialized else plain_json(text)
+        if serialized:
+            payload = operation_head(encode_fields(fields)) + body.ros1()
+            return server_frame(BINARY, payload)
+        values = body.json() if self.serialized else plain_json(body.json())
+        texts = {VALUES[fields["op"]]: values}
+        text = encode_fields(fields, exact=False, **texts)
+        return self.frames(text, fragment_size)
 
     def code(self, code: str | None) -> str | None:
         """Return an error's code if the client is sent those."""

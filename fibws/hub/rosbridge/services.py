@@ -9,11 +9,20 @@ from itertools import count
 from math import inf
 from typing import Any, NamedTuple
 
-from fibws.errors import FibwsError, InvalidMessage, InvalidName, NotAllowed, OperationError
+from fibws.errors import (
+    FibwsError,
+    InvalidMessage,
+    InvalidName,
+    NotAllowed,
+    NotSerialized,
+    OperationError,
+)
 from fibws.hub.delivery.clock import Timer
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import Client, check_room
 from fibws.hub.websocket.endpoint import Removals, Work
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.operations import (
     LONGEST_ID,
     AdvertiseService,
@@ -25,6 +34,7 @@ from fibws.protocol.operations import (
     json_of,
     legal_id,
 )
+from fibws.protocol.serialized import ROS1
 
 LONGEST_TIMEOUT = 86400.0
 """Seconds that a call may ask for: a day."""
@@ -37,14 +47,16 @@ MOST_ENDED = 8
 class WaitingCall(NamedTuple):
     """A call until its response, without its arguments, which may be large.
 
-    ``headers`` is true if the caller sent headers, and so wants the server's.
+    ``headers`` is true if the caller sent headers, and so wants the server's; ``serialized`` if its
+    request came as bytes, and so the response is to.
     """
 
     id: Id
     service: str
     fragment_size: int | None
     timeout: float
-    headers: bool
+    headers: bool = False
+    serialized: bool = False
 
 
 class Calls:
@@ -78,8 +90,14 @@ class Calls:
         # There may be an id behind the name, as the real server's call_service.py takes it.
         id_ = suffix if hash_ and request.id is None else request.id
         timeout = self._timeout(request)
-        headers = request.headers is not None
-        waiting = WaitingCall(id_, request.service, request.fragment_size, timeout, headers)
+        waiting = WaitingCall(
+            id_,
+            request.service,
+            request.fragment_size,
+            timeout,
+            headers=request.headers is not None,
+            serialized=isinstance(request.args, SerializedValues),
+        )
         try:
             self._start(waiting, self._client.resolve(spelling), request)
         except FibwsError as error:
@@ -89,7 +107,7 @@ class Calls:
         """Respond with an error to a malformed call_service: its caller may wait all the same."""
         service, id_ = fields.get("service"), legal_id(fields.get("id"))
         if isinstance(service, str) and id_ is not None:
-            self._fail(WaitingCall(id_, service, None, inf, headers=False), text, code)
+            self._fail(WaitingCall(id_, service, None, inf), text, code)
 
     def withdraw_forbidden(self) -> Work:
         """End, one by one, the calls that the client's rights do not allow any more."""
@@ -128,34 +146,39 @@ class Calls:
             self._waiting.pop(call, None)
             raise
 
-    def _succeeded(self, call: Call, values: bytes) -> None:
+    def _succeeded(self, call: Call, response: Body) -> None:
         waiting = self._waiting.pop(call)
-        call.response = None  # The call may stay in the heap, where a large response need not.
-        header = {"callerid": call.service.node} if waiting.headers else None
-        self._respond(waiting, self._client.json(values), header=header)
+        fields = self._fields(waiting, None)
+        if waiting.headers:
+            fields["header"] = {"callerid": call.service.node}
+        try:
+            frames = self._client.body_frames(
+                fields,
+                response,
+                serialized=waiting.serialized,
+                fragment_size=waiting.fragment_size,
+            )
+        except FibwsError as error:  # It came as bytes that are too much for JSON.
+            self._fail(waiting, str(error), error.code)
+        else:
+            self._client.queue.reply(frames)
 
     def _failed(self, call: Call, text: str, code: str) -> None:
         self._fail(self._waiting.pop(call), text, code)
 
     def _fail(self, waiting: WaitingCall, text: str, code: str) -> None:
-        self._respond(waiting, json_of(text), code)
+        fields = self._fields(waiting, code)
+        self._client.reply(encode_fields(fields, values=json_of(text)), waiting.fragment_size)
 
-    def _respond(
-        self,
-        waiting: WaitingCall,
-        values: bytes,
-        code: str | None = None,
-        header: dict[str, str] | None = None,
-    ) -> None:
-        fields = {
+    def _fields(self, waiting: WaitingCall, code: str | None) -> dict[str, Any]:
+        """Return the fields of a response, without its values."""
+        return {
             "op": "service_response",
             "service": waiting.service,
             "id": waiting.id,
             "result": code is None,
             "code": self._client.code(code),
-            "header": header,
         }
-        self._client.reply(encode_fields(fields, values=values), waiting.fragment_size)
 
     def _timeout(self, request: CallService) -> float:
         """Return the seconds that a call may take; without any, or with 0, the hub decides."""
@@ -201,12 +224,13 @@ class ServedService(NamedTuple):
     """One of the client's services, as it advertised it.
 
     ``spelling`` is the service's name as the client knows it; ``headers`` is true if it wants
-    the callers' headers.
+    the callers' headers. Requests are serialized if the type has the ``md5sum``.
     """
 
     service: Service
     spelling: str
     headers: bool
+    md5sum: str | None
 
 
 class Services:
@@ -247,7 +271,10 @@ class Services:
         if name not in self._served:
             self._client.check_room("advertisements", len(self._served))
         service = self._client.graph.serve(name, request.type, request.definition, self)
-        self._served[name] = ServedService(service, request.service, bool(request.headers))
+        is_serialized = self._client.serialized and request.compression == ROS1
+        md5sum = request.md5sum if is_serialized else None
+        served = ServedService(service, request.service, bool(request.headers), md5sum)
+        self._served[name] = served
         self._client.servers[self._secret] = self
         statuses, type_ = self._client.statuses, service.type
         if type_.arguments is None:
@@ -291,15 +318,20 @@ class Services:
         served = self._served[call.service.name]
         number = next(self._client.numbers)
         call.id = f"service_request:{served.spelling}:{self._secret}-{number}"
-        fields = {
+        fields: dict[str, Any] = {
             "op": "call_service",
             "id": call.id,
             "service": served.spelling,
-            "args": call.request,
         }
         if served.headers:
             fields["header"] = self._client.graph.header(call.caller, call.headers or {})
-        if self._client.forward_request(encode_fields(fields, exact=self._client.serialized)):
+        serialized = served.md5sum is not None and served.md5sum == call.service.type.md5sum
+        try:
+            frame = self._client.body_frames(fields, call.request, serialized=serialized)
+        except FibwsError as error:  # It came as bytes that are too much for JSON.
+            call.fail(str(error), error.code)
+            return
+        if self._client.forward_request(frame):
             self._calls[call.id] = call
             self._calls_of.setdefault(call.service.name, OrderedDict())[call.id] = call
         else:
@@ -310,7 +342,7 @@ class Services:
         """Take the client's response to a call.
 
         Raises:
-            InvalidMessage: it does not fit the type; the caller gets the error, too.
+            InvalidMessage, NotSerialized: it does not fit the type; the caller gets the error, too.
             NotAllowed: the call went to another client, and this one may not provide the service.
         """
         call = self._server_of(response.id)._pop_call(response)
@@ -331,7 +363,7 @@ class Services:
             return
         try:
             call.respond({} if response.values is None else response.values)
-        except InvalidMessage as error:
+        except (InvalidMessage, NotSerialized) as error:
             call.fail(str(error), error.code)
             raise
 

@@ -41,7 +41,13 @@ from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.hub.websocket.node_session import NodeSession, RegisteringPart
-from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
+from fibws.protocol.decoding import (
+    REQUESTS,
+    decode_cbor,
+    decode_json,
+    decode_operation,
+    parse_request,
+)
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
     Acknowledge,
@@ -67,7 +73,7 @@ from fibws.protocol.operations import (
     UnadvertiseService,
     Unsubscribe,
 )
-from fibws.protocol.serialized import SUBPROTOCOL
+from fibws.protocol.serialized import SUBPROTOCOL, is_operation
 from fibws.protocol.value_limits import FEWEST_BYTES, check_json
 from fibws.protocol.websocket import (
     FORBIDDEN,
@@ -370,6 +376,8 @@ class Session(NodeSession[Client]):
     def receive_binary(self, data: Payload) -> Work | None:
         """Perform the operations of a binary message; reply to errors with a status."""
         if self._client.serialized:
+            if is_operation(data):
+                return self._perform_serialized(data)
             try:
                 self.topics.publish_serialized(data)
             except Exception as error:
@@ -381,6 +389,14 @@ class Session(NodeSession[Client]):
             return self.perform(decode_cbor(bytes(data)), len(data))
         except OperationError as error:
             self._refuse_undecoded(error)
+        return None
+
+    def _perform_serialized(self, data: Payload) -> Work | None:
+        """Perform an operation with serialized values; reply to errors with a status."""
+        try:
+            return self.perform(decode_operation(data), len(data))
+        except FibwsError as error:
+            self._statuses.error(None, str(error), code=error.code)
         return None
 
     def _receive_binary_text(self, data: Payload) -> Work:
@@ -399,8 +415,13 @@ class Session(NodeSession[Client]):
         Of a long text that begins with a publish, nothing more is looked at. The steps raise
         `InvalidUtf8` if it is a text, but not UTF-8.
         """
-        if not is_text and self._client.serialized:
+        if not is_text and self._client.serialized and not is_operation(data):
             self._drop(reason)
+        elif not is_text and self._client.serialized:
+            try:
+                self._refuse_excess(decode_operation(data), reason)
+            except FibwsError as error:
+                self._statuses.error(None, str(error), code=error.code)
         elif not is_text and data[:1] >= b"\x80":
             try:
                 self._refuse_excess(decode_cbor(bytes(data)), reason)

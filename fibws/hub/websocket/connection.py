@@ -67,10 +67,12 @@ from fibws.protocol.websocket import (
     MISSING_TOKEN,
     OVERFULL,
     RESTART,
+    SERIALIZED,
     SIMULATED,
     SIZE_HEADER,
     TIME_HEADER,
     UNAUTHENTICATED,
+    VALUES_HEADER,
     CloseReason,
     close_reason,
 )
@@ -591,6 +593,7 @@ class Connection(asyncio.BufferedProtocol):
         drop_empty_subprotocols(request)
         response = self._protocol.accept(request)
         response.headers[SIZE_HEADER] = str(self._shared.settings.max_message_size)
+        response.headers[VALUES_HEADER] = SERIALIZED
         if self._shared.is_simulated():
             response.headers[TIME_HEADER] = SIMULATED
         return response

@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 
-from fibws.errors import InvalidMessage, MessageTooLarge, OperationRejected
+from fibws.errors import InvalidMessage, MessageTooLarge, NotSerialized, OperationRejected
 from fibws.interfaces.message import F, G, R
+from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import ActionServer, Execute
 from fibws.node.actions.status import Record
 from fibws.node.session import Session
-from fibws.node.types import ActionType
+from fibws.node.types import ActionType, MessageCodec
 from fibws.protocol.decoding import quoted
 from fibws.protocol.goals import GoalStatus, status_from_ros2
 from fibws.protocol.operations import (
@@ -27,6 +28,14 @@ from fibws.protocol.operations import (
     SendActionGoal,
     UnadvertiseAction,
 )
+from fibws.protocol.serialized import ROS1
+
+
+def serialized(
+    codec: MessageCodec[Any], values: dict[str, Any], md5sum: str | None = None
+) -> SerializedValues:
+    """Return JSON values as bytes."""
+    return SerializedValues(codec.serialize(codec.read(values)), md5sum)
 
 
 class OperationActionServer(ActionServer[G, R, F]):
@@ -48,13 +57,15 @@ class OperationActionServer(ActionServer[G, R, F]):
             type=type_.name,
             definition=type_.definition,
         )
-        session.send(self._operation)
+        self._serialized: set[str] = set()
+        """The ids of goals that came as bytes, so that feedback and results may be bytes, too."""
+        session.send(self._registration())
 
     # Called by the session
 
     def registrations(self) -> Iterator[Operation]:
         """Yield the advertisement."""
-        yield self._operation
+        yield self._registration()
 
     def receive(self, reply: Reply) -> bool:
         """Handle a goal, or a request to cancel one."""
@@ -78,9 +89,16 @@ class OperationActionServer(ActionServer[G, R, F]):
         """Ask all goals to stop, and drop their results: the hub has failed them already."""
         goals = list(self._goals.values())
         self._goals.clear()
+        self._serialized.clear()
         self._next = None
         for goal in goals:
             goal._request_cancel()
+
+    def _registration(self) -> AdvertiseAction:
+        if not self._session.serialized_values:
+            return self._operation
+        update = {"compression": ROS1, "md5sum": self._type.md5sum}
+        return self._operation.model_copy(update=update)
 
     def _on_goal(self, id_: str, args: Any) -> None:
         try:
@@ -88,7 +106,14 @@ class OperationActionServer(ActionServer[G, R, F]):
         except InvalidMessage as error:
             self._send_failure(id_, str(error))
         else:
+            if isinstance(args, SerializedValues):
+                self._serialized.add(id_)
             self._receive(Record(id_), request)
+
+    def _values(
+        self, record: Record, codec: MessageCodec[Any], values: dict[str, Any]
+    ) -> dict[str, Any] | SerializedValues:
+        return serialized(codec, values) if record.id in self._serialized else values
 
     # Called by the base class
 
@@ -96,18 +121,21 @@ class OperationActionServer(ActionServer[G, R, F]):
         """Do nothing: no operation carries a status."""
 
     def _send_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
-        self._session.send(ActionFeedback(id=record.id, action=self.name, values=feedback))
+        values = self._values(record, self._type.feedback, feedback)
+        self._session.send(ActionFeedback(id=record.id, action=self.name, values=values))
 
     def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
         if result is None or (record.text and record.status is not GoalStatus.SUCCEEDED):
             self._send_failure(record.id, record.text or "the goal was canceled", record.status)
             return
+        values = self._values(record, self._type.result, result)
+        self._serialized.discard(record.id)
         try:
             self._session.send(
                 ActionResult(
                     id=record.id,
                     action=self.name,
-                    values=result,
+                    values=values,
                     status=record.status.ros2,
                     result=True,
                 )
@@ -117,6 +145,7 @@ class OperationActionServer(ActionServer[G, R, F]):
             self._send_failure(record.id, str(error))
 
     def _send_failure(self, id_: str, text: str, status: GoalStatus = GoalStatus.ABORTED) -> None:
+        self._serialized.discard(id_)
         self._session.send(
             ActionResult(id=id_, action=self.name, values=text, status=status.ros2, result=False)
         )
@@ -141,6 +170,8 @@ class OperationActionClient(ActionClient[G, R, F]):
     ) -> None:
         super().__init__(session, name, type_)
         self._wait_for_service = wait_for_service
+        self._sent_serialized: dict[str, dict[str, Any]] = {}
+        """The JSON values of goals that were sent as bytes, by their ids, until they end."""
 
     # Called by the session
 
@@ -177,6 +208,11 @@ class OperationActionClient(ActionClient[G, R, F]):
 
     def _on_result(self, goal: ClientGoal[R, F], reply: ActionResult) -> None:
         status = status_from_ros2(reply.status)
+        if not reply.result and reply.code == NotSerialized.code:
+            values = self._sent_serialized.pop(goal.id, None)
+            if values is not None:  # The server has not got it.
+                self._send(goal.id, values)
+                return
         if not reply.result:
             text = reply.values if isinstance(reply.values, str) else quoted(reply.values)
             self._fail(goal, status, text)
@@ -201,11 +237,22 @@ class OperationActionClient(ActionClient[G, R, F]):
         return self._session.id("send_action_goal", self.name)
 
     def _send_goal(self, id_: str, goal: dict[str, Any]) -> None:
+        if not self._session.serialized_values:
+            self._send(id_, goal)
+            return
+        self._send(id_, serialized(self._type.goal, goal, self._type.md5sum))
+        self._sent_serialized[id_] = goal
+
+    def _send(self, id_: str, args: dict[str, Any] | SerializedValues) -> None:
         self._session.send(
             SendActionGoal(
-                id=id_, action=self.name, action_type=self.type, args=goal, feedback=True
+                id=id_, action=self.name, action_type=self.type, args=args, feedback=True
             )
         )
+
+    def _forget(self, goal: ClientGoal[R, F]) -> None:
+        super()._forget(goal)
+        self._sent_serialized.pop(goal.id, None)
 
     def _send_cancel(self, id_: str) -> None:
         self._session.send(CancelActionGoal(id=id_, action=self.name))

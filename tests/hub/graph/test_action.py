@@ -11,6 +11,7 @@ import pytest
 
 from fibws.errors import InvalidMessage
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_goals
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces
 
@@ -42,7 +43,7 @@ class Execution:
 
     def execute(self, goal: Goal) -> None:
         self.calls.append(("execute", goal))
-        self.requests.append(goal.request)
+        self.requests.append(goal.request.values())
 
     def cancel(self, goal: Goal) -> None:
         self.calls.append(("cancel", goal))
@@ -53,11 +54,14 @@ class Execution:
     def displaced(self, action: Action) -> None:
         raise AssertionError("no other server takes it over")
 
-    def feedback(self, goal: Goal, values: bytes) -> None:
-        self.received.append(values)
+    def feedback(self, goal: Goal, feedback: Body) -> None:
+        self.received.append(feedback.json())
 
-    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
-        self.received.append((status, values, code))
+    def result(self, goal: Goal, status: Ros2GoalStatus, result: Body) -> None:
+        self.received.append((status, result.json()))
+
+    def failed(self, goal: Goal, status: Ros2GoalStatus, text: str, code: str) -> None:
+        self.received.append((status, text, code))
 
 
 def test_goal_states_have_the_numbers_of_ros_2() -> None:
@@ -72,7 +76,7 @@ def test_goal_is_executed_and_sends_feedback() -> None:
     assert execution.calls == [("execute", goal)]
     assert execution.action.goals == {goal.uuid: goal}
     assert (execution.action.node, execution.requests) == ("/server", [{"order": 5}])
-    assert goal.request == {}, "a large request is not kept"
+    assert goal.request.values() == {}, "a large request is not kept"
     goal.feedback({"sequence": [0, 1]})
     goal.feedback({})
     assert execution.received == [b'{"sequence":[0,1]}', b'{"sequence":[]}']
@@ -81,11 +85,11 @@ def test_goal_is_executed_and_sends_feedback() -> None:
 ENDS: dict[str, tuple[Event, object]] = {
     "finish": (
         lambda execution: execution.calls[0][1].finish(Ros2GoalStatus.CANCELED, {"sequence": [1]}),
-        (Ros2GoalStatus.CANCELED, b'{"sequence":[1]}', None),
+        (Ros2GoalStatus.CANCELED, b'{"sequence":[1]}'),
     ),
     "fail": (
         lambda execution: execution.calls[0][1].fail("no"),
-        (Ros2GoalStatus.ABORTED, b'"no"', "server_failed"),
+        (Ros2GoalStatus.ABORTED, "no", "server_failed"),
     ),
     "abandon": (lambda execution: execution.calls[0][1].abandon(), None),
 }

@@ -15,6 +15,7 @@ from fibws.errors import (
     UnknownType,
 )
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus
+from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import CANCEL_GOAL, Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
 from fibws.hub.graph.types import Types
@@ -47,10 +48,13 @@ class FakeServer:
     def forget(self, what: Call | Goal) -> None:
         raise AssertionError("nothing is to be forgotten")
 
-    def feedback(self, goal: Goal, values: bytes) -> None:
+    def feedback(self, goal: Goal, feedback: Body) -> None:
         raise AssertionError("no feedback is expected")
 
-    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
+    def result(self, goal: Goal, status: Ros2GoalStatus, result: Body) -> None:
+        raise AssertionError("no result is expected")
+
+    def failed(self, goal: Goal, status: Ros2GoalStatus, text: str, code: str) -> None:
         raise AssertionError("no result is expected")
 
 
@@ -174,8 +178,8 @@ def test_service_of_a_type_that_is_not_known_yet_takes_every_request() -> None:
     graph = new_graph()
     service = graph.serve("/add", None, None, FakeServer())
     assert service.type.name == "*"
-    assert call(graph, {"a": 1}).request == {"a": 1}
-    assert call(graph, [1, 2], md5sum=ADD_MD5).request == [1, 2]
+    assert call(graph, {"a": 1}).request.values() == {"a": 1}
+    assert call(graph, [1, 2], md5sum=ADD_MD5).request.values() == [1, 2]
 
 
 def test_request_is_checked_once_the_type_is_known() -> None:
@@ -184,8 +188,8 @@ def test_request_is_checked_once_the_type_is_known() -> None:
     early = call(graph, [])
     graph.learn_service_type(service, ADD, None, ADD_MD5)
     assert service.type.name == ADD
-    assert early.fill([1, 2], None) == {"a": 1, "b": 2}
-    assert call(graph, [3]).request == {"a": 3, "b": 0}
+    assert early.fill([1, 2], None).values() == {"a": 1, "b": 2}
+    assert call(graph, [3]).request.values() == {"a": 3, "b": 0}
     with pytest.raises(InvalidMessage):
         early.fill({"a": "one"}, None)
     with pytest.raises(CallFailed):

@@ -59,7 +59,7 @@ class Links:
             name,
             args,
             "/caller",
-            lambda _, text: done.set_result(json.loads(text)),
+            lambda _, response: done.set_result(json.loads(response.json())),
             failed,
             headers,
         )

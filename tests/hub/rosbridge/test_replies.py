@@ -8,6 +8,7 @@ import pytest
 
 from fibws.errors import LimitReached
 from fibws.hub.rosbridge.client import check_room
+from fibws.hub.rosbridge.encodings import text_frame
 from fibws.hub.settings import Settings
 
 from ..fakes import TEXT, Client, FakeHub
@@ -55,9 +56,9 @@ def test_requests_of_others_leave_a_slow_client_room_for_its_own_replies() -> No
     """Others may fill half of its queue, so that its own requests can still be answered."""
     client = FakeHub(max_queued_bytes=200).client()
     forward = client.session._client.forward_request
-    assert forward(b"x" * 1000)
+    assert forward(text_frame(b"x" * 1000))
     received(client)
     client.queue.pause()
-    assert [forward(b"x" * 40) for _ in range(4)] == [True, True, False, False]
+    assert [forward(text_frame(b"x" * 40)) for _ in range(4)] == [True, True, False, False]
     assert not client.queue.overfull
     assert received(client) == [b"x" * 40] * 2
