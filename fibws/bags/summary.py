@@ -254,6 +254,43 @@ def as_dict(reader: Reader, path: str | None, *, frequencies: bool = False) -> d
     return found
 
 
+class UnknownKey(KeyError):
+    """A summary has no value of a key.
+
+    Attributes:
+        name: the part of the key that is not there.
+        known: the names that are.
+    """
+
+    def __init__(self, name: str, known: list[str]) -> None:
+        self.name = name
+        self.known = known
+        super().__init__(name)
+
+
+def value_text(summary: dict[str, Any], key: str) -> str:
+    """Return the value of a key of `as_dict`, such as ``topics[0].type``, as rosbag prints it.
+
+    Raises:
+        UnknownKey: there is none.
+    """
+    value: Any = summary
+    for name in key.replace("[", ".[").split("."):
+        try:
+            value = value[int(name.strip("[]")) if name.startswith("[") else name]
+        except (KeyError, IndexError, TypeError, ValueError):
+            raise UnknownKey(name, list(value) if isinstance(value, dict) else []) from None
+    return _plain(value)
+
+
+def _plain(value: Any, indent: str = "") -> str:
+    if isinstance(value, list):
+        return "".join(f"{indent}- {_plain(each, f'{indent}  ')}\n" for each in value)
+    if isinstance(value, dict):
+        return f"\n{indent}".join(f"{name}: {each}" for name, each in value.items())
+    return f"{indent}{value}"
+
+
 _DECIMALS = {"duration": 6, "start": 6, "end": 6, "frequency": 4, "version": 1}
 
 

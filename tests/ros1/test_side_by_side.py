@@ -107,6 +107,10 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "what follows a sleep": (Part("stop_the_robot.py", until="ready"),),
     "a robot that ends itself": (Part("quitting_robot.py", interrupted=False),),
     "names that are not legal": (Part("odd_names.py", interrupted=False),),
+    "values that JSON lacks": (Part("exact_services.py", interrupted=False),),
+    "loggers of Python": (Part("python_loggers.py", interrupted=False),),
+    "forms of names": (Part("name_forms.py", interrupted=False),),
+    "the insides of a bag": (Part("bag_insides.py", interrupted=False),),
     "many topics, and any type": (Part("many_topics.py", interrupted=False),),
 }
 

@@ -63,28 +63,15 @@ def info(bags: tuple[str, ...], as_yaml: bool, as_json: bool, key: str | None, f
 
 def _value(found: dict[str, Any], key: str) -> str:
     """Return the value of a key such as ``topics[0].type`` as rosbag prints it."""
+    from fibws.bags import summary
     from fibws.errors import InvalidValue
     from fibws.suggestions import suggestion
 
-    value: Any = found
-    for name in key.replace("[", ".[").split("."):
-        try:
-            if name.startswith("["):
-                value = value[int(name.strip("[]"))]
-            else:
-                value = value[name]
-        except (KeyError, IndexError, TypeError, ValueError):
-            near = suggestion(name, value) if isinstance(value, dict) else ""
-            raise InvalidValue(f"--key: the bag has no {key!r}{near}") from None
-    return _plain(value)
-
-
-def _plain(value: Any, indent: str = "") -> str:
-    if isinstance(value, list):
-        return "".join(f"{indent}- {_plain(each, f'{indent}  ')}\n" for each in value)
-    if isinstance(value, dict):
-        return f"\n{indent}".join(f"{name}: {each}" for name, each in value.items())
-    return f"{indent}{value}"
+    try:
+        return summary.value_text(found, key)
+    except summary.UnknownKey as error:
+        near = suggestion(error.name, error.known) if error.known else ""
+        raise InvalidValue(f"--key: the bag has no {key!r}{near}") from None
 
 
 @click.command()

@@ -177,6 +177,22 @@ async def test_log_is_written_to_a_file_and_not_published(tmp_path: Path) -> Non
         assert path.read_text("utf-8").endswith(": hello\n")
 
 
+async def test_other_loggers_write_into_the_folder_of_log_files(tmp_path: Path) -> None:
+    text = f"""
+        import logging, os, rospy
+        os.environ["ROS_LOG_DIR"] = {str(tmp_path / "log")!r}
+        rospy.init_node("talker")
+        logging.getLogger("mine").warning("of a library")
+        rospy.logwarn("of the node")
+        print("done")
+    """
+    async with running_hub() as programs:
+        assert await programs.run(text, "__ns:=/robot") == ["done"]
+    [line] = (tmp_path / "log" / "robot_talker.log").read_text("utf-8").splitlines()
+    assert line.startswith("[mine][WARNING] ")
+    assert line.endswith(": of a library")
+
+
 async def test_log_level_can_be_changed_by_a_service() -> None:
     async with running_hub() as programs, fibws.Node("other", hub=programs.hub.url) as node:
         program = await programs.start("""

@@ -139,6 +139,15 @@ def test_formatting_error_is_printed(capsys: pytest.CaptureFixture[str]) -> None
     assert "%d format" in capsys.readouterr().err
 
 
+def test_log_file_that_cannot_be_made_is_left_out(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    handler = console.log_file(str(tmp_path / "file" / "node.log"))
+    for _ in range(2):
+        handler.emit(record())
+    handler.close()
+    assert [each.name for each in tmp_path.iterdir()] == ["file"]
+
+
 def test_log_is_appended_to_a_file(tmp_path: Path) -> None:
     path = tmp_path / "node.log"
     handler = console.log_file(str(path))

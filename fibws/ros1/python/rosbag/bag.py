@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
 from threading import RLock
 from time import time
@@ -99,6 +99,17 @@ class BagMessageWithConnectionHeader(NamedTuple):
     message: Any
     timestamp: Time
     connection_header: dict[str, bytes]
+
+
+class ConnectionInfo(NamedTuple):
+    """A publisher's connection, with the names that rosbag has for its fields."""
+
+    id: int
+    topic: str
+    datatype: str
+    md5sum: str
+    msg_def: str
+    header: dict[str, bytes]
 
 
 class TopicTuple(NamedTuple):
@@ -448,6 +459,30 @@ class Bag:
         reader = self._readable()
         return summary.text(reader, self._filename, frequencies=self._has_frequencies)
 
+    # Of rosbag's own methods, those that programs use.
+
+    def _get_yaml_info(self, key: str | None = None) -> str | None:
+        """Return a summary as ``rosbag info --yaml`` prints it, or the value of one key in it."""
+        found = summary.as_dict(self._readable(), self._filename, frequencies=self._has_frequencies)
+        if not key:
+            return summary.as_yaml(found)
+        try:
+            return summary.value_text(found, key)
+        except summary.UnknownKey:
+            print(f'Error getting key "{key}"', file=sys.stderr)
+            return None
+
+    def _get_connections(
+        self,
+        topics: str | Iterable[str] | None = None,
+        connection_filter: _ConnectionFilter | None = None,
+    ) -> Iterator[ConnectionInfo]:
+        """Yield the connections, or those of some topics, or those that a function chooses."""
+        for each in self._selected(self._readable(), topics, connection_filter):
+            yield ConnectionInfo(
+                each.id, each.topic, each.type, each.md5sum, each.definition, dict(each.fields)
+            )
+
     def _open(self, allow_unindexed: bool) -> None:
         path = self._filename
         name = path or "the bag"
@@ -516,7 +551,7 @@ class Bag:
     def _selected(
         self,
         reader: Reader,
-        topics: str | list[str] | None,
+        topics: str | Iterable[str] | None,
         connection_filter: _ConnectionFilter | None,
     ) -> list[Connection]:
         names = {topics} if isinstance(topics, str) and topics else set(topics or ())

@@ -132,7 +132,7 @@ def init_node(
         return
     name, namespace = _node_name(name, anonymous), names.get_namespace()
     params = load_command_line_node_params(argv)
-    logger = _logger(log_level)
+    logger = _logger(ns_join(namespace, name), log_level)
     if not disable_signals:
         core.register_signals()
     full_name = ns_join(namespace, name)
@@ -310,7 +310,7 @@ def _possible_name(name: str) -> str:
     return possible
 
 
-def _logger(log_level: int | None) -> logging.Logger:
+def _logger(name: str, log_level: int | None) -> logging.Logger:
     """Set up and return the node's logger."""
     logger = logging.getLogger("rosout")
     logger.setLevel(logging.INFO if log_level is None else PYTHON_LEVELS[log_level])
@@ -320,9 +320,21 @@ def _logger(log_level: int | None) -> logging.Logger:
 
     logger.propagate = False  # A root logger for the console would print all lines twice.
     logger.addHandler(console.Console())
-    if path := names.get_mappings().get("__log"):
-        logger.addHandler(console.log_file(path))
+    path = names.get_mappings().get("__log")
+    file = console.log_file(path or _default_log_file(name))
+    if path:
+        logger.addHandler(file)
+    # As in ROS, other loggers print nothing, neither by themselves nor by `basicConfig`.
+    root = logging.getLogger()
+    root.setLevel(logging.INFO)
+    root.addHandler(file)
     return logger
+
+
+def _default_log_file(name: str) -> str:
+    import rospkg
+
+    return os.path.join(rospkg.get_log_dir(), f"{name.strip('/').replace('/', '_')}.log")
 
 
 def _start(node: Callable[[], fibws.Node]) -> None:

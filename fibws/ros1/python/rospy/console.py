@@ -6,6 +6,8 @@ import logging
 import os
 import re
 import time
+from io import TextIOWrapper
+from logging.handlers import RotatingFileHandler
 
 from fibws.node.log import FORMAT, ConsoleHandler, severity_name
 from rospy import rostime
@@ -13,6 +15,10 @@ from rospy.names import get_name
 
 _TAG = re.compile(r"\$\{(\w+)(?::([^}]*))?\}")
 _TEXT = logging.Formatter()
+
+
+MOST_BYTES, OLDER_FILES = 50_000_000, 4
+"""Bytes of a log file, and how many older ones are kept."""
 
 
 class Console(ConsoleHandler):
@@ -49,8 +55,25 @@ def line_of(record: logging.LogRecord, template: str) -> str:
     return _TAG.sub(value, template)
 
 
+class _LogFile(RotatingFileHandler):
+    """Makes the file's folder, too; nothing is written where that is not possible."""
+
+    def _open(self) -> TextIOWrapper:
+        try:
+            os.makedirs(os.path.dirname(self.baseFilename), exist_ok=True)
+            return super()._open()
+        except OSError:
+            self.baseFilename = os.devnull
+            return super()._open()
+
+
 def log_file(path: str) -> logging.Handler:
-    """Return a handler that appends each record to a file."""
-    handler = logging.FileHandler(path, encoding="utf-8", errors="backslashreplace", delay=True)
+    """Return a handler that appends each record to a file, which it makes for the first one.
+
+    As in ROS, older records go to other files, and of those the oldest are deleted.
+    """
+    handler = _LogFile(
+        path, "a", MOST_BYTES, OLDER_FILES, encoding="utf-8", delay=True, errors="backslashreplace"
+    )
     handler.setFormatter(logging.Formatter("[%(name)s][%(levelname)s] %(asctime)s: %(message)s"))
     return handler

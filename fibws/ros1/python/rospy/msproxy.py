@@ -83,6 +83,8 @@ class MasterProxy:
         Raises:
             ROSException: the name is invalid.
         """
+        if not key:
+            return None  # As in ROS.
         try:
             return self.target.searchParam(names.get_mappings().get(key, key))
         except MasterError:
