@@ -17,7 +17,7 @@ from fibws.errors import (
 from fibws.interfaces import full_text
 from fibws.interfaces.catalogue import Definitions, Interfaces
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
-from fibws.interfaces.folders import Kind
+from fibws.interfaces.folders import KINDS, Kind
 from fibws.interfaces.md5sum import message_md5
 from fibws.interfaces.resolver import Resolver
 
@@ -271,6 +271,17 @@ class ClientDefinitions:
         found = self.find(kind, name)
         return found if found is not None and self._shows(client, kind, name) else None
 
+    def all_types(self, client: str) -> list[str]:
+        """Return all types that a client may learn, as ROS 2 names them: ``package/msg/Name``."""
+        found = {
+            (kind, name)
+            for kind in KINDS
+            for package in self._base.packages()
+            for name in self._base.types(package, kind)
+        }
+        found.update(key for key in self._by_type if self._shows(client, *key))
+        return sorted(name.replace("/", f"/{kind}/") for kind, name in found)
+
     def holding(self, kind: Kind, name: str) -> Iterator[Hashable]:
         """Yield the holders of the definitions that have a type."""
         for definition in self._by_type.get((kind, name), ()):
@@ -295,6 +306,10 @@ class ClientDefinitions:
     def service(self, name: str) -> ServiceDefinition:
         """The service of that name; raises as `Interfaces.message` does."""
         return self.known("srv", name).service(name)
+
+    def action(self, name: str) -> ActionDefinition:
+        """The action of that name; raises as `Interfaces.message` does."""
+        return self.known("action", name).action(name)
 
     def full_text(self, name: str) -> str:
         """The full text of a message; as `Interfaces.full_text`."""

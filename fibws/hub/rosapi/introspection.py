@@ -32,6 +32,9 @@ keeps for a client that falls behind."""
 ACTION_TOPICS = frozenset({"goal", "cancel", "feedback", "status", "result"})
 """The topics in the namespace of an actionlib server."""
 
+GOAL_SUFFIX = "ActionGoal"
+"""How the type of an actionlib server's goals ends, which begins with the action's type."""
+
 _NO_TEXT = b'""'
 
 
@@ -67,6 +70,8 @@ class Introspection:
             "/rosapi/nodes": ("rosapi/Nodes", self.nodes),
             "/rosapi/node_details": ("rosapi/NodeDetails", self.node_details),
             "/rosapi/action_servers": ("rosapi/GetActionServers", self.action_servers),
+            "/rosapi/action_type": ("rosapi/ActionType", self.action_type),
+            "/rosapi/interfaces": ("rosapi/Interfaces", self.interfaces),
             "/rosapi/get_time": ("rosapi/GetTime", self.get_time),
         }
 
@@ -160,6 +165,20 @@ class Introspection:
         """Return all actions: those of ROS 2's kind, and those over topics, as in ROS 1."""
         return self._cached(self._action_servers, caller)
 
+    def action_type(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the type of an action, ``package/action/Name`` as in `interfaces`."""
+        view, name = self._graph.view(caller), global_name(self._graph, request["action"], caller)
+        if (action := view.action(name)) is not None:
+            return {"type": _in_ros2(action.type.name)}
+        goals = view.topic(f"{name}/goal") if name in actions_over_topics(view.topics()) else None
+        if goals is None or goals.type is None or not goals.type.name.endswith(GOAL_SUFFIX):
+            return {"type": ""}
+        return {"type": _in_ros2(goals.type.name.removesuffix(GOAL_SUFFIX))}
+
+    def interfaces(self, request: dict[str, Any], caller: str) -> Response:
+        """Return all types of messages, services and actions, as ROS 2 names them."""
+        return self._cached(self._interfaces, caller)
+
     # The responses that are cached.
 
     def _topics(self, caller: str) -> bytes:
@@ -198,6 +217,9 @@ class Introspection:
         servers = actions_over_topics(view.topics()).union(view.actions())
         return to_json({"action_servers": sorted(servers)})
 
+    def _interfaces(self, caller: str) -> bytes:
+        return to_json({"interfaces": self._graph.definitions.all_types(caller)})
+
     def _types_of_topics(self, caller: str) -> list[tuple[str, str]]:
         """Return all topics, sorted, each with its type's name, which is empty without a type."""
         types = ((each.name, each.type) for each in self._graph.view(caller).all_topics())
@@ -231,6 +253,10 @@ class Introspection:
             return Interfaces.canonical(type_)
         except InvalidTypeName:
             return None
+
+
+def _in_ros2(action_type: str) -> str:
+    return action_type.replace("/", "/action/")
 
 
 def actions_over_topics(topics: Iterable[str]) -> set[str]:

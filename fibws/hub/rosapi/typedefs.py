@@ -17,7 +17,7 @@ from fibws.interfaces.folders import Kind
 
 Known: TypeAlias = Definitions | ClientDefinitions
 Find: TypeAlias = Callable[[Known, str], MessageDefinition]
-"""Finds a message, or a part of a service, by the name of the type."""
+"""Finds a message, or a part of a service or an action, by the name of the type."""
 
 
 class TypeDefs:
@@ -32,6 +32,9 @@ class TypeDefs:
         self._messages = self._cache(_message)
         self._requests = self._cache(_request)
         self._responses = self._cache(_response_of)
+        self._goals = self._cache(_goal)
+        self._feedback = self._cache(_feedback)
+        self._results = self._cache(_result)
 
     def _cache(self, find: Find) -> TextCache:
         definitions = self._definitions
@@ -52,6 +55,12 @@ class TypeDefs:
                 "rosapi/ServiceResponseDetails",
                 _for_type(self.response),
             ),
+            "/rosapi/action_goal_details": ("rosapi/ActionGoalDetails", _for_type(self.goal)),
+            "/rosapi/action_feedback_details": (
+                "rosapi/ActionFeedbackDetails",
+                _for_type(self.feedback),
+            ),
+            "/rosapi/action_result_details": ("rosapi/ActionResultDetails", _for_type(self.result)),
         }
 
     def message(self, name: str, caller: str = "") -> bytes:
@@ -69,6 +78,18 @@ class TypeDefs:
     def response(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of a service's response."""
         return self._get(self._responses, "srv", _response_of, name, caller)
+
+    def goal(self, name: str, caller: str = "") -> bytes:
+        """Return the definitions of an action's goal."""
+        return self._get(self._goals, "action", _goal, name, caller)
+
+    def feedback(self, name: str, caller: str = "") -> bytes:
+        """Return the definitions of an action's feedback."""
+        return self._get(self._feedback, "action", _feedback, name, caller)
+
+    def result(self, name: str, caller: str = "") -> bytes:
+        """Return the definitions of an action's result."""
+        return self._get(self._results, "action", _result, name, caller)
 
     def _get(self, texts: TextCache, kind: Kind, find: Find, name: str, caller: str) -> bytes:
         name, definitions = Interfaces.canonical(name), self._definitions
@@ -107,6 +128,18 @@ def _request(definitions: Known, name: str) -> MessageDefinition:
 
 def _response_of(definitions: Known, name: str) -> MessageDefinition:
     return definitions.service(name).response
+
+
+def _goal(definitions: Known, name: str) -> MessageDefinition:
+    return definitions.action(name).goal
+
+
+def _feedback(definitions: Known, name: str) -> MessageDefinition:
+    return definitions.action(name).feedback
+
+
+def _result(definitions: Known, name: str) -> MessageDefinition:
+    return definitions.action(name).result
 
 
 def _response(typedefs: list[dict[str, Any]]) -> bytes:

@@ -341,3 +341,55 @@ def test_actions_of_ros_2_are_listed_too(rosapi: RosapiClient) -> None:
     assert rosapi.call("/rosapi/action_servers") == {"action_servers": ["/count", "/fib"]}
     client.disconnect()
     assert rosapi.call("/rosapi/action_servers") == {"action_servers": ["/fib"]}
+
+
+FIBONACCI_TYPE = "example_interfaces/action/Fibonacci"
+
+
+def test_actions_of_both_kinds_have_a_type(rosapi: RosapiClient) -> None:
+    client = rosapi.add_client("/server")
+    client.send("advertise_action", action="/count", type="example_interfaces/Fibonacci")
+    topics = {f"fib/{each}": STRING for each in introspection.ACTION_TOPICS}
+    topics["fib/goal"] = "actionlib_tutorials/FibonacciActionGoal"
+    talker(rosapi, **topics)
+    odd = {f"odd/{each}": STRING for each in introspection.ACTION_TOPICS}
+    talker(rosapi, "/other", **odd)
+
+    def type_of(action: str) -> str:
+        type_: str = rosapi.call("/rosapi/action_type", action=action)["type"]
+        return type_
+
+    assert type_of("/count") == type_of("count") == FIBONACCI_TYPE
+    assert type_of("/fib") == "actionlib_tutorials/action/Fibonacci"
+    assert [type_of(name) for name in ("/odd", "/none", "", "/fib/goal")] == [""] * 4
+
+
+def test_interfaces_lists_types_of_all_kinds_and_of_clients(rosapi: RosapiClient) -> None:
+    before = rosapi.call("/rosapi/interfaces")["interfaces"]
+    assert before == sorted(before)
+    assert {FIBONACCI_TYPE, "std_msgs/msg/String", "rosapi/srv/Interfaces"} <= {*before}
+    client = rosapi.add_client("/server")
+    client.send(
+        "advertise_action", action="/a", type="my_msgs/Clean", definition="int8 a\n---\n---\n"
+    )
+    after = rosapi.call("/rosapi/interfaces")["interfaces"]
+    assert {*before} < {*after}
+    assert "my_msgs/action/Clean" in after
+    client.disconnect()
+    assert rosapi.call("/rosapi/interfaces")["interfaces"] == before
+
+
+def test_parts_of_an_action_are_described(rosapi: RosapiClient) -> None:
+    client = rosapi.add_client("/server")
+    text = "int8 a\n---\nint8 b\n---\nint8 c\n"
+    client.send("advertise_action", action="/a", type="my_msgs/Clean", definition=text)
+
+    def names(part: str, type_: str) -> list[str]:
+        typedef, *_ = rosapi.call(f"/rosapi/action_{part}_details", type=type_)["typedefs"]
+        found: list[str] = typedef["fieldnames"]
+        return found
+
+    for type_ in ("my_msgs/Clean", "my_msgs/action/Clean"):
+        parts = [names(part, type_) for part in ("goal", "result", "feedback")]
+        assert parts == [["a"], ["b"], ["c"]]
+    assert names("goal", FIBONACCI_TYPE) == ["order"]
