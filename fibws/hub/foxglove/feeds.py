@@ -116,6 +116,12 @@ class Feed(ABC, Generic[K, E]):
             return None
 
 
+class Application:
+    """The base of the clients of this protocol: what they alone subscribe to is no channel."""
+
+    __slots__ = ()
+
+
 class Schemas:
     """The texts of the types of topics, as the JSON strings of descriptions, each made once."""
 
@@ -133,7 +139,7 @@ class Schemas:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic with a publisher and a type whose fields are known.
+    """A topic that others use, and whose type has known fields.
 
     ``id`` is the topic's number, which it keeps until it gets another type.
     """
@@ -181,7 +187,7 @@ class ChannelFeed(Feed[str, Channel]):
 
     def view(self, key: str) -> Channel | None:
         """Return a topic's channel, if there is one that the client may subscribe to."""
-        topic = _published(self.client, key)
+        topic = _used(self.client, key)
         if topic is None or topic.type is None:
             return None
         schema = self._schemas.find(topic.type)
@@ -486,6 +492,21 @@ class GraphFeed(Feed[GraphKey, Users]):
             removedTopics=[name for is_service, name in gone if not is_service],
             removedServices=[name for is_service, name in gone if is_service],
         )
+
+
+def _used(client: Client, name: str) -> Topic | None:
+    """Return a topic that has a publisher, or waits for one, and that the client may subscribe to.
+
+    An application can publish what others wait for, such as a robot for its velocity.
+    """
+    view = client.view
+    topic = view.topic(name)
+    if topic is None or not client.is_allowed("subscribe", name):
+        return None
+    is_used = bool(view.publishers(topic)) or any(
+        not isinstance(view.node(each), Application) for each in view.subscribers(topic)
+    )
+    return topic if is_used else None
 
 
 def _published(client: Client, name: str) -> Topic | None:

@@ -21,6 +21,7 @@ from fibws.hub.delivery.deferred import InlineWorkers, Workers
 from fibws.hub.foxglove.assets import MOST_HELD, AssetFiles, Assets
 from fibws.hub.foxglove.client import Client, Statuses
 from fibws.hub.foxglove.feeds import (
+    Application,
     ChannelFeed,
     GraphFeed,
     GraphKey,
@@ -180,7 +181,7 @@ class Foxglove:
         self._was_simulated = is_simulated
 
 
-class Session(NodeSession[Client]):
+class Session(NodeSession[Client], Application):
     """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
 
     __slots__ = (

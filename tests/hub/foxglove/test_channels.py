@@ -43,19 +43,41 @@ def test_channel_has_the_full_text_of_its_type() -> None:
     assert "MSG: geometry_msgs/Quaternion" in channel["schema"]
 
 
-def test_topic_without_a_publisher_is_no_channel() -> None:
+def test_topic_that_waits_for_a_publisher_is_a_channel() -> None:
+    """A robot waits for its velocity, which the application can publish."""
     hub = FoxgloveHub()
     client = hub.foxglove_client()
-    listener = hub.client("/listener")
-    listener.send("subscribe", "/fib", type=INT32)
-    assert client.receive() == []
+    robot = hub.client("/robot")
+    robot.send("subscribe", "/cmd_vel", type="geometry_msgs/Twist")
+    client.receive()
+    assert client.channels["/cmd_vel"]["schemaName"] == "geometry_msgs/Twist"
+    client.advertise("/cmd_vel", "geometry_msgs/Twist")
+    client.publish(1, bytes(48))
+    assert robot.receive_one("publish")["msg"]["linear"] == {"x": 0.0, "y": 0.0, "z": 0.0}
+    client.send("unadvertise", channelIds=[1])
+    robot.disconnect()
+    client.receive()
     assert client.channels == {}
+
+
+def test_topic_that_only_applications_subscribe_to_is_no_channel() -> None:
+    hub = FoxgloveHub()
+    clients = [hub.foxglove_client(), hub.foxglove_client("/other")]
     talker = hub.client("/talker")
     talker.send("advertise", "/fib", type=INT32)
-    client.receive()
-    assert set(client.channels) == {"/fib"}
+    for client in clients:
+        client.subscribe("/fib")
     talker.disconnect()
-    client.receive()
+    for client in clients:
+        client.receive()
+        assert client.channels == {}
+
+
+def test_topic_without_a_type_is_no_channel() -> None:
+    hub = FoxgloveHub()
+    client = hub.foxglove_client()
+    hub.client("/listener").send("subscribe", "/fib")
+    assert client.receive() == []
     assert client.channels == {}
 
 
