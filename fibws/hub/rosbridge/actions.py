@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import Any, NamedTuple
 
 from fibws.errors import FibwsError, InvalidMessage, NotSerialized, OperationError
@@ -26,6 +27,9 @@ from fibws.protocol.operations import (
 )
 from fibws.protocol.serialized import ROS1
 
+MOST_ENDED = 100
+"""Goals of a client whose ids are known after their ends."""
+
 
 class SentGoal(NamedTuple):
     """A goal until its end, without its arguments, which may be large.
@@ -45,13 +49,15 @@ class Goals:
     It is an `ActionClient`.
     """
 
-    __slots__ = ("_by_id", "_client", "_sent")
+    __slots__ = ("_by_id", "_client", "_ended", "_sent")
 
     def __init__(self, client: Client) -> None:
         self._client = client
         self._sent: dict[Goal, SentGoal] = {}
         self._by_id: dict[Id, Goal] = {}
         """By the ids that the client gave."""
+        self._ended: deque[Id] = deque(maxlen=MOST_ENDED)
+        """The ids of the goals that ended last."""
 
     def send(self, request: SendActionGoal) -> None:
         """Send a goal.
@@ -69,6 +75,8 @@ class Goals:
                 name, request.action_type, request.args, self, client.node
             )
         except FibwsError as error:
+            if request.id is not None:
+                self._ended.append(request.id)
             self._fail(request, Ros2GoalStatus.ABORTED, str(error), error.code)
             return
         serialized = isinstance(request.args, SerializedValues)
@@ -95,14 +103,20 @@ class Goals:
             self._fail(request, Ros2GoalStatus.ABORTED, text, code)
 
     def cancel(self, request: CancelActionGoal) -> None:
-        """Cancel a goal; its result still comes."""
+        """Cancel a goal; its result still comes.
+
+        Raises:
+            OperationError: the client has sent no goal of this id.
+        """
         goal = self._by_id.get(request.id)
-        if goal is None:
-            # It may have ended in the meantime.
-            text = f"cancel_action_goal: no goal of {request.action} has this id"
-            self._client.statuses.info(request.id, text)
-        else:
+        if goal is not None:
             goal.cancel()
+            return
+        text = f"no goal of {request.action} has this id"
+        if request.id not in self._ended:
+            raise OperationError(text)
+        # The result was on its way.
+        self._client.statuses.info(request.id, f"cancel_action_goal: {text}")
 
     def feedback(self, goal: Goal, feedback: Body) -> None:
         """Send the client feedback, if it wants any."""
@@ -153,7 +167,8 @@ class Goals:
     def _pop(self, goal: Goal) -> SentGoal:
         sent = self._sent.pop(goal)
         self._client.queue.forget(sent.lane)
-        self._by_id.pop(sent.request.id, None)
+        if self._by_id.pop(sent.request.id, None) is not None:
+            self._ended.append(sent.request.id)
         return sent
 
     def _frames(self, sent: SentGoal, fields: dict[str, Any], body: Body) -> bytes:

@@ -154,6 +154,9 @@ EXCEPTIONS = {
     ),
     ("service_response", "service"): ECHO,
     ("cancel_action_goal", "action"): ECHO,
+    ("cancel_action_goal", "id"): Kind(
+        set(), "the client has sent no such goal", Kind.refusal + "|no goal of"
+    ),
     ("action_feedback", "action"): ECHO,
     ("action_result", "action"): ECHO,
     ("fragment", "id"): Kind(INTEGERS | TEXTS, "fragments must have one, of these types"),
