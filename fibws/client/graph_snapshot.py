@@ -66,7 +66,7 @@ class GraphSnapshot:
 
 
 def conflict_text(conflict: Entry, topic: Entry) -> str:
-    """Return what a ROS 1 node does at a topic, and why no messages pass, without the node's name.
+    """Return what a node in conflict does at a topic, and why no messages pass; not its name.
 
     Args:
         conflict: an entry of the topic's conflicts.

@@ -102,7 +102,7 @@ class RecordedTopic:
 
     def forget_departed(self) -> None:
         """Forget the publishers that have left, once these are more than those that are there."""
-        sources = self.topic.sources
+        sources = self.topic.publishers
         if sources and len(self._streams) <= 2 * len(sources) + MOST_DEPARTED:
             return
         headers = {each.header for each in sources.values()}
@@ -352,13 +352,13 @@ class Recording:
         if topic.type is not None and topic.type.name == PLAYBACK:
             return
         sink = self._topics.get(topic.name)
-        if sink is None and topic.sources and not recorder.is_finishing:
+        if sink is None and topic.publishers and not recorder.is_finishing:
             sink = self._topics[topic.name] = RecordedTopic(topic, recorder, self)
             self.graph.subscribe(topic, sink)
             topic.replay(sink)
         elif sink is not None:
             sink.forget_departed()
-            if not topic.sources:
+            if not topic.publishers:
                 self._leave(sink)
 
     def _leave_topics(self) -> None:

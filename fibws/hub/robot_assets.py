@@ -104,7 +104,7 @@ class RobotAssets:
                 found |= packages
         for name, topic in graph.topics.items():
             if name.endswith(DESCRIPTION) and allows("subscribe", name):
-                for source in topic.sources.values():
+                for source in topic.publishers.values():
                     latched = source.recall() if source.type.name == STRING else None
                     if latched is not None:
                         found |= latched.cached("packages", partial(_packages_of, latched))

@@ -307,6 +307,8 @@ class Hub:
             allowance=self._account.allowance,
             max_unwritten=_max_unwritten(self.settings),
         )
+        turns = Turns(loop.call_later, flusher.flush)
+        self.graph.finish = turns.finish
         self._shared = Shared(
             settings=self.settings,
             http=requests,
@@ -314,7 +316,7 @@ class Hub:
             endpoints=endpoints,
             loop=loop,
             flusher=flusher,
-            turns=Turns(loop.call_later, flusher.flush),
+            turns=turns,
             limits=self._limits,
             observer=_Reports(self),
             authentication=self._authentication,

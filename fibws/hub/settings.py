@@ -342,7 +342,7 @@ class Settings:
         self._check_tls()
         self._check_record()
         if self.keep_params and self.params is None:
-            raise HubError("--keep-params requires --params, the file to keep them in")
+            raise SettingError("--keep-params requires --params, the file to keep them in")
         self._check_join()
         self._check_addresses()
         self._check_endpoints()

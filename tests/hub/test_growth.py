@@ -118,7 +118,7 @@ def test_receivers_of_a_topic_are_gathered_for_its_messages_only() -> None:
     hub = FakeHub()
     talker, listeners = hub.client(), [hub.client() for _ in range(FEW)]
     talker.send("advertise", "/a", type=INT32)
-    hub.graph.topics["/a"]._uses = Receivers()
+    hub.graph.topics["/a"].untyped.uses = Receivers()
     for size, listener in enumerate(listeners):
         listener.send("subscribe", "/a", fragment_size=1000 + size)
     assert not gathered

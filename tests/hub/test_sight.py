@@ -11,7 +11,18 @@ import fibws.hub
 HUB = Path(fibws.hub.__file__).parent
 PROTOCOLS = ("rosapi", "foxglove", "rosbridge", "ros1", "ros2", "federation")
 OF_GRAPH = {"topics", "nodes", "services", "actions"}
-OF_TOPIC = {"sources", "sinks", "subscribers", "conflicts"}
+OF_TOPIC = {
+    "sources",
+    "publishers",
+    "sinks",
+    "all_sinks",
+    "has_sinks",
+    "subscribers",
+    "all_subscribers",
+    "groups",
+    "nodes",
+    "unattached",
+}
 OF_PARAMETERS = {"names", "text", "below", "leaves", "has", "search"}
 
 OWN = "what nodes of its own, or of the foreign graph, use; nobody is answered"
@@ -23,7 +34,6 @@ DIRECT = {
     "foxglove/feeds.py": "descriptions of services, made once for all: the feeds ask the right",
     "rosbridge/actions.py": "who has taken a server's place: a node of the same principal",
     "rosbridge/services.py": "who has taken a server's place: a node of the same principal",
-    "ros1/master.py": "whether ROS 1 nodes of a visible topic are in conflict with it",
     "ros1/nodes.py": OWN,
     "ros1/outlet.py": OWN,
     "ros1/topic_registrations.py": f"{OWN}; the hub's address is given if the right is there",
@@ -54,7 +64,10 @@ def reads(path: Path) -> Iterator[str]:
         owner = getattr(value, "attr", getattr(value, "id", ""))
         is_read = (
             (node.attr in OF_GRAPH and owner in ("graph", "_graph"))
-            or (node.attr in OF_TOPIC and owner in ("topic", "found", "status", "aggregated"))
+            or (
+                node.attr in OF_TOPIC
+                and owner in ("topic", "group", "found", "status", "aggregated")
+            )
             or (node.attr in OF_PARAMETERS and owner in ("parameters", "_parameters"))
         )
         if is_read:

@@ -114,9 +114,40 @@ async def test_large_messages_arrive(real_hub: Hub) -> None:
         assert len((await anext(images)).data) == 12_000_000
 
 
-async def test_refused_type_is_raised_in_the_refused_node(real_hub: Hub) -> None:
+@pytest.mark.parametrize("who_is_wrong", ["publisher", "subscriber"])
+async def test_node_that_uses_another_type_is_warned_and_begins_once_it_fits(
+    real_hub: Hub, who_is_wrong: str
+) -> None:
+    async with (
+        fibws.Node("wrong", hub=real_hub.url) as wrong,
+        fibws.Node("node", hub=real_hub.url) as node,
+        fibws.Node("late", hub=real_hub.url) as late,
+    ):
+        lines = Lines(wrong.log)
+        if who_is_wrong == "publisher":
+            stray = await wrong.advertise("numbers", Float64)
+        else:
+            strays = wrong.subscribe("numbers", Float64)
+            await wrong.flush()
+        publisher = await node.advertise("numbers", Int32, latch=True)
+        await publisher.publish(5)
+        assert (await anext(node.subscribe("numbers", Int32))).data == 5
+        line = await lines.next()
+        assert "std_msgs/Int32 (published by /node)" in line
+        # Nobody has to begin again.
+        if who_is_wrong == "publisher":
+            floats = late.subscribe("numbers", Float64)
+            await late.flush()
+            await stray.publish(0.5)
+            assert (await anext(floats)).data == 0.5
+        else:
+            await (await late.advertise("numbers", Float64)).publish(0.5)
+            assert (await anext(strays)).data == 0.5
+
+
+async def test_other_type_of_the_same_node_is_raised(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
-        await node.advertise("numbers", Int32)
+        node.subscribe("numbers", Int32)
         with pytest.raises(fibws.OperationRejected, match="already established"):
             await anext(node.subscribe("numbers", Float64))
 

@@ -44,13 +44,13 @@ def command(hub: str | None, as_json: bool) -> None:
     clock        the difference between the clocks
     graph        the numbers of nodes and topics
     types        topics of undefined types
+    conflicts    nodes that use a topic with another type
     ends         topics without publishers or subscribers, misspelled names
     names        names used twice
     clients      clients that are too slow and lose messages
     hubs         links to other hubs that are down or lose messages, clocks that differ
     master       whether ROS_MASTER_URI leads ROS 1 nodes to the hub
     ros1 nodes   ROS 1 nodes that do not answer, hosts that do not resolve
-    conflicts    ROS 1 nodes that use a topic with another type
 
     The exit code is 1 if something is wrong, 0 if there are only warnings.
     """

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 from fibws.cli.doctor.finding import Finding, join_names, ok, warning
 from fibws.cli.graph.view import Topic, View
 from fibws.cli.output import counted
+from fibws.client.graph_snapshot import Entry, conflict_text, is_of_other_type
 from fibws.command_names import command_name
 from fibws.suggestions import misspelled
 
@@ -29,6 +30,8 @@ def checks(before: Snapshot, now: Snapshot, *, but: str) -> Iterator[Finding]:
     nodes, topics = counted(len(view.nodes), "node"), counted(len(view.topics), "topic")
     yield ok("graph", f"{nodes}, {topics}")
     yield from _or(ok("types", "All topics have defined types"), types(view))
+    fine = ok("conflicts", "All topics are used with their own types")
+    yield from _or(fine, conflicts(now[0]["topics"]))
     yield from _or(ok("ends", "All topics have publishers and subscribers"), ends(view))
     everything = View.of(now[0], exclude=but, everything=True)
     clashes = [*same_names(everything), *twins(view), *replaced(before[0], now[0])]
@@ -57,6 +60,22 @@ def types(view: View) -> Iterator[Finding]:
             f"Topics of undefined types, whose messages are not checked: {join_names(undefined)}",
             f"Start the hub with their folder: {command_name('hub')} --interfaces DIR",
         )
+
+
+def conflicts(topics: list[Entry]) -> Iterator[Finding]:
+    """Find nodes that use a topic with another type, or otherwise as the hub cannot."""
+    for topic in topics:
+        for each in topic["conflicts"]:
+            is_type = is_of_other_type(each, topic)
+            yield warning(
+                "conflicts",
+                f"{each['node']} on {topic['name']}: {conflict_text(each, topic)}",
+                "It exchanges messages only with nodes that use its type. Correct the type, or "
+                f"give it another topic: {topic['name']}:=/OTHER"
+                if is_type
+                else "It exchanges no messages with the hub's clients there. The section [ros1] of "
+                "the hub's file of tokens has the rights of ROS 1 nodes.",
+            )
 
 
 def ends(view: View) -> Iterator[Finding]:

@@ -1,4 +1,4 @@
-"""Checks of the hub as the master of ROS 1 nodes: reachability, and types that conflict."""
+"""Checks of the hub as the master of ROS 1 nodes: whether they and it reach each other."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from xmlrpc.client import ServerProxy, Transport
 from fibws import hub_address
 from fibws.cli.doctor.finding import Finding, join_names, ok, warning, wrong
 from fibws.cli.output import counted
-from fibws.client.graph_snapshot import Entry, conflict_text, is_of_other_type
+from fibws.client.graph_snapshot import Entry
 from fibws.command_names import command_name
 
 VARIABLE = "ROS_MASTER_URI"
@@ -51,7 +51,6 @@ def checks(graph: dict[str, Any], hub: str, run_id: str, port: int | None) -> It
     if nodes:
         host = urlsplit(hub).hostname or ""
         yield from reachability(nodes, is_hub_here=hub_address.is_loopback(host))
-        yield from conflicts(graph["topics"])
 
 
 def master(hub: str, run_id: str, port: int | None, *, has_nodes: bool) -> Iterator[Finding]:
@@ -124,25 +123,6 @@ def reachability(nodes: list[Entry], *, is_hub_here: bool) -> Iterator[Finding]:
         found.append(wrong("ros1 nodes", text, advice.replace("its machine", "that machine")))
     number = counted(min(len(nodes), MAX_CALLED), "ROS 1 node")
     yield from found or [ok("ros1 nodes", f"{number}: the hub and this machine reach all")]
-
-
-def conflicts(topics: list[Entry]) -> Iterator[Finding]:
-    """Find ROS 1 nodes that exchange no messages with the hub's clients on a topic."""
-    found = [
-        warning(
-            "conflicts",
-            f"{each['node']} on {topic['name']}: {conflict_text(each, topic)}",
-            "It exchanges no messages with the hub's clients there. "
-            + (
-                f"Give it another topic: {topic['name']}:=/OTHER"
-                if is_of_other_type(each, topic)
-                else "The section [ros1] of the hub's file of tokens has the rights of ROS 1 nodes."
-            ),
-        )
-        for topic in topics
-        for each in topic["conflicts"]
-    ]
-    yield from found or [ok("conflicts", "ROS 1 nodes use all topics with their types")]
 
 
 class _OtherMachine(Exception):

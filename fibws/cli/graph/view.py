@@ -52,7 +52,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """A ROS 1 node that uses a topic, and exchanges no messages with the hub's clients there."""
+    """A node that uses a topic with another type, or otherwise as the hub cannot."""
 
     node: str
     topic: str

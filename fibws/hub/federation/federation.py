@@ -290,7 +290,7 @@ class Federation:
         self._outlets.begin(backplane, number)
         for peer in backplane.peers:
             for node in self._remote.topics.subscribers(source.topic.name, self._remote.home(peer)):
-                source.topic.watching_sinks.linked(node)
+                source.group.watching_sinks.linked(node)
         publisher = self._remote.topics.by_source.get(source)
         if publisher is not None and not publisher.is_flowing:
             self._awaited.add((backplane, number))

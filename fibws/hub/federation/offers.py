@@ -201,7 +201,7 @@ class Offers:
         subscribers: tuple[str, ...] = ()
         if self._may(name, "publish", exports=False):
             subscribers = tuple(filter(self._may_offer, self._view.subscribers(topic)))
-        self._note_users("topics", name, {*topic.sources, *topic.subscribers()})
+        self._note_users("topics", name, {*topic.publishers, *topic.all_subscribers()})
         if not publishers and not subscribers:
             return None
         node_outward = self.backplane.view.node_outward

@@ -34,7 +34,7 @@ class Outlet:
     def receive(self, publication: Publication) -> None:
         """Send a message to the hubs that have asked for its publisher."""
         topic = self._outlets.graph.topics.get(self._topic)
-        source = topic.sources.get(publication.node) if topic is not None else None
+        source = topic.publishers.get(publication.node) if topic is not None else None
         if source is None:
             return
         try:
@@ -104,7 +104,7 @@ class Outlets:
 
     def has_interest(self, backplane: Backplane, topic: Topic) -> bool:
         """Return whether a backplane has asked for any source of a topic."""
-        sources = topic.sources.values()
+        sources = topic.publishers.values()
         return any(backplane in self._wanted_by.get(self.number(each), {}) for each in sources)
 
     def send(self, source: Source, publication: Publication) -> None:

@@ -208,7 +208,7 @@ class RemoteTopics:
         publisher = self._by_number.get((home, number))
         if publisher is not None and publisher.is_wanted and publisher.source is not None:
             publisher.is_flowing = True
-            publisher.source.topic.source_linked(publisher.node.name)
+            publisher.source.link()
             self._flowing(publisher)
 
     # Attaching.
@@ -274,7 +274,6 @@ class RemoteTopics:
         topic, node = self._graph.topic(name), new.node.name
         attached.publishers[node] = new
         new.node.published[name] = None
-        topic.watching_sources.unlinked(node)
         try:
             new.source = self._advertise(topic, new)
         except DefinitionPending:
@@ -282,7 +281,6 @@ class RemoteTopics:
         except (OperationError, InterfaceError) as error:
             self._conflict(topic, node, new.type[0], error, publishes=True)
         if new.source is None:
-            topic.watching_sources.left(node)
             new.tried_with = self._graph.topic(name).type
             return
         new.sequence = self._remembered.pop(new.id, None)
@@ -310,6 +308,8 @@ class RemoteTopics:
             queue_size=new.publisher.queue_size,
             serialized=True,
             md5sum=md5sum,
+            linked=False,
+            on_conflict=partial(self._warn_of_conflict, new.node.name),
         )
 
     def _detach_publisher(self, name: str, attached: Attached, old: RemotePublisher) -> None:
@@ -352,17 +352,22 @@ class RemoteTopics:
                 attached.subscribers[node] = sink
                 self._attach_subscriber(name, sink)
             elif self._has_interest(topic := self._graph.topic(name), node):
-                topic.watching_sinks.linked(node)  # Its hub may be reached by several ways.
+                # Its hub may be reached by several ways.
+                topic.sink_linked(attached.subscribers[node])
 
     def _attach_subscriber(self, name: str, sink: RemoteSubscriber) -> None:
         topic = self._graph.topic(name)
         sink.remote.subscribed[name] = None
-        if not self._has_interest(topic, sink.node):
-            topic.watching_sinks.unlinked(sink.node)
         try:
-            self._graph.subscribe(topic, sink, sink.type[0] or None, receiver=sink.outlet)
+            self._graph.subscribe(
+                topic,
+                sink,
+                sink.type[0] or None,
+                receiver=sink.outlet,
+                linked=self._has_interest(topic, sink.node),
+                on_conflict=partial(self._warn_of_conflict, sink.node),
+            )
         except (OperationError, InterfaceError) as error:
-            topic.watching_sinks.left(sink.node)
             self._conflict(topic, sink.node, sink.type[0], error, publishes=False)
             sink.is_stuck, sink.tried_with = True, self._graph.topic(name).type
 
@@ -380,9 +385,13 @@ class RemoteTopics:
         self._warn(f"{node} exchanges no messages on {topic.name}: {error}")
         self._graph.add_conflict(topic, Conflict(node, type_, publishes, str(error)))
 
+    def _warn_of_conflict(self, node: str, text: str) -> None:
+        if text:
+            self._warn(f"{node}: {text}")
+
     def _remove_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
         found = self._graph.topics.get(topic)
-        if found is not None and found.conflicts:
+        if found is not None and found.unattached:
             self._graph.remove_conflict(found, node, publishes=publishes)
 
     # Asking for messages.
@@ -426,7 +435,7 @@ class RemoteTopics:
         what it aggregates.
         """
         is_log = source.topic.name in self._graph.guards
-        for sink in source.topic.sinks():
+        for sink in source.group.sinks():
             is_aggregator = is_log and sink.node == ROSOUT
             if not isinstance(sink, RemoteSubscriber) and not is_aggregator:
                 return True
@@ -440,6 +449,6 @@ class RemoteTopics:
             publisher.is_flowing = False
             publisher.sequence = None
             publisher.source.forget_latched()
-            publisher.source.topic.watching_sources.unlinked(publisher.node.name)
+            publisher.source.unlink()
         peer = publisher.home.peer
         peer.backplane.interest(peer, publisher.publisher.number, wanted=wanted)

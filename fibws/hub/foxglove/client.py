@@ -60,6 +60,14 @@ class Statuses:
         """Report that an operation changed nothing, or did something else than was meant."""
         self._queue.reply(text_frame("status", level=WARNING, message=shortened(text)))
 
+    def state(self, id_: str, text: str) -> None:
+        """Show a warning for as long as something lasts; an empty text removes it."""
+        if text:
+            fields = {"level": WARNING, "message": shortened(text), "id": id_}
+            self._queue.reply(text_frame("status", **fields))
+        else:
+            self._queue.reply(text_frame("removeStatus", statusIds=[id_]))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Client:

@@ -188,12 +188,11 @@ class ChannelFeed(Feed[str, Channel]):
     def view(self, key: str) -> Channel | None:
         """Return a topic's channel, if there is one that the client may subscribe to."""
         topic = _used(self.client, key)
-        if topic is None or topic.type is None:
+        type_ = topic.type if topic is not None else None
+        schema = self._schemas.find(type_) if type_ is not None else None
+        if topic is None or type_ is None or schema is None:
             return None
-        schema = self._schemas.find(topic.type)
-        if schema is None:
-            return None
-        return Channel(topic.number, key, topic.type.name, topic.type.md5sum, schema)
+        return Channel(topic.number, key, type_.name, type_.md5sum, schema)
 
     def size(self, entry: Channel) -> int:
         """Return about how many bytes a channel takes in a frame."""
@@ -261,13 +260,14 @@ class UndefinedFeed(Feed[str, tuple[str, str]]):
     def view(self, key: str) -> tuple[str, str] | None:
         """Return the topic and its type, if it is one of these."""
         topic = _published(self.client, key)
-        if topic is None or topic.type is None or topic.type.checked:
+        type_ = topic.type if topic is not None else None
+        if topic is None or type_ is None or type_.checked:
             self._asked.discard(key)
             self._delayed.pop(key, None)
             self._end_probe(key)
             return None
         if key in self._asked or not self._can_be_asked(topic):
-            return key, topic.type.name
+            return key, type_.name
         if len(self._probes) >= MOST_PROBES:
             self._delayed[key] = None
         elif key not in self._probes:

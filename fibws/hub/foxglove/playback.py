@@ -194,7 +194,7 @@ class Playback:
         topic = self._find(service)
         if topic is not None:
             self._service, self._topic = service, topic
-            self._client.graph.subscribe(topic, self)
+            self._client.graph.subscribe(topic, self, STATE)
             topic.replay(self)
         if had_range and self._state is None:
             self._changed()

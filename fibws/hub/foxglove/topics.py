@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 
 from pydantic_core import from_json
 
@@ -69,7 +70,7 @@ class Group:
     def receive(self, publication: Publication) -> None:
         """Send a message to every subscription."""
         if publication.type is not self._type and not self._take(publication.type):
-            return  # The clients will be told of another channel.
+            return  # The topic has another type, too, or the clients will be told of it.
         try:
             frame = self.frame(publication)
         except Exception as fault:
@@ -83,6 +84,10 @@ class Group:
         for member in self._members:
             if member.client.queue.paused:
                 member.behind()
+
+    def fits(self, type_: MessageType) -> bool:
+        """Return whether messages of a type are those of the channel."""
+        return type_ is self._type or self._take(type_)
 
     def frame(self, publication: Publication) -> MadeFrame:
         """Return the frame of a message."""
@@ -159,6 +164,8 @@ class Subscription:
 
     def receive(self, publication: Publication) -> None:
         """Take a message that is for this client alone."""
+        if not self._group.fits(publication.type):
+            return  # The topic is used with another type, too.
         self._replayed += 1
         self.client.queue.put(self._group.frame(publication), self.lane)
 
@@ -325,6 +332,7 @@ class Publications:
             channel.schema_text if channel.schema_text and is_text else None,
             quota=self._quota,
             serialized=channel.encoding == ROS1,
+            on_conflict=partial(client.statuses.state, f"conflict of channel {channel.id}"),
         )
         if channel.encoding == ROS1 and not source.type.checked:
             if source not in self._uses:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import logging
 import secrets
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any, Literal, Protocol, TypeAlias
 from uuid import uuid4
@@ -23,6 +23,7 @@ from fibws.errors import (
     CallFailed,
     DefinitionMismatch,
     InterfaceError,
+    LimitReached,
     NotAllowed,
     OperationError,
     TypeConflict,
@@ -39,6 +40,7 @@ from fibws.hub.graph.action import (
 )
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.clock import GraphClock
+from fibws.hub.graph.conflicts import MOST_TYPES, describe, summary
 from fibws.hub.graph.latched import LatchQuota, LatchTotal
 from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.parameters import Parameters, Prepared, canonical, names_in, prepare
@@ -55,6 +57,7 @@ from fibws.hub.graph.topic import (
     Topic,
 )
 from fibws.hub.graph.totals import CallTotals, TopicTotals
+from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import MessageType, ServiceType, Types, unknown_service
 from fibws.hub.graph.view import GraphView
 from fibws.interfaces import Interfaces, folders
@@ -66,8 +69,20 @@ ROSBRIDGE = "/rosbridge_websocket"
 """The hub's own node that stands for the real rosbridge server."""
 
 
+ConflictReport: TypeAlias = Callable[[str], object]
+"""Takes the reason why messages do not pass to others, or an empty text once they do."""
 Watched: TypeAlias = Literal["node", "service", "action"]
 """The kinds of changes that `Graph.watch` reports."""
+
+
+def _type_name(group: TypeGroup | None) -> str:
+    return group.type.name if group is not None and group.type is not None else ""
+
+
+def exhaust(work: Iterator[None]) -> None:
+    """Do all steps of some work at once."""
+    for _ in work:
+        pass
 
 
 class Node(Protocol):
@@ -185,6 +200,8 @@ class Graph:
         """The topics that only the hub's own nodes may publish."""
         self.guards: dict[str, Guard] = {}
         """By topics: further checks of what nodes publish there that are not admins."""
+        self.finish: Callable[[Iterator[None]], object] = exhaust
+        """Does work step by step, some of it possibly later."""
         self.on_refused: Callable[[NotAllowed], object] = lambda error: None
         """Takes each refusal of the policy, but those of a node's name."""
         self._topic_watchers: list[Callable[[Topic], None]] = []
@@ -324,9 +341,9 @@ class Graph:
         """Remove the users of a topic whose nodes have left, before another one comes."""
         left = self._left
         if left:
-            for source in [each for each in topic.sources.values() if each in left]:
+            for source in [each for each in topic.publishers.values() if each in left]:
                 self.remove_source(source)
-            for sink in [each for each in topic.sinks() if each in left]:
+            for sink in [each for each in topic.all_sinks() if each in left]:
                 self.unsubscribe(topic, sink)
 
     def _service(self, name: str) -> Service | None:
@@ -405,6 +422,10 @@ class Graph:
         for changed in self._topic_watchers:
             changed(topic)
 
+    def type_name(self, type_: str) -> str:
+        """Return ``package/Type`` for either spelling of a type; raise `InvalidTypeName`."""
+        return Interfaces.canonical(type_)
+
     def topic(self, name: str) -> Topic:
         """Return the topic of this global name; a new one is kept once it has a user."""
         return self.topics.get(name) or Topic(name)
@@ -421,6 +442,8 @@ class Graph:
         queue_size: int = QUEUE_SIZE,
         serialized: bool = False,
         md5sum: str | None = None,
+        linked: bool = True,
+        on_conflict: ConflictReport | None = None,
     ) -> Source:
         """Return the node's source; the first call decides ``latch`` and ``queue_size``.
 
@@ -430,11 +453,14 @@ class Graph:
             queue_size: as in `Source`.
             serialized: whether the node publishes messages in ROS 1's serialization.
             md5sum: the md5 of the type as the client knows it.
+            linked: False if messages arrive only after `Source.link`.
+            on_conflict: takes the reason, whenever others use the topic with types with which no
+                messages are exchanged, and an empty text when that ends.
 
         Raises:
             NotAllowed: the policy forbids it.
             OperationError: the topic is the hub's own.
-            TypeConflict: the topic has another type, and nodes that hold it to that.
+            TypeConflict: the node publishes it with another type, or the topic is the hub's own.
             DefinitionMismatch: the md5 is another one.
             UnknownDefinition: messages are serialized, but there is no room for the definition.
             InterfaceError: the type's name is not valid, or its package does not have it.
@@ -443,28 +469,35 @@ class Graph:
             raise OperationError(f"{topic.name} is published by the hub alone")
         self.check_allowed(node, "publish", topic.name)
         self._remove_left(topic)
-        present = topic.type
-        message_type = self._set_type(topic, type_, definition, md5sum, node)
-        if serialized and message_type.fault:
+        try:
+            group, named, type_was = self._join_type(topic, type_, definition, md5sum, node)
+            if serialized and named.fault:
+                named.check_known()
+            source = topic.publishers.get(node)
+            if source is not None and source.group is not group:
+                raise TypeConflict(topic.name, named.name, source.type.name, node)
+            if topic.name in self.guards and topic.main is not group and topic.type is not None:
+                raise TypeConflict(topic.name, named.name, topic.type.name, topic.main.members()[0])
+        except Exception:
             self._settle(topic)
-            message_type.check_known()
-        source = topic.sources.get(node)
+            raise
         if source is None:
             make = self._source_class(node, topic)
             source = make(
                 node,
-                topic,
-                message_type,
+                group,
+                named,
                 self.clock.now,
                 latch=latch,
                 quota=quota or LatchQuota(),
                 queue_size=queue_size,
             )
             self._keep(topic)
-            topic.add(source)
+            topic.add(source, linked=linked)
+            self._settle(topic)
+        elif named is not type_was:
             self._changed(topic)
-        elif message_type is not present:
-            self._changed(topic)
+        self._report_to(group, source, on_conflict)
         return source
 
     def _source_class(self, node: str, topic: Topic) -> Callable[..., Source]:
@@ -476,7 +509,7 @@ class Graph:
         """Remove a source from its topic."""
         self._left.discard(source)
         source.forget_latched()
-        if source.topic.sources.get(source.node) is source:
+        if source.is_attached:
             self.messages.source_left(source)
         source.topic.remove(source)
         self._settle(source.topic)
@@ -488,82 +521,117 @@ class Graph:
         type_: str | None = None,
         *,
         receiver: Receiver | None = None,
-        holds_type: bool | None = None,
+        keeps_type: bool = False,
+        takes_all: bool = False,
         needs_definition: bool = False,
         serialized: bool = False,
         definition: str | None = None,
         md5sum: str | None = None,
+        linked: bool = True,
+        on_conflict: ConflictReport | None = None,
     ) -> None:
         """Add a sink to a topic, or change how it is subscribed.
 
         Args:
-            type_: the topic's type, if the sink names one.
+            type_: the type of its messages, if the sink names one; else it gets those of all types.
             receiver: takes the messages for the sink; see `Topic.attach`.
-            holds_type: whether the topic keeps its type while the sink is there; None for when it
-                names one.
+            keeps_type: whether the sink still names the type that it has named before.
+            takes_all: whether it gets the messages of all types although it names one.
             needs_definition: whether the topic keeps the definition of its type, too, and not only
                 the name.
             serialized: whether the sink needs messages in ROS 1's serialization.
             definition: the text of the type, if the client brought one.
             md5sum: the md5 of the type as the client knows it.
+            linked: False if messages pass only after `Topic.sink_linked`.
+            on_conflict: as of `advertise`.
 
         Raises:
+            TypeConflict: the sink keeps another type.
             OperationError: messages cannot be serialized, as the fields of the type are unknown;
                 others as `advertise`. The sink is subscribed as before.
         """
         self.check_allowed(sink.node, "subscribe", topic.name)
         self._remove_left(topic)
         try:
+            present = topic.named_by(sink)
+            group = present if keeps_type else None
             if type_ is not None:
-                self._set_type(topic, type_, definition, md5sum, sink.node)
-            if serialized and topic.type is not None:
-                topic.type.check_known()
-            holds = type_ is not None if holds_type is None else holds_type
-            # A node without the right to publish must not fix the type for those that have it.
-            holds = holds and self.is_allowed(sink.node, "publish", topic.name)
+                group, named, _ = self._join_type(topic, type_, definition, md5sum, sink.node)
+                if keeps_type and present not in (None, group):
+                    raise TypeConflict(topic.name, named.name, _type_name(present), sink.node)
+                if not group.is_used and len(topic.groups) > MOST_TYPES:
+                    raise LimitReached(f"too many types of {topic.name} (limit {MOST_TYPES})")
+            wanted = topic.type if group is None or takes_all else group.type
+            if serialized and wanted is not None:
+                wanted.check_known()
             topic.attach(
                 sink,
                 sink if receiver is None else receiver,
-                holds_type=holds,
+                group,
+                takes_all=takes_all,
+                # A node without the right to publish must not fix the type for those that have it.
+                holds_type=self.is_allowed(sink.node, "publish", topic.name),
                 needs_definition=needs_definition,
+                linked=linked,
             )
             self._keep(topic)
         finally:
             # It may have failed, or replace a request that named the type.
             self._settle(topic)
+        if group is not None:
+            self._report_to(group, sink, on_conflict)
 
     def unsubscribe(self, topic: Topic, sink: Sink) -> None:
         """Remove a sink from a topic."""
         self._left.discard(sink)
-        if sink in topic.sinks():
+        if topic.has_sink(sink):
             self.messages.sink_left(topic, sink.report())
         topic.detach(sink)
         self._settle(topic)
 
-    def _set_type(
+    def _join_type(
         self, topic: Topic, type_: str, definition: str | None, md5sum: str | None, node: str
-    ) -> MessageType:
-        """Give a topic the type that a node names, and return the one that it has then.
+    ) -> tuple[TypeGroup, MessageType, MessageType | None]:
+        """Return the group of the type that a node names, its type, and that which it had before.
 
-        A topic that is held to a type keeps it when a node names another type with equal fields:
-        as in ROS 1, where the md5 counts when nodes connect.
+        A group keeps its type when a node names another type with equal fields: as in ROS 1, where
+        the md5 counts when nodes connect.
         """
         name = Interfaces.canonical(type_)
-        present = topic.type
-        if present is None or not topic.held:
+        group = self._find_group(topic, name, definition, node)
+        present = group.type if group is not None else None
+        if group is not None and present is not None and group.is_held:
+            wanted = present
+            if present.name == name:
+                wanted = self._update(present, definition, node)
+        else:
             is_own = node in self.internal
             types = self._types
             wanted = types.own_message(name) if is_own else types.message(name, definition, node)
-        elif present.name != name:
-            if not self._is_alike(present, name, definition, node):
-                raise TypeConflict(topic.name, name, present.name, topic.holder())
-            wanted = present
-        else:
-            wanted = self._update(present, definition, node)
         _check_md5sum(wanted, md5sum)
+        if group is None:
+            group = topic.add_group()
+            if topic.main.number:
+                self._number(group)
         if wanted is not present:
-            self._change_type(topic, wanted)
-        return wanted
+            self._change_type(group, wanted)
+        return group, wanted, present
+
+    def _find_group(
+        self, topic: Topic, name: str, definition: str | None, node: str
+    ) -> TypeGroup | None:
+        """Return the group of a type, or one that nobody has named a type for."""
+        groups = topic.groups
+        for group in groups:
+            if group.type is not None and group.type.name == name:
+                return group
+        free = None
+        for group in groups:
+            if group.type is None:
+                free = group
+            elif self._is_alike(group.type, name, definition, node):
+                return group
+        return free
 
     def _is_alike(self, type_: MessageType, name: str, definition: str | None, node: str) -> bool:
         """Return whether a type and the one of this name are known to have the same fields."""
@@ -588,68 +656,127 @@ class Graph:
             return type_
         return found if found.checked or found.fault else type_
 
-    def _change_type(self, topic: Topic, type_: MessageType | None) -> None:
-        """Set a topic's type, or None, and hold its definition."""
+    def _change_type(self, group: TypeGroup, type_: MessageType | None) -> None:
+        """Set a group's type, or None, and hold its definition."""
         self.revision += 1
-        older, topic.type = topic.type, type_
+        older, group.type = group.type, type_
         if type_ is not None and type_.checked:
             sort = (type_.name, type_.md5sum)
-            if topic.number and topic.last_type not in (None, sort):
+            if group.number and group.last_type not in (None, sort):
                 # Messages of both types may be on their way to one client.
-                self._number(topic)
-            topic.last_type = sort
-            for source in topic.sources.values():
+                self._number(group)
+            group.last_type = sort
+            for source in group.sources.values():
                 source.type = type_
         if older is not None:
-            self._types.release(older, topic)
+            self._types.release(older, group)
         if type_ is not None:
-            self._types.hold(type_, topic, lambda: self._described(topic.holder(), topic.name))
+            self._types.hold(type_, group, partial(self._described, group))
 
     def _keep(self, topic: Topic) -> None:
         """Add a topic to the graph, since it has a user."""
         if self.topics.get(topic.name) is not topic:
             self.topics[topic.name] = topic
-            self._number(topic)
+            for group in topic.groups:
+                self._number(group)
 
-    def _number(self, topic: Topic) -> None:
-        """Give a topic of the graph another number."""
-        self._topic_numbers.give_back(topic.number)
-        topic.number = self._topic_numbers.take()
+    def _number(self, group: TypeGroup) -> None:
+        """Give a group of a topic of the graph another number."""
+        self._topic_numbers.give_back(group.number)
+        group.number = self._topic_numbers.take()
+
+    def _take_number(self, group: TypeGroup) -> None:
+        self._topic_numbers.give_back(group.number)
+        group.number = 0
 
     def _remove_idle(self, topic: Topic) -> None:
         """Remove a topic that has no user left."""
         if topic.idle and self.topics.get(topic.name) is topic:
             del self.topics[topic.name]
-            self._topic_numbers.give_back(topic.number)
-            topic.number = 0
+            for group in topic.groups:
+                self._take_number(group)
 
     def _settle(self, topic: Topic) -> None:
-        """Remove the topic, its type, or the type's definition if they have no holder left."""
+        """Remove the topic, its types, or their definitions if they have no holder left."""
         self._remove_idle(topic)
-        if topic.type is not None and not topic.needs_definition:
-            type_ = self._types.without_definition(topic.type) if topic.held else None
-            if type_ is not topic.type:
-                self._change_type(topic, type_)
+        for group in tuple(topic.groups):
+            if group.type is not None and not group.needs_definition:
+                type_ = self._types.without_definition(group.type) if group.is_used else None
+                if type_ is not group.type:
+                    self._change_type(group, type_)
+        if len(topic.groups) > 1:
+            self._settle_groups(topic)
+        self._tell_conflicts(topic)
         self._changed(topic)
 
+    def _settle_groups(self, topic: Topic) -> None:
+        """Remove the groups that nobody uses any more, and choose the main one."""
+        used = [each for each in topic.groups if each.is_used] or topic.groups[:1]
+        for group in topic.groups:
+            if group not in used:
+                self._take_number(group)
+        main = next((each for each in used if each.sources), None)
+        main = main or next((each for each in used if each.is_held), used[0])
+        topic.groups = [main, *(each for each in used if each is not main)]
+
+    def _tell_conflicts(self, topic: Topic) -> None:
+        """Tell the members of each group when the types have changed with which it conflicts."""
+        groups = topic.groups
+        if len(groups) == 1 and not groups[0].told:
+            return
+        for group in groups:
+            news = summary(topic, group)
+            if news != group.told:
+                group.told = news
+                if group.reports:
+                    self.finish(self._tell(group, news))
+
+    def _tell(self, group: TypeGroup, news: tuple[tuple[str, bool], ...]) -> Iterator[None]:
+        for member in tuple(group.reports):
+            if group.told is not news:
+                return  # They are told of something newer.
+            self._report_conflict(group, member)
+            yield
+
+    def _report_conflict(self, group: TypeGroup, member: Source | Sink) -> None:
+        report = group.reports.get(member)
+        if report is not None:
+            topic = group.topic
+            is_over = not group.told
+            report("" if is_over else describe(topic, group, self.view(member.node)))
+
+    def _report_to(
+        self, group: TypeGroup, member: Source | Sink, report: ConflictReport | None
+    ) -> None:
+        """Have a member of a group told of conflicts from now on."""
+        if report is not None:
+            group.reports[member] = report
+            if group.told:
+                self._report_conflict(group, member)
+
     def add_conflict(self, topic: Topic, conflict: Conflict) -> None:
-        """Note on a topic that a node uses it with another type."""
+        """Note on a topic that a node outside the hub uses it as the graph cannot."""
         self._keep(topic)
-        topic.conflicts.append(conflict)
+        topic.unattached.append(conflict)
         self.revision += 1
 
     def remove_conflict(self, topic: Topic, node: str, *, publishes: bool) -> None:
         """Remove a conflict, if it is listed."""
         kept = [
-            each for each in topic.conflicts if each.node != node or each.publishes is not publishes
+            each
+            for each in topic.unattached
+            if each.node != node or each.publishes is not publishes
         ]
-        if len(kept) < len(topic.conflicts):
-            topic.conflicts[:] = kept
+        if len(kept) < len(topic.unattached):
+            topic.unattached[:] = kept
             self._remove_idle(topic)
             self.revision += 1
 
-    def _described(self, node: str, name: str) -> str:
+    def _described(self, group: TypeGroup) -> str:
         """Return who uses a type, for errors that any node may get."""
+        return self._named(next(iter(group.members()), ""), group.name)
+
+    def _named(self, node: str, name: str) -> str:
         return f"{node} ({name})" if self.policy.allows_all else "another node"
 
     # Services.
@@ -719,7 +846,7 @@ class Graph:
         service.type = type_
 
     def _described_service(self, service: Service) -> str:
-        return self._described(service.node, service.name)
+        return self._named(service.node, service.name)
 
     def serve_internally(self, name: str, type_: str, node: str, function: Function) -> None:
         """Let the hub itself serve a service, as one of its own nodes."""
@@ -795,7 +922,7 @@ class Graph:
             self.remove_action(older)
         goals = self._goals.setdefault(name, Goals())
         action = self.actions[name] = Action(name, action_type, server, goals)
-        self._types.hold(action_type, action, lambda: self._described(action.node, name))
+        self._types.hold(action_type, action, lambda: self._named(action.node, name))
         self.serve_internally(
             cancel_service(action.name),
             CANCEL_GOAL,

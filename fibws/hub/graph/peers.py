@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Container, Iterable
 from functools import cached_property
 from typing import Protocol
 
@@ -179,6 +179,10 @@ class PeerWatch:
             if node in self._nodes:
                 self._change(node, joined=False)
             self._unlinked.add(node)
+
+    def copy_unlinked(self, other: PeerWatch, nodes: Container[str]) -> None:
+        """Take note that no messages pass to or from some nodes, as another watch knows it."""
+        self._unlinked.update(node for node in other._unlinked if node in nodes)
 
     def linked(self, node: str) -> None:
         """Take note that messages pass now."""

@@ -1,14 +1,13 @@
 """Topics: sources publish on them, sinks subscribe to them.
 
 A message passes from `Source.publish` (values) or `Source.publish_serialized` (bytes), which check
-it, as a `Publication` to every sink of the topic. A sink is anything with the methods of `Sink`:
-a client's subscription, a part of the hub, a bridge. Only `Graph` adds and removes sources and
-sinks; ROS calls a source a publisher.
+it, as a `Publication` to every sink of its type group. A sink is anything with the methods of
+`Sink`: a client's subscription, a part of the hub, a bridge. Only `Graph` adds and removes sources
+and sinks; ROS calls a source a publisher.
 """
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
@@ -18,9 +17,8 @@ from fibws.errors import LimitReached
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.type_group import SinkSet, TypeGroup
 from fibws.hub.graph.types import Buffer, MessageType
-
-logger = logging.getLogger("fibws.hub")
 
 QUEUE_SIZE = 100
 """The queue_size of publishers that name none, as in rosbridge."""
@@ -82,134 +80,241 @@ Guard: TypeAlias = Callable[[str, Mapping[str, Any]], None]
 
 
 class Topic:
-    """One topic of the graph.
+    """One topic of the graph, with a group of sources and sinks for each of its types.
 
-    It has a type while a source publishes on it, or a sink was subscribed with a type; sinks that
-    name no type wait for one.
+    Sources and sinks that name different types are in conflict: none of them is refused, and those
+    of one type exchange messages. The topic's own type is that of the main group: the first one
+    that has sources, or else the first one that is held by a sink. A topic that only sinks without
+    a type use has none.
     """
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.number = 0
-        """Stands for it and its type in binary frames while it is in the graph; 0 before."""
-        self.type: MessageType | None = None
-        self.last_type: tuple[str, str | None] | None = None
-        """The name and the md5 of the type that it has, or had last, if its fields were known."""
-        self.sources: dict[str, Source] = {}
-        """By their nodes' names."""
-        self.conflicts: list[Conflict] = []
-        """The ROS 1 nodes that use it with another type; a ROS 1 master refuses none."""
-        self.watching_sources = PeerWatch(self.sources)
-        """The sinks that watch who publishes."""
-        self._sinks: dict[Sink, Receiver] = {}
-        self._holding: dict[Sink, bool] = {}
-        """The sinks that were subscribed with a type, and whether they need its definition."""
-        self._by_node: dict[str, list[Sink]] = {}
-        self.watching_sinks = PeerWatch(self._by_node)
-        """The sources that watch who subscribes."""
-        self._receivers: tuple[Receiver, ...] | None = ()
-        """A tuple, since a sink may leave, or bring another one, while it is given a message; None
-        until the next message if they, or the sources that sinks watch, have changed."""
-        self._uses: dict[Receiver, int] = {}
-        """How many sinks share each receiver."""
+        self.untyped = SinkSet()
+        """The sinks that name no type, and get the messages of all groups."""
+        self.groups = [TypeGroup(self)]
+        """At least one; the first is the main group."""
+        self.publishers: dict[str, Source] = {}
+        """The sources of all groups, by their nodes' names."""
+        self.watching_publishers = PeerWatch(self.publishers)
+        """The sinks without a type that watch who publishes."""
+        self.unattached: list[Conflict] = []
+        """The nodes outside the hub that use it as the graph cannot."""
         self.first: Receiver | None = None
         """Gets each message before the other receivers, while it is one of them."""
 
     @property
     def idle(self) -> bool:
         """Whether the topic has no user left."""
-        return not (self.sources or self._sinks or self.conflicts)
+        is_used = self.publishers or self.untyped.receivers or self.unattached
+        return not (is_used or any(each.is_used for each in self.groups))
+
+    @property
+    def main(self) -> TypeGroup:
+        """The group that stands for the topic."""
+        return self.groups[0]
+
+    @property
+    def type(self) -> MessageType | None:
+        """The type of the main group, if somebody who may publish names it."""
+        main = self.groups[0]
+        return main.type if main.is_held else None
+
+    @property
+    def number(self) -> int:
+        """The number of the main group."""
+        return self.groups[0].number
+
+    @property
+    def sources(self) -> dict[str, Source]:
+        """The sources of the main group, by their nodes' names."""
+        return self.groups[0].sources
 
     @property
     def held(self) -> bool:
         """Whether a user holds the topic to its type."""
-        return bool(self.sources or self._holding)
-
-    @property
-    def needs_definition(self) -> bool:
-        """Whether a user needs the definition of its type, and not only the name."""
-        return bool(self.sources) or any(self._holding.values())
-
-    def holder(self) -> str:
-        """Return one of the nodes that hold the topic to its type; it must be `held`."""
-        return next(iter(self.sources), None) or next(iter(self._holding)).node
+        return self.groups[0].is_held
 
     def sinks(self) -> Collection[Sink]:
-        """Return all sinks."""
-        return self._sinks
+        """Return the sinks that get the messages of the main group."""
+        return self.groups[0].sinks()
 
-    def sinks_of(self, node: str) -> Collection[Sink]:
-        """Return the sinks of one node."""
-        return self._by_node.get(node, ())
+    def all_sinks(self) -> list[Sink]:
+        """Return the sinks of all groups."""
+        sets = (self.untyped, *(each.typed for each in self.groups))
+        return [sink for each in sets for sink in each.receivers]
 
     def subscribers(self) -> Collection[str]:
-        """Return the nodes of all sinks, each once."""
-        return self._by_node.keys()
+        """Return the nodes of these sinks, each once."""
+        return self.groups[0].nodes
+
+    def all_subscribers(self) -> set[str]:
+        """Return the nodes of the sinks of all groups."""
+        return self.untyped.by_node.keys() | {
+            node for group in self.groups for node in group.typed.by_node
+        }
+
+    def sinks_of(self, node: str) -> list[Sink]:
+        """Return all sinks of one node."""
+        sets = (self.untyped, *(each.typed for each in self.groups))
+        return [sink for each in sets for sink in each.by_node.get(node, ())]
+
+    def has_sink(self, sink: Sink) -> bool:
+        """Return whether a sink is subscribed, with whatever type."""
+        return sink in self.untyped.receivers or self.group_of(sink) is not None
+
+    def group_of(self, sink: Sink) -> TypeGroup | None:
+        """Return the group of a sink that gets the messages of one type."""
+        return next((each for each in self.groups if sink in each.typed.receivers), None)
+
+    def named_by(self, sink: Sink) -> TypeGroup | None:
+        """Return the group of the type that a sink names."""
+        return next((each for each in self.groups if each.names(sink)), None)
+
+    def groups_for(self, sink: Sink) -> list[TypeGroup]:
+        """Return the groups whose messages a sink gets, the main one first."""
+        group = self.group_of(sink)
+        return self.groups if group is None else [group]
+
+    def watching(self, sink: Sink) -> PeerWatch:
+        """Return the sources that a sink may watch: those whose messages it gets."""
+        group = self.group_of(sink)
+        return self.watching_publishers if group is None else group.watching_sources
+
+    def type_for(self, sink: Sink) -> MessageType | None:
+        """Return the type that a sink names, or that of the topic."""
+        group = self.group_of(sink)
+        return self.type if group is None else group.type
+
+    def number_of(self, type_: MessageType) -> int:
+        """Return the number of the group of a type, in which one of its messages was published."""
+        groups = self.groups
+        if len(groups) > 1:
+            for group in groups:
+                if group.type is type_:
+                    return group.number
+        return groups[0].number
+
+    def add_group(self) -> TypeGroup:
+        """Return another group, behind all others."""
+        group = TypeGroup(self)
+        group.watching_sinks.copy_unlinked(self.groups[0].watching_sinks, self.untyped.by_node)
+        self.groups.append(group)
+        return group
 
     def attach(
-        self, sink: Sink, receiver: Receiver, *, holds_type: bool, needs_definition: bool = False
+        self,
+        sink: Sink,
+        receiver: Receiver,
+        group: TypeGroup | None = None,
+        *,
+        takes_all: bool = False,
+        holds_type: bool = False,
+        needs_definition: bool = False,
+        linked: bool = True,
     ) -> None:
         """Add a sink, or change how it is subscribed.
 
         Args:
-            receiver: takes its messages: the sink itself, or a group that it shares with others,
-                which gets each message once for all of them.
-            holds_type: whether the topic keeps its type while the sink is there.
+            receiver: takes its messages: the sink itself, or something that it shares with others
+                of its group, which gets each message once for all of them.
+            group: that of the type that it names; None if it names none.
+            takes_all: whether it gets the messages of all types although it names one.
+            holds_type: whether the group keeps its type while the sink is there.
             needs_definition: whether it keeps the definition of that, too.
+            linked: False while no messages pass to a sink outside the hub.
         """
-        older = self._sinks.get(sink)
-        if older is None:
-            sinks = self._by_node.get(sink.node)
-            if sinks is None:
-                self._by_node[sink.node] = [sink]
-                self.watching_sinks.joined(sink.node)
-            else:
-                sinks.append(sink)
-        if older is not receiver:
-            self._sinks[sink] = receiver
-            self._use(receiver, 1)
+        older = self.named_by(sink)
+        # First the new and then the old one, so that its node is there all the time.
+        if group is None or takes_all:
+            self._attach_untyped(sink, receiver, linked=linked)
             if older is not None:
-                self._use(older, -1)
-        self._holding.pop(sink, None)
-        if holds_type:
-            self._holding[sink] = needs_definition
+                older.detach(sink)
+            if group is not None:
+                group.also.add(sink)
+        else:
+            group.attach(sink, receiver, linked=linked)
+            group.also.discard(sink)
+            if older is not None and older is not group:
+                older.detach(sink)
+            self._detach_untyped(sink)
+        if group is not None:
+            group.holding.pop(sink, None)
+            if holds_type:
+                group.holding[sink] = needs_definition
 
     def detach(self, sink: Sink) -> None:
         """Remove a sink; nothing happens if it is not there."""
-        self.watching_sources.forget(sink)
-        receiver = self._sinks.pop(sink, None)
-        if receiver is None:
-            return
-        self._use(receiver, -1)
-        self._holding.pop(sink, None)
-        others = self._by_node[sink.node]
-        others.remove(sink)
-        if not others:
-            del self._by_node[sink.node]
-            self.watching_sinks.left(sink.node)
+        group = self.named_by(sink)
+        if group is not None:
+            group.detach(sink)
+        self._detach_untyped(sink)
 
-    def add(self, source: Source) -> None:
-        """Add a source."""
-        self.sources[source.node] = source
-        self.watching_sources.joined(source.node)
-        self._receivers = None
+    def _attach_untyped(self, sink: Sink, receiver: Receiver, *, linked: bool) -> None:
+        is_new = sink not in self.untyped.receivers
+        is_first = self.untyped.put(sink, receiver)
+        for group in self.groups:
+            if is_new and not linked:
+                group.watching_sinks.unlinked(sink.node)
+            if is_first and sink.node not in group.typed.by_node:
+                group.watching_sinks.joined(sink.node)
+            group.changed()
+
+    def _detach_untyped(self, sink: Sink) -> None:
+        self.watching_publishers.forget(sink)
+        if sink not in self.untyped.receivers:
+            return
+        is_last = self.untyped.remove(sink)
+        for group in self.groups:
+            if is_last and sink.node not in group.typed.by_node:
+                group.watching_sinks.left(sink.node)
+            group.changed()
+
+    def add(self, source: Source, *, linked: bool = True) -> None:
+        """Add a source to its group.
+
+        Args:
+            linked: False while no messages arrive of a source outside the hub.
+        """
+        group, node = source.group, source.node
+        if not linked:
+            source.unlink()
+        self.publishers[node] = group.sources[node] = source
+        group.watching_sources.joined(node)
+        self.watching_publishers.joined(node)
+        group.changed()
 
     def remove(self, source: Source) -> None:
         """Remove a source."""
-        self.watching_sinks.forget(source)
-        if self.sources.get(source.node) is source:
-            del self.sources[source.node]
-            self.watching_sources.left(source.node)
+        group, node = source.group, source.node
+        group.watching_sinks.forget(source)
+        group.reports.pop(source, None)
+        if group.sources.get(node) is source:
+            del group.sources[node], self.publishers[node]
+            group.watching_sources.left(node)
+            self.watching_publishers.left(node)
 
-    def source_linked(self, node: str) -> None:
-        """Take note that messages of a ROS 1 node's source arrive from now on."""
-        self.watching_sources.linked(node)
-        self._receivers = None
+    def sink_linked(self, sink: Sink, group: TypeGroup | None = None) -> None:
+        """Take note that messages pass to a sink outside the hub.
+
+        Args:
+            group: the only group whose messages pass; None for all.
+        """
+        for each in self.groups_for(sink):
+            if group in (None, each):
+                each.watching_sinks.linked(sink.node)
+
+    def sink_unlinked(self, sink: Sink) -> None:
+        """Take note that messages do not pass to it any more."""
+        for each in self.groups_for(sink):
+            each.watching_sinks.unlinked(sink.node)
 
     def replay(self, sink: Sink) -> None:
         """Replay latched messages to a sink; raise the last error of `Sink.replay`."""
         failure: Exception | None = None
-        for source in tuple(self.sources.values()):  # A sink may advertise here.
+        groups = self.groups_for(sink)
+        for source in [each for group in groups for each in group.sources.values()]:
+            # A list, since a sink may advertise here.
             try:
                 publication = source.recall()
                 if publication is not None:
@@ -219,46 +324,6 @@ class Topic:
                 failure = error
         if failure is not None:
             raise failure
-
-    def deliver(self, publication: Publication) -> None:
-        """Give a message to all sinks."""
-        receivers = self._receivers
-        if receivers is None:
-            receivers = self._prepare()
-        for receiver in receivers:
-            try:
-                receiver.receive(publication)
-            except Exception:
-                # One sink that fails must not silence the others.
-                logger.exception("%s: a subscriber failed.", self.name)
-
-    def deliver_to(self, node: str, publication: Publication) -> None:
-        """Give a message to the sinks of one node."""
-        if self._receivers is None:
-            self._prepare()
-        for sink in tuple(self._by_node.get(node, ())):
-            try:
-                sink.receive(publication)
-            except Exception:
-                logger.exception("%s: a subscriber failed.", self.name)
-
-    def _prepare(self) -> tuple[Receiver, ...]:
-        """Return the receivers; watchers are informed of a new source before its messages."""
-        self.watching_sources.report()
-        self._receivers = tuple(sorted(self._uses, key=lambda each: each is not self.first))
-        return self._receivers
-
-    def _use(self, receiver: Receiver, change: int) -> None:
-        """Count one sink more or less that shares a receiver."""
-        uses = self._uses.get(receiver, 0) + change
-        if uses and receiver in self._uses:
-            self._uses[receiver] = uses
-            return
-        if uses:
-            self._uses[receiver] = uses
-        else:
-            del self._uses[receiver]
-        self._receivers = None
 
 
 class Source:
@@ -282,6 +347,7 @@ class Source:
         "_quota",
         "_sequence",
         "bytes",
+        "group",
         "header",
         "keeps_sequence",
         "latch",
@@ -297,7 +363,7 @@ class Source:
     def __init__(
         self,
         node: str,
-        topic: Topic,
+        group: TypeGroup,
         type_: MessageType,
         now: Callable[[], int],
         *,
@@ -306,7 +372,8 @@ class Source:
         queue_size: int = QUEUE_SIZE,
     ) -> None:
         self.node = node
-        self.topic = topic
+        self.topic = group.topic
+        self.group = group
         self.type = type_
         self.latch = latch
         self.queue_size = min(max(0, queue_size), LONGEST_QUEUE)
@@ -337,7 +404,18 @@ class Source:
     @property
     def is_attached(self) -> bool:
         """Whether it is its node's source of the topic, and not removed."""
-        return self.topic.sources.get(self.node) is self
+        return self.group.sources.get(self.node) is self
+
+    def link(self) -> None:
+        """Take note that messages of a source outside the hub arrive from now on."""
+        self.group.watching_sources.linked(self.node)
+        self.topic.watching_publishers.linked(self.node)
+        self.group.changed()
+
+    def unlink(self) -> None:
+        """Take note that no messages of it arrive."""
+        self.group.watching_sources.unlinked(self.node)
+        self.topic.watching_publishers.unlinked(self.node)
 
     def set_headers(self, headers: Mapping[str, str]) -> None:
         """Set the connection header of the messages from now on, beside callerid and latching."""
@@ -366,9 +444,9 @@ class Source:
             self._report_next(self.on_next)
         self.bytes += len(publication.json()) if size is None else size
         if to is not None:
-            self.topic.deliver_to(to, publication)
+            self.group.deliver_to(to, publication)
             return
-        self.topic.deliver(publication)
+        self.group.deliver(publication)
         if self.latch:
             self._keep(publication)
 
@@ -402,9 +480,9 @@ class Source:
             self._report_next(self.on_next)
         self.bytes += len(data)
         if to is not None:
-            self.topic.deliver_to(to, publication)
+            self.group.deliver_to(to, publication)
             return
-        self.topic.deliver(publication)
+        self.group.deliver(publication)
         if self.latch:
             self._keep(publication)
 
@@ -414,7 +492,7 @@ class Source:
         if self.on_next is not None:
             self._report_next(self.on_next)
         self.bytes += publication.size
-        self.topic.deliver(publication)
+        self.group.deliver(publication)
 
     def recall(self) -> Publication | None:
         """Return the message for later subscribers, if there is one."""
@@ -436,7 +514,7 @@ class Source:
         report()
 
     def _keep(self, publication: Publication) -> None:
-        if self.topic.sources.get(self.node) is not self:
+        if not self.is_attached:
             return  # A sink has removed it while it was given the message.
         self.forget_latched()
         self._latched_bytes = publication.compact()

@@ -135,10 +135,10 @@ class TopicTotals:
             if totals is None:
                 is_other = self._of(name) is self._left_others
                 totals = others if is_other else found.setdefault(name, MessageTotals())
-            for source in topic.sources.values():
+            for source in topic.publishers.values():
                 totals.messages += source.messages
                 totals.bytes += source.bytes
-            for sink in topic.sinks():
+            for sink in topic.all_sinks():
                 totals.add_sink(sink.report())
         everything = MessageTotals()
         for totals in (*found.values(), self._forgotten):

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 
 from fibws.errors import ParameterNotSet
 from fibws.hub.graph.action import Action
+from fibws.hub.graph.conflicts import list_conflicts
 from fibws.hub.graph.parameters import canonical
 from fibws.hub.graph.policy import RIGHTS_OF, Kind
 from fibws.hub.graph.service import Service
 from fibws.hub.graph.topic import Conflict, Sink, Source, Topic
+from fibws.hub.graph.type_group import TypeGroup
 from fibws.interfaces import folders
 
 if TYPE_CHECKING:
@@ -98,7 +100,7 @@ class GraphView:
 
     def _sees_holder(self, holder: Hashable) -> bool:
         match holder:
-            case Topic(name=name):
+            case TypeGroup(name=name):
                 return self.sees("topic", name)
             case Service(name=name):
                 return self.sees("service", name)
@@ -144,9 +146,10 @@ class GraphView:
         return sorted(sinks, key=_node_of)
 
     def conflicts(self, topic: Topic) -> list[Conflict]:
-        """Return the ROS 1 nodes that use a topic with another type."""
-        found = topic.conflicts
-        return sorted(each for each in found if self.sees_user(topic, each.node)) if found else []
+        """Return the nodes that use a topic with another type than it has."""
+        if len(topic.groups) == 1 and not topic.unattached:
+            return []
+        return sorted(set(list_conflicts(topic, self)))
 
     def _shown(self, nodes: Iterable[str]) -> list[str]:
         return [each for each in nodes if self.sees_node(each)]

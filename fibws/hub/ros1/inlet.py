@@ -179,7 +179,7 @@ class Inlet:
             self.connection = self._newest = None
             source = publisher.source
             if source is not None:
-                source.topic.watching_sources.unlinked(publisher.node.name)
+                source.unlink()
 
     def _opened(self, header: Mapping[str, str]) -> Source:
         """Return the source for a publisher's header; raises `TcprosError`."""
@@ -200,7 +200,7 @@ class Inlet:
         if not source.latch:
             source.forget_latched()
         source.set_headers({"type": type_, "md5sum": md5sum})
-        source.topic.source_linked(self.publisher.node.name)
+        source.link()
         return source
 
     async def _report(self, error: Exception) -> None:

@@ -222,11 +222,14 @@ class Master:
         names.update(dict.fromkeys(nodes.topics.names()))
         for name in names:
             topic = view.topic(name)
-            if topic is not None and not topic.conflicts:
+            conflicts = view.conflicts(topic) if topic is not None else []
+            if topic is not None and not conflicts:
                 yield name, view.publishers(topic), view.subscribers(topic)
                 continue
             publishers = dict.fromkeys(view.publishers(topic) if topic is not None else ())
             subscribers = dict.fromkeys(view.subscribers(topic) if topic is not None else ())
+            for each in conflicts:
+                (publishers if each.publishes else subscribers)[each.node] = None
             publishers.update((each.node.name, None) for each in nodes.topics.publishers(name))
             subscribers.update((each.node, None) for each in nodes.topics.subscribers(name))
             yield name, publishers, subscribers

@@ -92,13 +92,13 @@ class Outlet:
                 self._log(error)
         self.links[link] = None
         subscriber.link = link
-        topic.watching_sinks.linked(subscriber.node)
+        topic.sink_linked(subscriber)
         return link
 
     def own_sources(self, topic: Topic) -> list[Source]:
         """Return the publishers of the topic that are not ROS 1 nodes."""
         external = self._nodes.by_name
-        return [each for node, each in topic.sources.items() if node not in external]
+        return [each for node, each in topic.publishers.items() if node not in external]
 
     def settle(self, topic: Topic) -> None:
         """Close the links that the topic's publishers and type do not fit any more."""
@@ -119,8 +119,8 @@ class Outlet:
         others = [each for each in self.links if each.subscriber is subscriber]
         subscriber.unlink(link, others[-1] if others else None)
         topic = self._graph.topics.get(self.name)
-        if not others and topic is not None and subscriber in topic.sinks():
-            topic.watching_sinks.unlinked(subscriber.node)
+        if not others and topic is not None and topic.has_sink(subscriber):
+            topic.sink_unlinked(subscriber)
 
     def _log(self, error: FibwsError) -> None:
         self._faults += 1

@@ -233,7 +233,7 @@ class TopicRegistrations:
         found = self._graph.topics.get(topic)
         return found is not None and any(
             node not in self._names and not self._graph.has_left(source)
-            for node, source in found.sources.items()
+            for node, source in found.publishers.items()
         )
 
     def subscriber_apis(self, topic: str, hub_host: str) -> list[str]:
@@ -246,7 +246,7 @@ class TopicRegistrations:
         found = self._graph.topics.get(topic) if may_publish else None
         if found is not None and any(
             sink.node not in self._names and not self._graph.has_left(sink)
-            for sink in found.sinks()
+            for sink in found.all_sinks()
         ):
             apis[self.hub_api(hub_host)] = None
         return list(apis)
@@ -337,7 +337,7 @@ class TopicRegistrations:
                 self._attach_publisher(publisher)
         for topic, subscriber in node.subscribers.items():
             is_allowed = graph.is_allowed(node.name, "subscribe", topic)
-            if is_allowed is not (subscriber in graph.topic(topic).sinks()):
+            if is_allowed is not graph.topic(topic).has_sink(subscriber):
                 graph.unsubscribe(graph.topic(topic), subscriber)
                 self._detach_conflict(topic, node.name, publishes=False)
                 self._attach_subscriber(subscriber)
@@ -354,8 +354,6 @@ class TopicRegistrations:
             return
         topic = self._graph.topic(publisher.topic)
         node = publisher.node.name
-        if node not in topic.sources:
-            topic.watching_sources.unlinked(node)
         try:
             publisher.source = self._graph.advertise(
                 topic,
@@ -365,12 +363,12 @@ class TopicRegistrations:
                 quota=self._quota(),
                 serialized=md5sum is not None,
                 md5sum=md5sum,
+                linked=False,
+                on_conflict=partial(self._log_conflict, node),
             )
         except (NotAllowed, OperationError, InterfaceError, InvalidMessage) as error:
             # An unknown type may become known by the definition that the publisher sends.
             publisher.is_relayed = isinstance(error, InterfaceError) and md5sum is None
-            if publisher.source is None:
-                topic.watching_sources.left(node)
             self._detach_source(publisher)
             self._conflict(topic, publisher, node, str(error), publishes=True)
         else:
@@ -379,12 +377,13 @@ class TopicRegistrations:
     def _attach_subscriber(self, subscriber: Ros1Subscriber) -> None:
         topic = self._graph.topic(subscriber.topic)
         type_ = None if subscriber.type == ANY else subscriber.type
-        topic.watching_sinks.unlinked(subscriber.node)
         try:
             receiver = self.links.outlet(topic.name)
-            self._graph.subscribe(topic, subscriber, type_, receiver=receiver)
+            report = partial(self._log_conflict, subscriber.node)
+            self._graph.subscribe(
+                topic, subscriber, type_, receiver=receiver, linked=False, on_conflict=report
+            )
         except (NotAllowed, OperationError, InterfaceError) as error:
-            topic.watching_sinks.left(subscriber.node)
             self._conflict(topic, subscriber, subscriber.node, str(error), publishes=False)
         else:
             subscriber.fault = ""
@@ -405,6 +404,10 @@ class TopicRegistrations:
         registration.fault = fault
         self._graph.add_conflict(topic, Conflict(node, registration.type, publishes, fault))
         self._types_in_conflict[topic.name] = topic.type
+
+    def _log_conflict(self, node: str, text: str) -> None:
+        if text:
+            logger.warning("%s", shortened(f"{node}: {text}"))
 
     def _detach_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
         found = self._graph.topics.get(topic)
@@ -459,7 +462,7 @@ class TopicRegistrations:
     def _update_topic(self, name: str) -> None:
         """Bring links up to date, and send subscribers the publishers that have changed."""
         topic = self._graph.topic(name)
-        if topic.conflicts:
+        if topic.unattached:
             self._retry(topic)
         else:
             self._types_in_conflict.pop(name, None)
@@ -478,7 +481,7 @@ class TopicRegistrations:
         name = topic.name
         if topic.type is self._types_in_conflict.get(name):
             return
-        for node, _, publishes, _ in list(topic.conflicts):
+        for node, _, publishes, _ in list(topic.unattached):
             if self._graph.topic(name).held:
                 break
             self._detach_conflict(name, node, publishes=publishes)

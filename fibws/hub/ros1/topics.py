@@ -133,12 +133,12 @@ class TopicLinks:
 
     def _published(self, node: str) -> Iterator[tuple[str, Outlet]]:
         for name, outlet in self._outlets.items():
-            if not node or node in self._graph.topic(name).sources:
+            if not node or node in self._graph.topic(name).publishers:
                 yield name, outlet
 
     def _subscribed(self, node: str) -> Iterator[tuple[str, dict[str, Inlet]]]:
         for name, inlets in self._inlets.items():
-            if not node or node in self._graph.topic(name).subscribers():
+            if not node or node in self._graph.topic(name).all_subscribers():
                 yield name, inlets
 
     async def close(self) -> None:
@@ -154,7 +154,7 @@ class TopicLinks:
 
     def _update_inlets(self, topic: Topic) -> None:
         """Open links while a client subscribes, and close them some time after the last one."""
-        if any(node not in self._nodes.by_name for node in topic.subscribers()):
+        if any(node not in self._nodes.by_name for node in topic.all_subscribers()):
             self._stop_lingering(topic.name)
             self._open_inlets(topic)
         elif topic.name in self._inlets and topic.name not in self._lingering:
@@ -189,7 +189,7 @@ class TopicLinks:
 
     def _caller(self, topic: Topic) -> str:
         """Return the node that a link of a topic is for, or the hub's name if it is for several."""
-        own = [node for node in topic.subscribers() if node not in self._nodes.by_name]
+        own = [node for node in topic.all_subscribers() if node not in self._nodes.by_name]
         return own[0] if len(own) == 1 else self._action_server(topic) or ROSBRIDGE
 
     def _action_server(self, topic: Topic) -> str | None:
@@ -203,8 +203,9 @@ class TopicLinks:
         status = self._graph.topics.get(f"{name}/status") if part in ("goal", "cancel") else None
         if status is None:
             return None
-        servers = (node for node in status.sources if node not in self._nodes.by_name)
-        return next((node for node in servers if node in topic.subscribers()), None)
+        servers = (node for node in status.publishers if node not in self._nodes.by_name)
+        subscribers = topic.all_subscribers()
+        return next((node for node in servers if node in subscribers), None)
 
     def _remove_stale_inlets(self, topic: str) -> None:
         """Close the links that have ended, and those to publishers that may not send any more."""

@@ -11,6 +11,7 @@ import logging
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any, Protocol
 
@@ -19,6 +20,8 @@ from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Conflict, SinkReport, Source, Topic
+from fibws.hub.graph.type_group import TypeGroup
+from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import printable
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
@@ -253,7 +256,8 @@ class Links:
         """By the name and the hash of the type."""
         self.lingering: Timer | None = None
         self.own_publishers: dict[str, OwnPublisher] = {}
-        self.own_subscribers: dict[str, OwnEntity] = {}
+        self.own_subscribers: dict[tuple[str, str, str], OwnEntity] = {}
+        """By node, and the name and the hash of the type."""
 
     @property
     def is_empty(self) -> bool:
@@ -393,15 +397,20 @@ class Ros2Topics:
                 self._attach_publisher(links, new)
 
     def _is_due_again(self, links: Links, old: Ros2Publisher | Ros2Subscriber) -> bool:
-        """Return whether the topic has another type than when something was attached."""
-        type_ = self._graph.topic(links.topic).type
-        return old.tried_with is not NOT_TRIED and old.tried_with is not type_
+        """Return whether its type has been defined, or the topic's changed, since it was tried."""
+        return old.tried_with is not NOT_TRIED and old.tried_with is not self._type_of(links, old)
+
+    def _type_of(self, links: Links, each: Ros2Publisher | Ros2Subscriber) -> MessageType | None:
+        """Return the type of what is attached, or else that of the topic."""
+        topic = self._graph.topic(links.topic)
+        if isinstance(each, Ros2Subscriber):
+            return topic.type_for(each)
+        return each.source.type if each.source is not None else topic.type
 
     def _attach_publisher(self, links: Links, new: Ros2Publisher) -> None:
         graph, topic, node = self._graph, self._graph.topic(links.topic), new.node.name
         links.publishers[node] = new
         new.node.published[links.topic] = None
-        topic.watching_sources.unlinked(node)
         try:
             new.source = graph.advertise(
                 topic,
@@ -410,17 +419,17 @@ class Ros2Topics:
                 latch=new.qos.is_latched,
                 quota=graph.latch_quota(self._max_latched),
                 queue_size=new.qos.depth,
+                linked=False,
+                on_conflict=partial(self._log_conflict, node),
             )
-            new.message = self._message(topic, *new.type)
+            new.message = self._message(new.source.type, *new.type)
         except FibwsError as error:
             source, new.source = new.source, None
             if source is not None:
                 graph.remove_source(source)
-            else:
-                topic.watching_sources.left(node)
             self._conflict(links.topic, node, new.type[0], error, publishes=True)
         # Without its fields it has no messages, until somebody brings the definition.
-        new.tried_with = graph.topic(links.topic).type
+        new.tried_with = self._type_of(links, new)
 
     def _detach_publisher(self, links: Links, old: Ros2Publisher) -> None:
         node = old.node.name
@@ -431,16 +440,17 @@ class Ros2Topics:
             self._graph.remove_source(source)
         self._remove_conflict(links.topic, node, publishes=True)
 
-    def _message(self, topic: Topic, name: str, type_hash: str | None) -> Ros2Message | None:
-        """Return the type of a topic in ROS 2; None if its fields are unknown.
+    def _message(
+        self, type_: MessageType | None, name: str, type_hash: str | None
+    ) -> Ros2Message | None:
+        """Return a type in ROS 2; None if its fields are unknown.
 
         Args:
-            name: that of the type in ROS 2; the topic may have another one with the same fields.
+            name: that of the type in ROS 2; the hub may have another one with the same fields.
 
         Raises:
             Ros2Error: it has another hash than ROS 2 has, or it cannot be converted.
         """
-        type_ = topic.type
         if type_ is None or type_.codecs is None:
             return None
         definitions: Definitions = type_.codecs.definitions
@@ -475,19 +485,24 @@ class Ros2Topics:
         graph, topic = self._graph, self._graph.topic(links.topic)
         links.subscribers[new.node] = new
         new.owner.subscribed[links.topic] = None
-        topic.watching_sinks.unlinked(new.node)
         try:
-            graph.subscribe(topic, new, new.type[0], receiver=links.outlet, needs_definition=True)
+            graph.subscribe(
+                topic,
+                new,
+                new.type[0],
+                receiver=links.outlet,
+                needs_definition=True,
+                linked=False,
+                on_conflict=partial(self._log_conflict, new.node),
+            )
             new.is_attached = True
-            new.message = self._message(topic, *new.type)
+            new.message = self._message(topic.type_for(new), *new.type)
         except FibwsError as error:
             if new.is_attached:
                 new.is_attached = False
                 graph.unsubscribe(topic, new)
-            else:
-                topic.watching_sinks.left(new.node)
             self._conflict(links.topic, new.node, new.type[0], error, publishes=False)
-        new.tried_with = graph.topic(links.topic).type
+        new.tried_with = self._type_of(links, new)
 
     def _detach_subscriber(self, links: Links, old: Ros2Subscriber) -> None:
         del links.subscribers[old.node]
@@ -501,16 +516,22 @@ class Ros2Topics:
         self, name: str, node: str, type_: str, error: Exception, *, publishes: bool
     ) -> None:
         """List a conflict at its topic, for all tools."""
-        text = f"{node} exchanges no messages on {name}: {error}"
-        if text not in self._warned and len(self._warned) < MOST_WARNINGS:
-            self._warned.add(text)
-            logger.warning("%s", printable(text))
+        self._warn(f"{node} exchanges no messages on {name}: {error}")
         conflict = Conflict(node, type_, publishes, str(error))
         self._graph.add_conflict(self._graph.topic(name), conflict)
 
+    def _log_conflict(self, node: str, text: str) -> None:
+        if text:
+            self._warn(f"{node}: {text}")
+
+    def _warn(self, text: str) -> None:
+        if text not in self._warned and len(self._warned) < MOST_WARNINGS:
+            self._warned.add(text)
+            logger.warning("%s", printable(text))
+
     def _remove_conflict(self, name: str, node: str, *, publishes: bool) -> None:
         topic = self._graph.topics.get(name)
-        if topic is not None and topic.conflicts:
+        if topic is not None and topic.unattached:
             self._graph.remove_conflict(topic, node, publishes=publishes)
 
     # Messages of ROS 2.
@@ -526,7 +547,7 @@ class Ros2Topics:
         for type_ in links.inlets.keys() - wanted.keys():
             self._close_inlet(links, type_)
         topic = self._graph.topic(links.topic)
-        if any(node not in self._nodes.attached for node in topic.subscribers()):
+        if any(node not in self._nodes.attached for node in topic.all_subscribers()):
             self._stop_lingering(links)
             for type_, history in wanted.items():
                 self._open_inlet(links, type_, history)
@@ -575,7 +596,7 @@ class Ros2Topics:
         for publisher in links.publishers.values():
             if publisher.type == type_ and publisher.source is not None:
                 publisher.source.forget_latched()
-                publisher.source.topic.watching_sources.unlinked(publisher.node.name)
+                publisher.source.unlink()
 
     def _ready(self, links: Links, type_: tuple[str, str], inlet: Inlet) -> None:
         if links.inlets.get(type_) is inlet:
@@ -586,7 +607,7 @@ class Ros2Topics:
         """Take note that messages of all publishers of a type arrive."""
         for publisher in links.publishers.values():
             if publisher.type == type_ and publisher.source is not None:
-                publisher.source.topic.source_linked(publisher.node.name)
+                publisher.source.link()
 
     def _received(
         self,
@@ -647,7 +668,7 @@ class Ros2Topics:
             return
         publisher = links.own_publishers.get(node)
         topic = self._graph.topics.get(links.topic)
-        if topic is None or publisher is None or publisher.source is not topic.sources.get(node):
+        if topic is None or publisher is None or publisher.source is not topic.publishers.get(node):
             self._settle_own(links)  # It has only just advertised.
             publisher = links.own_publishers.get(node)
         if publisher is not None:
@@ -656,21 +677,21 @@ class Ros2Topics:
     def _settle_own(self, links: Links) -> None:
         """Show the publishers and subscribers of this hub to ROS 2."""
         topic = self._graph.topics.get(links.topic)
-        message = self._own_message(topic)
-        wanted = {
-            each.type: each.message
-            for each in links.subscribers.values()
-            if each.is_attached and each.message is not None
+        messages = self._own_messages(topic)
+        wanted = self._wanted(links, topic)
+        sources = {
+            node: (source, message)
+            for group, message in messages.items()
+            for node, source in group.sources.items()
         }
-        sources = dict(topic.sources) if topic is not None and message is not None else {}
         may_publish = self._graph.is_allowed(CLIENT, "subscribe", links.topic)
         for node, old in list(links.own_publishers.items()):
-            is_same = sources.get(node) is old.source and old.message is message
+            is_same = sources.get(node) == (old.source, old.message)
             if not is_same or not self._own.is_shown(node) or not may_publish:
                 del links.own_publishers[node]
                 old.close()
-        for node, source in sources.items():
-            if not may_publish or not self._own.is_shown(node) or message is None:
+        for node, (source, message) in sources.items():
+            if not may_publish or not self._own.is_shown(node):
                 continue
             publisher = links.own_publishers.get(node)
             if publisher is None:
@@ -681,32 +702,38 @@ class Ros2Topics:
                 matched = partial(self.changed, links.topic)
                 publisher = OwnPublisher(source, message, own, self.network, matched)
                 links.own_publishers[node] = publisher
-            publisher.settle(wanted)
+            publisher.settle(wanted.get(source.group, {}))
         if topic is not None:
             reached = {each for own in links.own_publishers.values() for each in own.matching}
             for subscriber in links.subscribers.values():
                 if subscriber.is_attached and subscriber.type in reached:
-                    topic.watching_sinks.linked(subscriber.node)
-        self._settle_own_subscribers(links, topic, message)
+                    topic.sink_linked(subscriber)
+        self._settle_own_subscribers(links, messages)
 
-    def _settle_own_subscribers(
-        self, links: Links, topic: Topic | None, message: Ros2Message | None
-    ) -> None:
+    def _wanted(
+        self, links: Links, topic: Topic | None
+    ) -> dict[TypeGroup | None, dict[tuple[str, str], Ros2Message]]:
+        """Return the types in which ROS 2's subscribers want the messages of each type group."""
+        wanted: dict[TypeGroup | None, dict[tuple[str, str], Ros2Message]] = {}
+        for each in links.subscribers.values():
+            if topic is not None and each.is_attached and each.message is not None:
+                wanted.setdefault(topic.named_by(each), {})[each.type] = each.message
+        return wanted
+
+    def _settle_own_subscribers(self, links: Links, messages: dict[TypeGroup, Ros2Message]) -> None:
         may_subscribe = self._graph.is_allowed(CLIENT, "publish", links.topic)
-        nodes = set(topic.subscribers()) if topic is not None and may_subscribe else set()
-        nodes = (
-            {node for node in nodes if self._own.is_shown(node)} if message is not None else set()
-        )
-        gone = [
-            links.own_subscribers.pop(node)
-            for node, old in list(links.own_subscribers.items())
-            if node not in nodes or message is None or old.entity.type_hash != message.type_hash
-        ]
-        if message is not None:
-            type_ = message.name, message.type_hash
-            for node in nodes - links.own_subscribers.keys():
-                own = self._own.declare("MS", node, links.topic, *type_, Qos())
-                links.own_subscribers[node] = own
+        wanted = {
+            (node, message.name, message.type_hash)
+            for group, message in messages.items()
+            if may_subscribe
+            for node in group.nodes
+            if self._own.is_shown(node)
+        }
+        present = links.own_subscribers
+        gone = [present.pop(key) for key in present.keys() - wanted]
+        for key in sorted(wanted - present.keys()):
+            node, name, type_hash = key
+            present[key] = self._own.declare("MS", node, links.topic, name, type_hash, Qos())
         self._settle_inlet_tokens(links)
         for old in gone:
             old.close()
@@ -720,15 +747,19 @@ class Ros2Topics:
             elif inlet.token is None:
                 inlet.token = self._own.declare("MS", HUB, links.topic, *type_, Qos())
 
-    def _own_message(self, topic: Topic | None) -> Ros2Message | None:
-        """Return the type of a topic in ROS 2, if the topic can be shown there."""
+    def _own_messages(self, topic: Topic | None) -> dict[TypeGroup, Ros2Message]:
+        """Return the types of a topic in ROS 2 that can be shown there."""
+        found: dict[TypeGroup, Ros2Message] = {}
         if topic is None or not self._own.may_show(topic.name) or topic.name in LEFT_OUT:
-            return None
-        try:
-            name = topic.type.name if topic.type is not None else ""
-            return self._message(topic, ROS2_NAMES.get(name, name), None)
-        except FibwsError:
-            return None  # It cannot be converted; conflicts say so where it matters.
+            return found
+        for group in topic.groups:
+            if group.type is not None and (group.is_held or group is not topic.main):
+                name = group.type.name
+                with suppress(FibwsError):  # Conflicts say so where it matters.
+                    message = self._message(group.type, ROS2_NAMES.get(name, name), None)
+                    if message is not None:
+                        found[group] = message
+        return found
 
 
 def _type_and_qos(entities: list[Entity]) -> tuple[tuple[str, str], Qos]:

@@ -114,7 +114,7 @@ class ConnectedClients:
         self._timer = None
         self._published = self._clock.time()
         for source in self._sources:
-            if source.make_latest is not None and source.topic.sinks():
+            if source.make_latest is not None and source.group.has_sinks:
                 source.publish(source.make_latest())
 
     def _count(self) -> dict[str, Any]:

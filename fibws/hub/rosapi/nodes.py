@@ -87,7 +87,7 @@ class RosoutAggregator:
     def receive(self, publication: Publication) -> None:
         """Publish a message again if there are subscribers."""
         self._messages += 1
-        if self.source.topic.sinks():
+        if self.source.group.has_sinks:
             self.source.forward(publication)
 
     def replay(self, publication: Publication) -> None:

@@ -120,7 +120,7 @@ def _is_plain(request: Subscribe) -> bool:
 def _serialized(topic: Topic, *, headers: bool) -> EncodeFrame:
     def encode_frame(publication: Publication) -> Frame:
         header = publication.header if headers else b""
-        head = deliver_head(topic.number, publication.received, header)
+        head = deliver_head(topic.number_of(publication.type), publication.received, header)
         message = publication.ros1()
         return frame_of(server_header(BINARY, len(head) + len(message)) + head, message)
 

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from typing import TypeAlias
 
+from fibws.errors import TypeConflict
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.graph.types import AnyType
 from fibws.hub.log_text import ErrorLog, is_power_of_ten, printable, shortened
@@ -43,12 +44,12 @@ class Statuses:
 
     __slots__ = (
         "_codes",
-        "_displaced",
         "_errors",
         "_is_logged",
         "_is_page",
         "_level",
         "_node",
+        "_notices",
         "_queue",
         "_report",
         "wants_info",
@@ -70,7 +71,7 @@ class Statuses:
         self._codes = codes
         self._is_logged = is_logged
         self._is_page = is_page
-        self._displaced = 0
+        self._notices = 0
         self._errors = ErrorLog(node)
         self.set_level("error")
 
@@ -99,18 +100,27 @@ class Statuses:
         self._send("warning", id_, text)
 
     def displaced(self, name: str, node: str) -> None:
-        """Report that another node serves a service or an action of the client now.
+        """Report that another node serves a service or an action of the client now."""
+        self._notice(None, f"{name} has another server now: {node}")
 
-        It is a warning that clients get at the default level, too, and that is logged.
+    def conflict(self, id_: object, text: str) -> None:
+        """Report that others use a topic with another type.
+
+        Args:
+            id_: that of the client's registration.
+            text: the reason.
         """
-        text = f"{name} has another server now: {node}"
-        self._displaced += 1
-        if is_power_of_ten(self._displaced):
+        self._notice(id_, text, TypeConflict.code)
+
+    def _notice(self, id_: object, text: str, code: str | None = None) -> None:
+        """Send a warning that clients get at the default level, too, and that is logged."""
+        self._notices += 1
+        if is_power_of_ten(self._notices):
             logger.warning(
-                "%s: %s (loss %d of this client)", self._node, printable(text), self._displaced
+                "%s: %s (warning %d to this client)", self._node, printable(text), self._notices
             )
         if self._level:
-            self._put("warning", None, text)
+            self._put("warning", id_, text, code)
         self._report(self._node, text)
 
     def unchecked(self, id_: object, text: str, type_: AnyType) -> None:

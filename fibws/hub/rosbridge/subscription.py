@@ -36,7 +36,7 @@ class Group(FanOut[Publication, "Subscription"]):
         others: all groups of the hub, of which this is one while it has members.
     """
 
-    __slots__ = ("_failures", "_key", "_others", "_type")
+    __slots__ = ("_answered", "_failures", "_key", "_others", "_type")
 
     def __init__(
         self,
@@ -51,14 +51,16 @@ class Group(FanOut[Publication, "Subscription"]):
         self._others = others
         self._failures = 0
         self._type: MessageType | None = None
-        """Of the last message; clients of serialized ones must know it before."""
+        """Of the last message."""
+        self._answered: dict[int, MessageType] = {}
+        """The types, by their numbers, that all members know who get serialized messages."""
 
     def receive(self, publication: Publication) -> None:
         """Send a message to every subscription; they share the bytes of its frame."""
         if publication.type is not self._type:
             self._type = publication.type
-            for member in self.members():
-                member.answer(publication.type)
+            if self._key[-1].compression == ROS1:
+                self._answer(publication.type)
         try:
             self.send(publication)
         except Exception as fault:
@@ -68,6 +70,14 @@ class Group(FanOut[Publication, "Subscription"]):
             for member in self.members():
                 member.report_invalid_text()
 
+    def _answer(self, type_: MessageType) -> None:
+        """Tell clients of serialized messages a type before its first message."""
+        number = self._key[0].number_of(type_)
+        if self._answered.get(number) is not type_:
+            for member in self.members():
+                member.answer(type_)
+            self._answered[number] = type_
+
     def fail(self, fault: Exception, members: Iterable[Subscription]) -> None:
         """Report that a message cannot be encoded to its subscribers.
 
@@ -76,7 +86,7 @@ class Group(FanOut[Publication, "Subscription"]):
         if not isinstance(fault, OperationError):
             self._failures += 1
             if is_power_of_ten(self._failures):
-                topic, _, encoding = self._key
+                topic, encoding = self._key[0], self._key[-1]
                 logger.error(
                     "%s cannot be encoded (compression %s, failure %d)",
                     topic.name,
@@ -94,6 +104,8 @@ class Group(FanOut[Publication, "Subscription"]):
     def add(self, member: Subscription) -> None:
         """Add a subscription that is in no group."""
         self._others[self._key] = self
+        self._type = None
+        self._answered.clear()
         super().add(member)
 
     def remove(self, member: Subscription) -> None:
@@ -103,7 +115,9 @@ class Group(FanOut[Publication, "Subscription"]):
             del self._others[self._key]
 
 
-GroupKey = tuple[Topic, str, Encoding]
+GroupKey = tuple[Topic, str, str, Encoding]
+"""A topic, the type that the members name or "", the topic's name as they spell it, and how they
+want messages."""
 Groups = dict[GroupKey, Group]
 """All groups of a hub."""
 
@@ -123,6 +137,7 @@ class Subscription:
         "_answered",
         "_clock",
         "_complained",
+        "_conflict",
         "_default",
         "_graph",
         "_group",
@@ -174,8 +189,10 @@ class Subscription:
         self._clock = clock
         self._statuses = statuses
         self._complained = False
-        self._answered: MessageType | None = None
-        """The type that was reported to the client."""
+        self._answered: dict[int, MessageType] = {}
+        """The types that were reported to the client, by their numbers."""
+        self._conflict = ""
+        """Why messages of others do not pass, as it was reported."""
         self._reported_text = False
         self._default = queue_length
 
@@ -228,9 +245,10 @@ class Subscription:
                 f"too many subscriptions to {self.topic.name} (limit {MAX_REGISTRATIONS})"
             )
         self._change({**self.requests, request.id: _as_kept(request)}, request)
-        if self.topic.type is not None and request.compression == ROS1:
-            self._answered = self.topic.type
-            self._send_subscribed(request, self.topic.type)
+        type_ = self.topic.type_for(self)
+        if type_ is not None and request.compression == ROS1:
+            self._note_answer(type_)
+            self._send_subscribed(request, type_)
 
     def cancel(self, id_: Id) -> None:
         """Remove the request of this id, or all if it is None; an unknown id changes nothing."""
@@ -255,12 +273,34 @@ class Subscription:
 
         That answers its requests, and precedes the first message if the topic had no type before.
         """
-        if self._answered is type_ or self.encoding.compression != ROS1:
+        if self.encoding.compression != ROS1:
             return
-        self._answered = type_
+        if self._answered.get(self.topic.number_of(type_)) is type_:
+            return
+        self._note_answer(type_)
         for request in self.requests.values():
             if request.compression == ROS1:
                 self._send_subscribed(request, type_)
+
+    def _note_answer(self, type_: MessageType) -> None:
+        if len(self._answered) > MAX_REGISTRATIONS:
+            self._answered.clear()  # Of types that it had before; an answer may come twice.
+        self._answered[self.topic.number_of(type_)] = type_
+
+    def report_conflict(self, text: str) -> None:
+        """Report why messages of others do not pass; an empty text says that they do."""
+        if text != self._conflict:
+            self._conflict = text
+            for request in self.requests.values():
+                self._send_conflict(request)
+
+    def _send_conflict(self, request: Subscribe) -> None:
+        if request.type is None:
+            return
+        if self._conflict:
+            self._statuses.conflict(request.id, f"subscribe: {self._conflict}")
+        else:
+            self._statuses.info(request.id, f"{self.topic.name} has one type again")
 
     def refuse(self, fault: Exception) -> None:
         """Report, once, that messages cannot be encoded as the client asked."""
@@ -290,26 +330,41 @@ class Subscription:
     def _change(self, requests: dict[Id, Subscribe], new: Subscribe | None) -> None:
         """Subscribe to the topic as the requests ask, in the group of those who ask the same."""
         encoding = Encoding.merged(requests.values())
-        group = self._group_of(encoding)
+        others = [each for each in requests.values() if new is None or each.id != new.id]
+        type_ = next((each.type for each in others if each.type is not None), None)
+        keeps_type = type_ is not None
+        if new is not None and new.type is not None:
+            type_ = new.type
+        takes_all = any(each.type is None for each in requests.values())
+        group = self._group_of(
+            encoding, "" if takes_all or type_ is None else self._graph.type_name(type_)
+        )
         self._graph.subscribe(
             self.topic,
             self,
             new.type if new is not None else None,
             receiver=group,
-            holds_type=any(each.type is not None for each in requests.values()),
+            keeps_type=keeps_type,
+            takes_all=takes_all,
             needs_definition=encoding.needs_definition
             or any(map(_names_fields, requests.values())),
             serialized=encoding.needs_definition,
             definition=new.definition if new is not None else None,
             md5sum=new.md5sum if new is not None else None,
+            on_conflict=self.report_conflict,
         )
         self.requests = requests
         self.encoding = encoding
         self._join(group, requests)
+        if type_ is None:
+            self._conflict = ""
+        elif new is not None and self._conflict:
+            self._send_conflict(new)
 
-    def _group_of(self, encoding: Encoding) -> Group:
+    def _group_of(self, encoding: Encoding, type_: str) -> Group:
         # Frames of `ROS1` do not hold the topic's name.
-        key = (self.topic, "" if encoding.compression == ROS1 else self.spelling, encoding)
+        spelling = "" if encoding.compression == ROS1 else self.spelling
+        key = (self.topic, type_, spelling, encoding)
         group = self._groups.get(key)
         if group is None:
             failed = partial(_report_failure, self._groups, key)
@@ -351,7 +406,7 @@ class Subscription:
         answer = Subscribed(
             id=request.id,
             topic=request.topic,
-            topic_id=self.topic.number,
+            topic_id=self.topic.number_of(type_),
             type=type_.name,
             md5sum=type_.md5sum or "",
             credit=request.credit,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, count
 from operator import itemgetter
 from typing import Any
@@ -123,7 +124,7 @@ class Topics:
         """Register a publisher, or another advertisement of one."""
         known = self.sources.get(request.topic)
         if known is not None and request.peers:
-            known.topic.watching_sinks.check_room(known, request.id)
+            known.group.watching_sinks.check_room(known, request.id)
         source = self._register(request, request.type, request.definition, request.md5sum)
         self._count_advertisement(source, request)
         self._refused.pop(source.topic.name, None)
@@ -144,7 +145,7 @@ class Topics:
         if topic.name not in self._client.graph.guards or self._client.graph.is_allowed(
             self._client.node, "subscribe", topic.name
         ):
-            self._watch(request, topic, topic.watching_sinks, source)
+            self._watch(request, topic, source.group.watching_sinks, source)
         self._publish_pending(topic)
 
     def refuse_advertise(self, fields: dict[str, Any], text: str, code: str) -> None:
@@ -175,7 +176,7 @@ class Topics:
             with suppress(InvalidName):
                 self._refused.pop(self._client.resolve(request.topic), None)
             return
-        source.topic.watching_sinks.cancel(source, request.id)
+        source.group.watching_sinks.cancel(source, request.id)
         advertisements = self._advertisements.get(source, {})
         for id_ in list(advertisements) if request.id is None else [request.id]:
             self._release(source, advertisements.pop(id_, None))
@@ -303,11 +304,19 @@ class Topics:
             queue_size=request.queue_size if isinstance(request, Advertise) else QUEUE_SIZE,
             serialized=isinstance(request, Advertise) and request.publisher is not None,
             md5sum=md5sum,
+            on_conflict=partial(self._report_conflict, request.id, request.topic),
         )
         if self.sources.get(request.topic) is not source:
             self.sources[request.topic] = source
             self._spellings.setdefault(source, []).append(request.topic)
         return source
+
+    def _report_conflict(self, id_: Id, topic: str, text: str) -> None:
+        statuses = self._client.statuses
+        if text:
+            statuses.conflict(id_, f"advertise: {text}")
+        else:
+            statuses.info(id_, f"{topic} has one type again")
 
     def _quota(self) -> LatchQuota:
         if self._latch_quota is None:
@@ -358,7 +367,7 @@ class Topics:
             )
         topic = subscription.topic
         if request.peers:
-            topic.watching_sources.check_room(subscription, request.id)
+            topic.watching(subscription).check_room(subscription, request.id)
         if request.compression not in COMPRESSIONS:
             request = self._with_known_compression(request, topic)
         if request.credit is not None and request.compression != ROS1:
@@ -366,28 +375,37 @@ class Topics:
                 f"credit needs serialized messages: subscribe with the compression {ROS1} "
                 f"on a connection of {SUBPROTOCOL}"
             )
+        watched = topic.watching(subscription)
         subscription.request(request)
         self.subscriptions[request.topic] = subscription
         client.check_legal(request.id, request.topic, topic.name)
-        type_ = topic.type
+        type_ = topic.type_for(subscription)
         if type_ is not None and (
             (type_.fault and request.definition is not None) or (type_.meant and request.type)
         ):
             text = f"{topic.name}: messages of type {type_.name} are not checked"
             client.statuses.unchecked(request.id, text, type_)
-        if topic.type is None:
+        if type_ is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
-        self._watch(request, topic, topic.watching_sources, subscription)
+        watching = topic.watching(subscription)
+        # All of them, if the first request that names a type has brought other publishers.
+        for each in (request,) if watching is watched else subscription.requests.values():
+            self._watch(each, topic, watching, subscription)
         topic.replay(subscription)
 
     def unsubscribe(self, request: Unsubscribe) -> None:
         """Take back one request, or all; the subscription goes with the last."""
         subscription = self.subscriptions.get(request.topic)
         if subscription is not None:
-            subscription.topic.watching_sources.cancel(subscription, request.id)
+            topic = subscription.topic
+            watched = topic.watching(subscription)
+            watched.cancel(subscription, request.id)
             subscription.cancel(request.id)
             if not subscription.requests:
                 del self.subscriptions[request.topic]
+            elif (watching := topic.watching(subscription)) is not watched:
+                for each in subscription.requests.values():
+                    self._watch(each, topic, watching, subscription)
 
     def acknowledge(self, request: Acknowledge) -> None:
         """Take messages as processed by the client, unless it has unsubscribed since."""

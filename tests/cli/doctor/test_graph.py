@@ -37,7 +37,7 @@ def texts(findings: list[Finding]) -> list[tuple[str, str]]:
 
 def test_graph_without_problems() -> None:
     told = found(graph(topic("/chatter", "/a", "/b"), nodes="/a /b"))
-    assert told.keys() == {"graph", "types", "ends", "names", "clients"}
+    assert told.keys() == {"graph", "types", "conflicts", "ends", "names", "clients"}
     assert {finding.verdict for findings in told.values() for finding in findings} == {"ok"}
     assert told["graph"][0].text == "2 nodes, 1 topic"
 

@@ -12,12 +12,12 @@ from fake_ros1_node import REFUSED, FakeRos1Node
 from hub_in_thread import HubThread
 
 from fibws.cli import doctor
-from fibws.cli.doctor import ros1
+from fibws.cli.doctor import graph, ros1
 from fibws.cli.doctor.finding import Finding
 from fibws.client.hub_client import HubClient
 from fibws.hub import Settings
 
-ROS1 = ("master", "ros1 nodes", "conflicts")
+ROS1 = ("master", "ros1 nodes")
 REMOTE = "ws://192.0.2.1:9090"
 """A hub on another machine."""
 
@@ -194,7 +194,7 @@ def test_conflict_of_types_is_a_warning(hub: HubThread) -> None:
         client.send({"op": "advertise", "topic": "/numbers", "type": "std_msgs/Int32"})
         client.call("/rosapi/get_time")
         camera.publishes("/numbers", "sensor_msgs/Image")
-        (finding,) = found(hub)["conflicts"]
+        (finding,) = [each for each in doctor.findings(hub.url) if each.check == "conflicts"]
     assert finding.verdict == "warning"
     for word in ("/camera", "/numbers", "sensor_msgs/Image", "std_msgs/Int32"):
         assert word in finding.text
@@ -203,6 +203,6 @@ def test_conflict_of_types_is_a_warning(hub: HubThread) -> None:
 
 def test_missing_right_of_ros1_nodes_is_a_warning() -> None:
     conflict = {"node": "/camera", "type": "a/B", "publishes": True, "fault": "not allowed"}
-    (finding,) = ros1.conflicts([{"name": "/image", "type": "a/B", "conflicts": [conflict]}])
+    (finding,) = graph.conflicts([{"name": "/image", "type": "a/B", "conflicts": [conflict]}])
     assert finding.verdict == "warning" and "not allowed" in finding.text
     assert "[ros1]" in finding.advice

@@ -48,7 +48,7 @@ def test_nothing_is_printed_when_quiet(
 
 def test_refused_operation_is_an_error(hub: HubThread) -> None:
     with HubClient("tool", hub.url) as tool, pytest.raises(OperationRejected):
-        tool.send({"op": "subscribe", "topic": "/rosout", "type": "std_msgs/Int32"})
+        tool.send({"op": "subscribe", "topic": "/rosout", "type": "std_msgs/Int33"})
         rates.report(tool, lambda: None)
 
 

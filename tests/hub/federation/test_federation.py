@@ -363,7 +363,7 @@ async def test_conflict_of_types_is_listed_on_both_hubs(join: Join, start_node: 
 
 def _conflicts(hub: Hub) -> list[str]:
     topic = hub.graph.topics.get("/data")
-    return [each.node for each in topic.conflicts] if topic is not None else []
+    return [each.node for each in hub.graph.view("/x").conflicts(topic)] if topic else []
 
 
 @BOTH

@@ -155,21 +155,33 @@ def test_type_may_be_spelled_as_in_ros_1_or_2(spelling: str) -> None:
     assert advertise(graph, "/other", "/a", INT32).type is publisher.type
 
 
-def test_topic_keeps_its_type_while_a_node_holds_it() -> None:
+def test_node_publishes_a_topic_with_one_type() -> None:
     graph = new_graph()
     advertise(graph, "/talker", "/a", INT32)
     with pytest.raises(TypeConflict) as caught:
-        advertise(graph, "/other", "/a", "std_msgs/msg/String")
+        advertise(graph, "/talker", "/a", "std_msgs/msg/String")
     assert (caught.value.asked, caught.value.established) == (STRING, INT32)
     assert (caught.value.topic, caught.value.by) == ("/a", "/talker")
+    assert len(graph.topics["/a"].groups) == 1
 
 
-def test_subscription_that_names_the_type_holds_it_as_well() -> None:
+def test_topic_keeps_its_type_while_a_node_publishes_with_it() -> None:
+    graph = new_graph()
+    subscribe(graph, "/a", STRING)
+    first = advertise(graph, "/talker", "/a", INT32)
+    other = advertise(graph, "/other", "/a", "std_msgs/msg/String")
+    topic = graph.topics["/a"]
+    assert [topic.type, other.type.name] == [first.type, STRING]
+    graph.remove_source(first)
+    assert topic.type is other.type
+
+
+def test_types_of_subscriptions_count_without_publishers() -> None:
     graph = new_graph()
     subscribe(graph, "/a", INT32)
-    with pytest.raises(TypeConflict) as caught:
-        subscribe(graph, "/a", STRING)
-    assert caught.value.by == "/listener"
+    subscribe(graph, "/a", STRING)
+    assert graph.topics["/a"].type is not None
+    assert graph.topics["/a"].type.name == INT32
 
 
 def test_type_is_free_when_its_last_holder_leaves() -> None:
@@ -220,7 +232,7 @@ def test_definition_with_a_conflict_is_not_learned() -> None:
     graph = Graph(interfaces, lambda: NANOSECONDS)
     advertise(graph, "/talker", "/a", INT32)
     with pytest.raises(TypeConflict):
-        advertise(graph, "/other", "/a", "my_msgs/Thing", "int32 number\n")
+        advertise(graph, "/talker", "/a", "my_msgs/Thing", "int32 number\n")
     assert "my_msgs" not in interfaces.packages()
 
 
@@ -295,7 +307,7 @@ def test_refused_change_leaves_a_subscription_as_it_was() -> None:
     graph = new_graph()
     listener = subscribe(graph, "/a", INT32)
     with pytest.raises(TypeConflict):
-        graph.subscribe(graph.topics["/a"], listener, STRING)
+        graph.subscribe(graph.topics["/a"], listener, STRING, keeps_type=True)
     assert graph.topics["/a"].type is not None
     assert graph.topics["/a"].type.name == INT32
     advertise(graph, "/talker", "/a", INT32).publish({"data": 5})

@@ -54,7 +54,7 @@ def test_serialized_bytes_reach_a_sink_without_being_decoded(
 ) -> None:
     _, topic, source = topic_and_source()
     recorder = Recorder()
-    topic.attach(recorder, recorder, holds_type=False)
+    topic.attach(recorder, recorder)
     monkeypatch.setattr(CheckedType, "deserialize", _fail)
     source.publish_serialized(pack("<i", 5))
     assert recorder.received[0].ros1() == pack("<i", 5)
@@ -295,20 +295,22 @@ def test_sink_that_names_the_type_holds_the_topic_to_it(type_: str | None, held:
     graph, topic, source = topic_and_source()
     recorder = Recorder()
     graph.subscribe(topic, recorder, type_)
-    assert topic.holder() == "/talker"
+    assert topic.main.members() == ["/talker"]
     graph.remove_source(source)
     assert topic.held == held
     assert (topic.type is not None) == held
     if held:
-        assert topic.holder() == "/recorder"
+        assert topic.main.members() == ["/recorder"]
     graph.unsubscribe(topic, recorder)
     assert topic.type is None or not topic.held
     assert graph.topics == {}
 
 
-def test_sink_may_hold_a_type_that_it_does_not_name() -> None:
+def test_sink_may_keep_the_type_that_it_has_named_before() -> None:
     graph, topic, source = topic_and_source()
-    graph.subscribe(topic, Recorder(), holds_type=True)
+    recorder = Recorder()
+    graph.subscribe(topic, recorder, INT32)
+    graph.subscribe(topic, recorder, keeps_type=True)
     graph.remove_source(source)
     assert topic.type is not None
 
@@ -347,15 +349,16 @@ def test_sink_may_watch_the_publishers() -> None:
     hub.graph.subscribe(topic, recorder)
     client = hub.client("/watcher")
     request = Subscribe(id="1", topic="/fib")
-    reports = PeerReports(topic.watching_sources, request, client.queue, hub.clock)
-    topic.watching_sources.add(recorder, "1", reports)
+    watching = topic.watching(recorder)
+    reports = PeerReports(watching, request, client.queue, hub.clock)
+    watching.add(recorder, "1", reports)
     talker = hub.client("/talker")
     talker.send("advertise", "/fib", type=INT32)
     assert [each["nodes"] for each in client.receive()] == [[], ["/talker"]]
     talker.disconnect()
     assert client.receive_one("peers")["nodes"] == []
     hub.graph.unsubscribe(topic, recorder)
-    assert not topic.watching_sources
+    assert not watching
 
 
 def test_rosapi_lists_a_sink_as_a_subscriber() -> None:

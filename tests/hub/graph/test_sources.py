@@ -32,7 +32,7 @@ def source(type_: str = INT32, node: str = "/talker", **options: Any) -> Source:
 def recorded(source: Source) -> Recorder:
     """A new subscriber of the source's topic."""
     recorder = Recorder()
-    source.topic.attach(recorder, recorder, holds_type=False)
+    source.topic.attach(recorder, recorder)
     return recorder
 
 
@@ -153,7 +153,7 @@ def test_source_that_a_subscriber_removes_keeps_no_latched_message(serialized: b
             graph.remove_source(talker)
 
     remover = Remover()
-    talker.topic.attach(remover, remover, holds_type=False)
+    talker.topic.attach(remover, remover)
     if serialized:
         talker.publish_serialized(pack("<i", 1))
     else:

@@ -212,7 +212,7 @@ async def test_publisher_may_come_back_with_another_type(
         link.send(body)
         publication = await observer.next()
         assert (publication.type.name, publication.ros1()) == (fields["type"], body)
-    assert hub.graph.topics["/t"].conflicts == []
+    assert hub.graph.view("/x").conflicts(hub.graph.topics["/t"]) == []
     hub.graph.unsubscribe(hub.graph.topic("/t"), observer)
 
 
@@ -302,7 +302,7 @@ async def test_publisher_whose_type_cannot_be_known_is_a_conflict(
     del talker.answers["requestTopic"]
     link = await talker.linked()
     assert await link.ended() == b""
-    [conflict] = hub.graph.topics["/t"].conflicts
+    [conflict] = hub.graph.view("/x").conflicts(hub.graph.topics["/t"])
     assert (conflict.node, conflict.publishes) == ("/talker", True)
     for _ in range(10):
         await asyncio.sleep(0)
@@ -346,7 +346,7 @@ async def test_publisher_with_another_definition_does_not_disturb_the_first(
     await second.advertise("/t", other)
     refused = await second.linked()
     assert await refused.ended() == b""
-    [conflict] = hub.graph.topics["/t"].conflicts
+    [conflict] = hub.graph.view("/x").conflicts(hub.graph.topics["/t"])
     assert conflict.node == "/second"
     link.send(bytes(4))
     assert (await observer.next()).node == "/first"
@@ -354,7 +354,7 @@ async def test_publisher_with_another_definition_does_not_disturb_the_first(
     await first.call("unregisterPublisher", "/t", first.api)
     (await second.linked()).send(b"\x07")
     assert (await observer.next()).values() == {"number": 7}
-    assert hub.graph.topics["/t"].conflicts == []
+    assert hub.graph.view("/x").conflicts(hub.graph.topics["/t"]) == []
     hub.graph.unsubscribe(hub.graph.topic("/t"), observer)
 
 

@@ -253,14 +253,14 @@ async def test_publisher_of_another_type_is_listed_as_a_conflict(
     publisher = await node.advertise("/count", String, peers=True)
     talker = await start_peer("/talker")
     await talker.advertise("/count")
-    [conflict] = hub.graph.topics["/count"].conflicts
+    [conflict] = hub.graph.view("/x").conflicts(hub.graph.topics["/count"])
     assert (conflict.node, conflict.type, conflict.publishes) == ("/talker", "std_msgs/Int32", True)
     publisher.close()
     await node.flush()
     messages = node.subscribe("/count", Int32)
     (await talker.linked()).send(int32(3))
     assert (await anext(messages)).data == 3
-    assert hub.graph.topics["/count"].conflicts == []
+    assert hub.graph.view("/x").conflicts(hub.graph.topics["/count"]) == []
 
 
 async def test_conflict_is_logged_once(
@@ -273,7 +273,9 @@ async def test_conflict_is_logged_once(
         for type_ in ("*", "my_msgs/Values"):
             await other.subscribe("/values", type_)
             await other.call("getPid")
-        conflicts = [each.node for each in hub.graph.topics["/values"].conflicts]
+        conflicts = [
+            each.node for each in hub.graph.view("/x").conflicts(hub.graph.topics["/values"])
+        ]
         assert sorted(conflicts) == ["/other", "/talker"]
     assert caplog.text.count("/talker exchanges no messages on /values") == 1
 

@@ -260,17 +260,20 @@ async def test_late_publisher_with_latched_messages_reaches_waiting_nodes(
 
 async def until_conflicts(hub: Hub, topic: str, nodes: dict[str, bool]) -> None:
     """Wait for conflicts of nodes, each with whether it publishes."""
-    revisions: asyncio.Queue[None] = asyncio.Queue()
+    changed = asyncio.Event()
     add = hub.graph.add_conflict
 
     def note(*arguments: Any) -> None:
         add(*arguments)
-        revisions.put_nowait(None)
+        changed.set()
+
+    def found() -> dict[str, bool]:
+        conflicts = hub.graph.view("/x").conflicts(hub.graph.topic(topic))
+        return {each.node: each.publishes for each in conflicts}
 
     hub.graph.add_conflict = note  # type: ignore[assignment, method-assign]
-    async with asyncio.timeout(PATIENCE):
-        while {each.node: each.publishes for each in hub.graph.topic(topic).conflicts} != nodes:
-            await revisions.get()
+    hub.graph.watch_topics(lambda topic: changed.set())
+    await until_tokens(changed, lambda: found() == nodes)
     hub.graph.add_conflict = add  # type: ignore[method-assign]
 
 
@@ -284,7 +287,7 @@ async def test_type_with_other_fields_is_a_conflict_of_the_topic(
     await until(lambda: ros2_nodes(hub) == {"/talker", "/listener"}, hub)
     async with node.subscribe("/name", String):
         await until_conflicts(hub, "/name", {"/talker": True, "/listener": False})
-        assert wrong in hub.graph.topics["/name"].conflicts[0].fault
+        assert wrong in hub.graph.view("/x").conflicts(hub.graph.topics["/name"])[0].fault
         assert not sources(hub, "/name")
         await until(lambda: subscribers(hub, "/name") == {"/ours"}, hub)
 
@@ -293,12 +296,33 @@ async def test_node_of_another_type_is_a_conflict_until_the_topic_is_free(
     hub: Hub, peer: Peer, node: fibws.Node
 ) -> None:
     publisher = await node.advertise("/name", Int32)
-    await peer.publisher("/talker", "/name")
+    talker = await peer.publisher("/talker", "/name")
     await until_conflicts(hub, "/name", {"/talker": True})
     assert sources(hub, "/name") == {"/ours"}
+    async with fibws.Node("page", hub=hub.url) as page, asyncio.timeout(PATIENCE):
+        messages = page.subscribe("/name", String)
+        await flowing(talker)
+        await talker.publish(cdr_string("hello"))
+        assert (await anext(messages)).data == "hello"
     publisher.close()
     await until(lambda: sources(hub, "/name") == {"/talker"}, hub)
-    assert not hub.graph.topics["/name"].conflicts
+    assert not hub.graph.view("/x").conflicts(hub.graph.topics["/name"])
+
+
+async def test_ros_2_subscriber_gets_messages_of_its_type_of_a_topic_with_two(
+    hub: Hub, peer: Peer, node: fibws.Node
+) -> None:
+    wrong = await node.advertise("/name", Int32)
+    _, queue = await peer.subscriber("/listener", "/name")
+    await until_conflicts(hub, "/name", {"/listener": False})
+    async with fibws.Node("page", hub=hub.url) as page:
+        publisher = await page.advertise("/name", String, peers=True)
+        await reaching(publisher, "/listener")
+        await wrong.publish(7)
+        await publisher.publish(data="hello")
+        async with asyncio.timeout(PATIENCE):
+            assert text_of((await queue.get()).data) == "hello"
+    assert queue.empty()
 
 
 async def test_topic_of_an_unknown_type_is_shown(hub: Hub, peer: Peer) -> None:
@@ -455,7 +479,7 @@ async def test_types_with_other_names_and_the_same_fields_pass(
         await publisher.publish(transforms=[])
         assert (await queue.get()).data == empty
         assert (await anext(messages)).transforms == []
-    assert not hub.graph.topics["/tf"].conflicts
+    assert not hub.graph.view("/x").conflicts(hub.graph.topics["/tf"])
 
 
 async def test_node_whose_name_ros_2_does_not_allow_is_shown_with_another_one(

@@ -185,10 +185,15 @@ def test_messages_of_the_clock_have_their_own_time_for_all(rosapi: RosapiClient)
     assert times == [each * 10**9 + 1 for each in (12, 13, 2)]
 
 
-def test_clock_of_another_type_does_not_simulate_time(rosapi: RosapiClient) -> None:
-    rosapi.client.send("advertise", "/clock", type=INT32)
+def test_clock_of_another_type_sets_no_time_and_keeps_no_clock_out(rosapi: RosapiClient) -> None:
+    wrong, player = rosapi.add_client("/wrong"), rosapi.add_client("/player")
+    wrong.send("advertise", "/clock", type=INT32)
     rosapi.call("/rosapi/set_param", name="/use_sim_time", value="true")
-    assert rosapi.graph.clock.simulated is None
+    wrong.send("publish", "/clock", msg={"data": 7})
+    assert rosapi.graph.clock.simulated == 0
+    player.send("advertise", "/clock", type="rosgraph_msgs/Clock")
+    player.send("publish", "/clock", msg={"clock": {"secs": 12, "nsecs": 34}})
+    assert rosapi.graph.clock.simulated == 12 * 10**9 + 34
 
 
 # A client that is called /rosout.

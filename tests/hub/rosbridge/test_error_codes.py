@@ -42,7 +42,7 @@ def goal(action: str = "/fib", **fields: Any) -> dict[str, Any]:
 
 
 def other_type(hub: FakeHub, client: Client) -> None:
-    hub.client().send("advertise", "/n", type="std_msgs/String")
+    client.send("advertise", "/n", type="std_msgs/String")
     client.send("advertise", "/n", type=INT32)
 
 

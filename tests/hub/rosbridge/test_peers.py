@@ -10,7 +10,7 @@ from random_inputs import times
 
 from fibws.hub.graph.peers import MOST_REQUESTS
 
-from ..fakes import INT32, STRING, Client, FakeHub, number
+from ..fakes import INT32, Client, FakeHub, number
 
 SIDES = {"advertise": "subscribe", "subscribe": "advertise"}
 """For each operation, the one whose nodes are its peers."""
@@ -230,7 +230,7 @@ def test_requests_end_by_their_ids(op: str, other: str) -> None:
 def test_clients_that_left_or_were_refused_get_no_peers(op: str, other: str) -> None:
     hub = FakeHub()
     client, refused = connect_watcher(hub, op), hub.client()
-    refused.send(op, "/a", type=STRING, peers=True)
+    refused.send(op, "/a", type="std_msgs/Strin", peers=True)
     assert len(refused.receive_statuses()) == 1
     client.disconnect()
     client.receive()

@@ -63,7 +63,7 @@ def test_messages_do_not_wait_after_the_grace_period() -> None:
 # Messages of a topic whose advertise was refused.
 
 REFUSALS: list[tuple[str, dict[str, Any], str]] = [
-    ("/float", {"type": INT32}, "already established with type std_msgs/Float64"),
+    ("/float", {"type": "Float"}, "Float"),
     ("/fib", {"type": "std_msgs/Int33"}, "did you mean std_msgs/Int32?"),
     ("/fib", {"type": "my_msgs/Fib"}, "Unable to load the manifest for package my_msgs"),
     ("/fib", {"type": "my_msgs/Fib", "definition": "int33 x"}, "int33"),
@@ -134,7 +134,7 @@ def test_refused_topic_can_be_published_once_it_is_advertised() -> None:
 
 def test_refused_topic_is_usable_after_unadvertise() -> None:
     hub, client = hub_that_refuses()
-    client.send("advertise", "/float", type=INT32)
+    client.send("advertise", "/float", type="std_msgs/Int33")
     client.send("unadvertise", "float")
     client.send("publish", "/float", msg={"data": 0.5})
     assert len(client.receive_statuses()) == 1

@@ -59,7 +59,7 @@ def test_thousands_of_names_are_forgotten() -> None:
 def test_refused_subscription_does_not_change_the_others() -> None:
     hub = FakeHub()
     talker, listener = talker_and_listener(hub)
-    listener.send("subscribe", "/fib", id="wrong", type=STRING)
+    listener.send("subscribe", "/fib", id="wrong", type="std_msgs/Strin")
     assert len(listener.receive_statuses()) == 1
     talker.send("publish", "/fib", msg=number(1))
     assert listener.receive_numbers("/fib") == [1]

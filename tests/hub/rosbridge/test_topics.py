@@ -92,7 +92,7 @@ def test_refused_operations_leave_nothing(op: str) -> None:
     hub = FakeHub()
     talker_and_listener(hub)
     client = hub.client()
-    client.send(op, "/fib", type=STRING, msg={"data": "x"})
+    client.send(op, "/fib", type="std_msgs/Strin", msg={"data": "x"})
     assert len(client.receive_statuses()) == 1
     client.send("unadvertise", "/fib")
     assert client.forgotten

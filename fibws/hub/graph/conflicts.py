@@ -1,0 +1,75 @@
+"""Conflicts: what is shown, and told, of topics that are used with more than one type."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from fibws.hub.graph.topic import Conflict, Topic
+from fibws.hub.graph.type_group import TypeGroup
+
+if TYPE_CHECKING:
+    from fibws.hub.graph.view import GraphView
+
+MOST_NAMED = 3
+"""How many nodes of a type are named."""
+MOST_TYPES = 64
+"""Types of one topic, after which subscribers with others are refused. Publishers are not: no
+subscription keeps them out."""
+
+
+def rivals(topic: Topic, group: TypeGroup) -> list[TypeGroup]:
+    """Return the groups with which a group is in conflict; some of them, if they are many.
+
+    Those that publish count, or the main group if none does: what a subscriber alone expects is of
+    no concern to a publisher.
+    """
+    main = topic.main
+    if main.sources:
+        found = (each for each in topic.groups if each.sources and each is not group)
+        return list(islice(found, MOST_NAMED))
+    return [main] if main is not group and main.is_held else []
+
+
+def summary(topic: Topic, group: TypeGroup) -> tuple[tuple[str, bool], ...]:
+    """Return the types of the rivals of a group, and whether they publish.
+
+    The members of the group are told of a conflict again when this changes.
+    """
+    found = rivals(topic, group)
+    return tuple((each.type.name, bool(each.sources)) for each in found if each.type is not None)
+
+
+def describe(topic: Topic, group: TypeGroup, view: GraphView) -> str:
+    """Return why a group exchanges no messages with others, for a node that sees the view."""
+    own = group.type.name if group.type is not None else ""
+    others = " and ".join(
+        f"type {each.type.name}{_users(topic, each, view)}"
+        for each in rivals(topic, group)
+        if each.type is not None
+    )
+    return f"{topic.name} has {others}: no messages pass from or to type {own}"
+
+
+def list_conflicts(topic: Topic, view: GraphView) -> Iterator[Conflict]:
+    """Yield the nodes that use a topic with another type than it has, as far as they are seen."""
+    if topic.held:
+        for group in topic.groups[1:]:
+            if group.type is not None:
+                fault = describe(topic, group, view)
+                for publishes, nodes in ((True, group.sources), (False, group.naming())):
+                    for node in nodes:
+                        if view.sees_user(topic, node):
+                            yield Conflict(node, group.type.name, publishes, fault)
+    yield from (each for each in topic.unattached if view.sees_user(topic, each.node))
+
+
+def _users(topic: Topic, group: TypeGroup, view: GraphView) -> str:
+    """Return who uses a type, in brackets; nothing if the view hides them."""
+    seen = [each for each in group.members() if view.sees_user(topic, each)]
+    if not seen:
+        return ""
+    more = f" and {len(seen) - MOST_NAMED} more" if len(seen) > MOST_NAMED else ""
+    use = "published" if group.sources else "subscribed to"
+    return f" ({use} by {', '.join(islice(seen, MOST_NAMED))}{more})"
