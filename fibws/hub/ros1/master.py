@@ -112,8 +112,8 @@ class Master:
     ) -> Answer:
         """Register a subscriber; the value is the URIs of the topic's publishers."""
         self._nodes.add_subscriber(node, topic, type_, uri, caller.hub_host)
-        apis = self._nodes.topics.publisher_apis(topic, caller.hub_host)
         subscriber = self._nodes.topics.subscriber(node, topic)
+        apis = self._nodes.topics.publisher_apis(topic, caller.hub_host, subscriber)
         if subscriber is not None:
             subscriber.sent = apis
         return 1, f"Subscribed to [{topic}]", apis

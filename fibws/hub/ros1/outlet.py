@@ -10,6 +10,7 @@ from fibws.errors import FibwsError, TcprosError
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic
+from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import Buffer, MessageType
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import TcprosConnection
@@ -37,6 +38,8 @@ class Outlet:
     ) -> None:
         self.name = name
         self.links: dict[OutletLink, None] = {}
+        self._by_md5: dict[str | None, dict[OutletLink, None]] = {}
+        """The same by the md5 of their types: a topic may have several."""
         self.queue_length = 0
         """Messages that may wait for one subscriber: the queue_size of all publishers together;
         0 for no limit."""
@@ -48,14 +51,15 @@ class Outlet:
 
     def receive(self, publication: Publication) -> None:
         """Send a message to all subscribers that are connected."""
-        if not self.links or self._nodes.topics.is_publisher(publication.node, self.name):
+        links = self._by_md5.get(publication.type.md5sum) if self.links else None
+        if not links or self._nodes.topics.is_publisher(publication.node, self.name):
             return  # ROS 1 publishers send their messages themselves.
         try:
             message = Message(publication.ros1())
         except FibwsError as error:
             self._log(error)
             return
-        for link in tuple(self.links):
+        for link in tuple(links):
             link.send(message)
 
     def accept(
@@ -67,22 +71,24 @@ class Outlet:
             TcprosError: the subscriber knows the type by another definition.
         """
         topic = self._graph.topic(self.name)
-        sources = self.own_sources(topic)
-        if not sources or topic.type is None:
+        group = self._group_for(topic, header, subscriber)
+        type_ = group.type if group is not None else None
+        if group is None or type_ is None:
             raise TcprosError(f"[{ROSBRIDGE}] is not a publisher of [{self.name}]")
-        md5sum, definitions = _check_type(header, topic, topic.type)
+        sources = self.own_sources(group)
+        md5sum, definitions = _check_type(header, topic, type_)
         connection.answer(
             {
                 "callerid": sources[0].node if len(sources) == 1 else ROSBRIDGE,
                 "latching": "1" if any(source.latch for source in sources) else "0",
                 "md5sum": md5sum,
-                "message_definition": definitions.full_text(topic.type.name),
+                "message_definition": definitions.full_text(type_.name),
                 "topic": self.name,
-                "type": topic.type.name,
+                "type": type_.name,
             }
         )
-        self.queue_length = _queue_length(sources)
-        link = OutletLink(next(self._numbers), self, subscriber, md5sum, connection)
+        self.queue_length = _queue_length(self._all_own_sources(topic))
+        link = OutletLink(next(self._numbers), self, group, subscriber, md5sum, connection)
         for source in sources:
             try:
                 publication = source.recall()
@@ -91,22 +97,35 @@ class Outlet:
             except FibwsError as error:
                 self._log(error)
         self.links[link] = None
+        self._by_md5.setdefault(md5sum, {})[link] = None
         subscriber.link = link
-        topic.sink_linked(subscriber)
+        topic.sink_linked(subscriber, group)
         return link
 
-    def own_sources(self, topic: Topic) -> list[Source]:
-        """Return the publishers of the topic that are not ROS 1 nodes."""
+    def own_sources(self, group: TypeGroup) -> list[Source]:
+        """Return the publishers of a type of the topic that are not ROS 1 nodes."""
         external = self._nodes.by_name
-        return [each for node, each in topic.publishers.items() if node not in external]
+        return [each for node, each in group.sources.items() if node not in external]
+
+    def _all_own_sources(self, topic: Topic) -> list[Source]:
+        return [each for group in topic.groups for each in self.own_sources(group)]
+
+    def _group_for(
+        self, topic: Topic, header: Mapping[str, str], subscriber: Ros1Subscriber
+    ) -> TypeGroup | None:
+        """Return the publishers of the type that a subscriber wants, or else any it may have."""
+        groups = [each for each in topic.groups_for(subscriber) if self.own_sources(each)]
+        wanted = header.get("md5sum", ANY)
+        fitting = (each for each in groups if each.type is not None and each.type.md5sum == wanted)
+        return next(fitting, groups[0] if groups else None)
 
     def settle(self, topic: Topic) -> None:
         """Close the links that the topic's publishers and type do not fit any more."""
-        sources = self.own_sources(topic)
-        self.queue_length = _queue_length(sources)
-        type_ = topic.type if sources else None
+        self.queue_length = _queue_length(self._all_own_sources(topic))
+        used = {each: each.type for each in topic.groups if self.own_sources(each)}
         for link in list(self.links):
             is_subscribed = link.subscriber.owner.subscribers.get(self.name) is link.subscriber
+            type_ = used.get(link.group)
             if type_ is None or link.md5sum != type_.md5sum or not is_subscribed:
                 link.close()
 
@@ -115,6 +134,10 @@ class Outlet:
         if link not in self.links:
             return
         del self.links[link]
+        alike = self._by_md5[link.md5sum]
+        del alike[link]
+        if not alike:
+            del self._by_md5[link.md5sum]
         subscriber = link.subscriber
         others = [each for each in self.links if each.subscriber is subscriber]
         subscriber.unlink(link, others[-1] if others else None)
@@ -150,17 +173,20 @@ class OutletLink:
 
     Args:
         number: its id among the links of the hub.
+        group: the publishers whose messages it gets.
     """
 
     def __init__(
         self,
         number: int,
         outlet: Outlet,
+        group: TypeGroup,
         subscriber: Ros1Subscriber,
         md5sum: str,
         connection: TcprosConnection,
     ) -> None:
         self.number = number
+        self.group = group
         self.subscriber = subscriber
         self.md5sum = md5sum
         self.connection = connection

@@ -212,13 +212,16 @@ class TopicRegistrations:
         host = f"[{hub_host}]" if ":" in hub_host else hub_host
         return f"http://{host}:{self._port()}/{f'node{node}' if node else ''}"
 
-    def publisher_apis(self, topic: str, hub_host: str) -> list[str]:
+    def publisher_apis(
+        self, topic: str, hub_host: str, subscriber: Ros1Subscriber | None
+    ) -> list[str]:
         """Return the URIs of a topic's publishers, the hub's once for all of its clients.
 
-        The hub is left out where ROS 1 may not subscribe.
+        The hub is left out where ROS 1 may not subscribe, and where none of its clients publishes
+        with the type of the subscriber.
         """
         apis = dict.fromkeys(each.node.api for each in self.publishers(topic))
-        if self.has_own_sources(topic):
+        if self.has_own_sources(topic, subscriber):
             apis[self.hub_api(hub_host)] = None
         return list(apis)
 
@@ -226,14 +229,22 @@ class TopicRegistrations:
         """Return whether a ROS 1 node of this name publishes a topic."""
         return node in self._publishers.get(topic, ())
 
-    def has_own_sources(self, topic: str) -> bool:
-        """Return whether ROS 1 may subscribe to a topic, and others than ROS 1 nodes publish it."""
+    def has_own_sources(self, topic: str, subscriber: Ros1Subscriber | None = None) -> bool:
+        """Return whether ROS 1 may subscribe to a topic, and others than ROS 1 nodes publish it.
+
+        Args:
+            subscriber: the one for which their type must fit; None for any type.
+        """
         if not self._graph.is_allowed(CLIENT, "subscribe", topic):
             return False
         found = self._graph.topics.get(topic)
-        return found is not None and any(
+        if found is None:
+            return False
+        groups = found.groups if subscriber is None else found.groups_for(subscriber)
+        return any(
             node not in self._names and not self._graph.has_left(source)
-            for node, source in found.publishers.items()
+            for group in groups
+            for node, source in group.sources.items()
         )
 
     def subscriber_apis(self, topic: str, hub_host: str) -> list[str]:
@@ -469,7 +480,7 @@ class TopicRegistrations:
         # An action's status may have no ROS 1 node, and decide who its goals are for.
         self.links.changed(self._graph.topic(name))
         for subscriber in self.subscribers(name):
-            apis = self.publisher_apis(name, subscriber.owner.hub_host)
+            apis = self.publisher_apis(name, subscriber.owner.hub_host, subscriber)
             if subscriber.sent != apis:
                 subscriber.sent = apis
                 self._calls.notify(

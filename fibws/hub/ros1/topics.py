@@ -23,6 +23,7 @@ from fibws.hub.ros1.inlet import Inlet
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.outlet import Outlet, OutletLink
 from fibws.hub.ros1.tcpros import require
+from fibws.hub.ros1.topic_registrations import Ros1Publisher
 from fibws.hub.settings import Settings
 
 LINGER = 2.0
@@ -166,7 +167,7 @@ class TopicLinks:
         server = self._action_server(topic)
         for publisher in self._nodes.topics.publishers(topic.name):
             inlet = self._inlets.get(topic.name, {}).get(publisher.node.name)
-            if inlet is None and publisher.is_relayed:
+            if inlet is None and publisher.is_relayed and self._is_needed(publisher):
                 inlets = self._inlets.setdefault(topic.name, {})
                 inlets[publisher.node.name] = Inlet(
                     next(self._numbers),
@@ -179,6 +180,12 @@ class TopicLinks:
                 )
             elif inlet is not None and server not in (None, inlet.caller):
                 inlet.reopen()
+
+    def _is_needed(self, publisher: Ros1Publisher) -> bool:
+        """Return whether anybody outside ROS 1 subscribes to messages of a publisher's type."""
+        source = publisher.source
+        nodes = source.group.nodes if source is not None else ()
+        return source is None or any(node not in self._nodes.by_name for node in nodes)
 
     def _open_goals(self, status: str) -> None:
         """Open the links of an action's goals again if the server of its status is known now."""
