@@ -17,6 +17,7 @@ from fibws.hub.federation.records import (
     NodeRecord,
     Publisher,
     TopicRecord,
+    TypeUsers,
 )
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.log_text import is_power_of_ten, printable
@@ -34,14 +35,30 @@ PART = 800
 T = TypeVar("T")
 
 
-class RemoteTopic(NamedTuple):
-    """A `TopicRecord` with the names of this hub."""
+class RemoteUsers(NamedTuple):
+    """A `TypeUsers` with the names of this hub."""
 
     type: str
     md5sum: str
     publishers: dict[str, Publisher]
     """By node."""
     subscribers: frozenset[str]
+
+
+class RemoteTopic(NamedTuple):
+    """A `TopicRecord` with the names of this hub."""
+
+    by_type: tuple[RemoteUsers, ...]
+
+    @property
+    def subscribers(self) -> frozenset[str]:
+        """The nodes that subscribe, with whatever type."""
+        return frozenset[str]().union(*(each.subscribers for each in self.by_type))
+
+    @property
+    def nodes(self) -> set[str]:
+        """All nodes."""
+        return set(self.subscribers).union(*(each.publishers for each in self.by_type))
 
 
 class PeerGraph:
@@ -149,7 +166,7 @@ class Announced:
         home.names[kind].add(name)
         self._records[kind].setdefault(name, {})[home] = record
         if kind == "topics":
-            for node in {*record.publishers, *record.subscribers}:
+            for node in record.nodes:
                 home.topics_of.setdefault(node, set()).add(name)
         elif kind != "nodes":
             home.served_by.setdefault(record.node, set()).add((kind, name))
@@ -172,7 +189,7 @@ class Announced:
         if not records[name]:
             del records[name]
         if kind == "topics":
-            for node in {*record.publishers, *record.subscribers}:
+            for node in record.nodes:
                 _discard(home.topics_of, node, name)
         elif kind != "nodes":
             _discard(home.served_by, record.node, (kind, name))
@@ -181,7 +198,9 @@ class Announced:
 
 def _size(kind: Kind, record: Any) -> int:
     """Return how much a record counts towards `MOST_RECORDS`."""
-    return 1 + len(record.publishers) + len(record.subscribers) if kind == "topics" else 1
+    if kind != "topics":
+        return 1
+    return sum(1 + len(each.publishers) + len(each.subscribers) for each in record.by_type)
 
 
 def _bytes(name: str, record: Any) -> int:
@@ -201,6 +220,10 @@ def _translated(record: TopicRecord | None, name: str, peer: Peer) -> RemoteTopi
     """Return a topic's record with this hub's names, and without what may not be used."""
     if record is None:
         return None
+    return RemoteTopic(tuple(_translated_users(each, name, peer) for each in record.by_type()))
+
+
+def _translated_users(record: TypeUsers, name: str, peer: Peer) -> RemoteUsers:
     view = peer.backplane.view
     publishers: Iterator[tuple[str | None, Publisher]] = iter(())
     subscribers: Iterator[str | None] = iter(())
@@ -208,7 +231,7 @@ def _translated(record: TopicRecord | None, name: str, peer: Peer) -> RemoteTopi
         publishers = ((view.inward(each.node), each) for each in record.publishers)
     if view.may_export(name):
         subscribers = (view.inward(each) for each in record.subscribers)
-    return RemoteTopic(
+    return RemoteUsers(
         record.type,
         record.md5sum,
         {node: each for node, each in publishers if node},

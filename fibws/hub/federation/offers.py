@@ -25,6 +25,7 @@ from fibws.hub.federation.records import (
     Record,
     ServiceRecord,
     TopicRecord,
+    TypeUsers,
 )
 from fibws.hub.federation.remote import RemoteGraph
 from fibws.hub.federation.remote_logs import LogReader
@@ -34,6 +35,7 @@ from fibws.hub.federation.worklist import TURN
 from fibws.hub.graph.graph import Graph, NodeOfLink
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.graph.topic import Topic
+from fibws.hub.graph.type_group import TypeGroup
 
 logger = logging.getLogger("fibws.hub")
 
@@ -197,26 +199,43 @@ class Offers:
         if topic is None or name in self.graph.reserved:
             self._note_users("topics", name, set())
             return None
-        publishers = self._publishers(topic) if self._may(name, "subscribe", exports=True) else ()
+        main, *others = (self._users_of(topic, each) for each in topic.groups)
+        self._note_users("topics", name, {*topic.publishers, *topic.all_subscribers()})
+        used = tuple(each for each in others if each.publishers or each.subscribers)
+        if not main.publishers and not main.subscribers and not used:
+            return None
+        return TopicRecord.model_construct(
+            type=main.type,
+            md5sum=main.md5sum,
+            publishers=main.publishers,
+            subscribers=main.subscribers,
+            others=used,
+        )
+
+    def _users_of(self, topic: Topic, group: TypeGroup) -> TypeUsers:
+        """Return who uses a topic with one type; those that name none are users of all."""
+        name, view = topic.name, self._view
+        publishers: tuple[Publisher, ...] = ()
+        if self._may(name, "subscribe", exports=True):
+            publishers = self._publishers(topic, group)
         subscribers: tuple[str, ...] = ()
         if self._may(name, "publish", exports=False):
-            subscribers = tuple(filter(self._may_offer, self._view.subscribers(topic)))
-        self._note_users("topics", name, {*topic.publishers, *topic.all_subscribers()})
-        if not publishers and not subscribers:
-            return None
-        node_outward = self.backplane.view.node_outward
-        type_ = topic.type
-        return TopicRecord.model_construct(
+            seen = (each for each in group.nodes if view.sees_user(topic, each))
+            subscribers = tuple(filter(self._may_offer, seen))
+        type_ = topic.type if group is topic.main else group.type
+        return TypeUsers.model_construct(
             type=type_.name if type_ is not None else "",
             md5sum=(type_.md5sum or "") if type_ is not None else "",
             publishers=publishers,
-            subscribers=tuple(map(node_outward, subscribers)),
+            subscribers=tuple(map(self.backplane.view.node_outward, subscribers)),
         )
 
-    def _publishers(self, topic: Topic) -> tuple[Publisher, ...]:
+    def _publishers(self, topic: Topic, group: TypeGroup) -> tuple[Publisher, ...]:
         found = []
-        for source in self._view.sources(topic):
+        for source in sorted(group.sources.values(), key=lambda each: each.node):
             node = source.node
+            if not self._view.sees_user(topic, node):
+                continue
             if self._may_offer(node):
                 remote, number = (
                     self._remote.topics.by_source.get(source),

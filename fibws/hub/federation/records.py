@@ -99,8 +99,8 @@ class Publisher(_Record):
     queue_size: int = 100
 
 
-class TopicRecord(_Record):
-    """A topic.
+class TypeUsers(_Record):
+    """Those who use a topic with one type.
 
     Attributes:
         type: ``package/Type``; empty while it has none.
@@ -111,6 +111,20 @@ class TopicRecord(_Record):
     md5sum: Text = ""
     publishers: Annotated[tuple[Publisher, ...], FailFast()] = ()
     subscribers: Annotated[tuple[Name, ...], FailFast()] = ()
+
+
+class TopicRecord(TypeUsers):
+    """A topic.
+
+    Attributes:
+        others: those who use it with another type; older hubs know nothing of them.
+    """
+
+    others: Annotated[tuple[TypeUsers, ...], FailFast()] = ()
+
+    def by_type(self) -> tuple[TypeUsers, ...]:
+        """Return the users of each type."""
+        return (self, *self.others)
 
 
 class ServiceRecord(_Record):

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 from fibws.errors import FibwsError, InterfaceError, LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock, Timer
-from fibws.hub.federation.announced import Announced, PeerGraph, RemoteTopic
+from fibws.hub.federation.announced import Announced, PeerGraph, RemoteUsers
 from fibws.hub.federation.definitions import DefinitionPending, RemoteDefinitions
 from fibws.hub.federation.outlets import Outlet, Outlets
 from fibws.hub.federation.records import Message, Publisher
@@ -149,14 +149,18 @@ class RemoteSubscriber:
 
 @dataclass(slots=True)
 class Attached:
-    """The publishers and subscribers of other hubs that are attached to a topic, by node."""
+    """The publishers and subscribers of other hubs that are attached to a topic.
+
+    Publishers are by node, subscribers by node and type: one without a type of its own is
+    announced for all types of its hub's topic.
+    """
 
     publishers: dict[str, RemotePublisher] = field(default_factory=dict)
-    subscribers: dict[str, RemoteSubscriber] = field(default_factory=dict)
+    subscribers: dict[tuple[str, str], RemoteSubscriber] = field(default_factory=dict)
 
 
-WantedPublishers: TypeAlias = dict[str, tuple[RemoteNode, Publisher, RemoteTopic]]
-WantedSubscribers: TypeAlias = dict[str, tuple[RemoteNode, RemoteTopic]]
+WantedPublishers: TypeAlias = dict[str, tuple[RemoteNode, Publisher, RemoteUsers]]
+WantedSubscribers: TypeAlias = dict[tuple[str, str], tuple[RemoteNode, RemoteUsers]]
 
 
 class RemoteTopics:
@@ -224,9 +228,9 @@ class RemoteTopics:
             if publisher is not None and publisher.node is node and publisher.source is not None:
                 yield publisher.source
         for topic in node.subscribed:
-            sink = self._attached[topic].subscribers.get(node.name)
-            if sink is not None and sink.remote is node:
-                yield sink
+            for sink in self._attached[topic].subscribers.values():
+                if sink.remote is node:
+                    yield sink
 
     def settle(self, name: str) -> None:
         """Attach what should be attached to a topic, and detach what should not."""
@@ -235,12 +239,13 @@ class RemoteTopics:
         subscribers: WantedSubscribers = {}
         graph = self._graph
         for home, record in self._announced.of("topics", name).items():
-            for node, publisher in record.publishers.items():
-                if remote := attached_node(graph, node, home):
-                    publishers[node] = remote, publisher, record
-            for node in record.subscribers:
-                if remote := attached_node(graph, node, home):
-                    subscribers[node] = remote, record
+            for users in record.by_type:
+                for node, publisher in users.publishers.items():
+                    if remote := attached_node(graph, node, home):
+                        publishers[node] = remote, publisher, users
+                for node in users.subscribers:
+                    if remote := attached_node(graph, node, home):
+                        subscribers[node, users.type] = remote, users
         self._settle_publishers(name, attached, publishers)
         self._settle_subscribers(name, attached, subscribers)
         if attached.publishers:
@@ -339,21 +344,21 @@ class RemoteTopics:
                 self._remembered.popitem(last=False)
 
     def _settle_subscribers(self, name: str, attached: Attached, wanted: WantedSubscribers) -> None:
-        for node, sink in list(attached.subscribers.items()):
-            found = wanted.get(node)
+        for key, sink in list(attached.subscribers.items()):
+            found = wanted.get(key)
             type_ = (found[1].type, found[1].md5sum) if found is not None else None
             is_due = sink.is_stuck and sink.tried_with is not self._graph.topic(name).type
             if found is None or sink.remote is not found[0] or sink.type != type_ or is_due:
-                self._detach_subscriber(name, attached, sink)
-        for node, (remote, record) in wanted.items():
-            if node not in attached.subscribers:
+                self._detach_subscriber(name, attached, key)
+        for key, (remote, record) in wanted.items():
+            if key not in attached.subscribers:
                 type_ = record.type, record.md5sum
                 sink = RemoteSubscriber(remote, type_, self._outlets.outlet(name))
-                attached.subscribers[node] = sink
+                attached.subscribers[key] = sink
                 self._attach_subscriber(name, sink)
-            elif self._has_interest(topic := self._graph.topic(name), node):
+            elif self._has_interest(topic := self._graph.topic(name), key[0]):
                 # Its hub may be reached by several ways.
-                topic.sink_linked(attached.subscribers[node])
+                topic.sink_linked(attached.subscribers[key])
 
     def _attach_subscriber(self, name: str, sink: RemoteSubscriber) -> None:
         topic = self._graph.topic(name)
@@ -371,12 +376,13 @@ class RemoteTopics:
             self._conflict(topic, sink.node, sink.type[0], error, publishes=False)
             sink.is_stuck, sink.tried_with = True, self._graph.topic(name).type
 
-    def _detach_subscriber(self, name: str, attached: Attached, sink: RemoteSubscriber) -> None:
-        del attached.subscribers[sink.node]
+    def _detach_subscriber(self, name: str, attached: Attached, key: tuple[str, str]) -> None:
+        sink = attached.subscribers.pop(key)
         if topic := self._graph.topics.get(name):
             self._graph.unsubscribe(topic, sink)
         self._remove_conflict(name, sink.node, publishes=False)
-        sink.remote.subscribed.pop(name, None)
+        if all(each.remote is not sink.remote for each in attached.subscribers.values()):
+            sink.remote.subscribed.pop(name, None)
 
     def _conflict(
         self, topic: Topic, node: str, type_: str, error: Exception, *, publishes: bool

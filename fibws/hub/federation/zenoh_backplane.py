@@ -52,9 +52,11 @@ from fibws.hub.federation.records import (
     HubInfo,
     Message,
     Number,
+    Publisher,
     Reply,
     Request,
     Skipped,
+    TopicRecord,
     decode_announcement,
     decode_fields,
     encode_announcement,
@@ -412,12 +414,12 @@ class ZenohBackplane(Backplane):
 
     def _update_publishers(self, topic: str, older: Any, newer: Any) -> None:
         """Declare the publishers of a topic that are new, and undeclare those that are gone."""
-        before = {each.number for each in older.publishers} if older is not None else set()
-        for each in newer.publishers if newer is not None else ():
+        before = {each.number for each, _ in _publishers(older)}
+        for each, md5sum in _publishers(newer):
             before.discard(each.number)
             if each.number not in self._publishers:
                 key = _data_key(self._base, self._hub.id, each.number, topic)
-                found = self._publishers[each.number] = _Publisher(key, each.node, newer.md5sum)
+                found = self._publishers[each.number] = _Publisher(key, each.node, md5sum)
                 self._control.call(partial(self._open, each.number, found))
         for number in before:
             gone = self._publishers.pop(number, None)
@@ -963,3 +965,10 @@ def _undeclare(*declared: Any) -> None:
     for each in declared:
         if each is not None:
             each.undeclare()
+
+
+def _publishers(record: TopicRecord | None) -> Iterator[tuple[Publisher, str]]:
+    """Yield the publishers of all types of a topic, with the md5 of their type."""
+    for users in record.by_type() if record is not None else ():
+        for each in users.publishers:
+            yield each, users.md5sum

@@ -361,6 +361,31 @@ async def test_conflict_of_types_is_listed_on_both_hubs(join: Join, start_node: 
     assert _conflicts(third) in (["/one"], ["/two"])
 
 
+@BOTH
+@pytest.mark.parametrize("first_type", [Int32, String])
+async def test_messages_of_each_type_pass_between_hubs_in_a_conflict(
+    join: Join, start_node: StartNode, first_type: Any
+) -> None:
+    first = await join("first")
+    second = await join("second", first)
+    other_type: Any = String if first_type is Int32 else Int32
+    values: Any = {Int32: 5, String: "five"}
+    near, wrong = await start_node("near", first), await start_node("wrong", first)
+    far = await start_node("far", second)
+    await wrong.advertise("data", first_type)
+    publisher = await near.advertise("data", other_type, latch=True)
+    await publisher.publish(data=values[other_type])
+    messages = far.subscribe("data", other_type)
+    assert (await asyncio.wait_for(anext(messages), PATIENCE)).data == values[other_type]
+    assert "/near" in _conflicts(first)
+    back = await (await start_node("back", second)).advertise("data", other_type, latch=True)
+    await back.publish(data=values[other_type])
+    listener = await start_node("listener", first)
+    received = listener.subscribe("data", other_type)
+    for _ in range(2):
+        assert (await asyncio.wait_for(anext(received), PATIENCE)).data == values[other_type]
+
+
 def _conflicts(hub: Hub) -> list[str]:
     topic = hub.graph.topics.get("/data")
     return [each.node for each in hub.graph.view("/x").conflicts(topic)] if topic else []
