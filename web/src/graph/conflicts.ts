@@ -53,11 +53,13 @@ export class TopicUsers {
   }
 
   /** The conflict that keeps a publisher's messages from a subscriber of the topic, if any. */
-  conflict(publisher: TopicUser, subscriber: TopicUser): ConflictInfo | null {
+  conflict(publisher: TopicUser, subscriber: TopicUser, topic: TopicInfo): ConflictInfo | null {
     const types = new Set([publisher.type, subscriber.type]);
-    // ROS 1 nodes of the same type exchange messages, whatever type the topic has at the hub.
+    // Nodes of the same other type exchange messages, and ROS 1 nodes whatever the hub lacks.
+    const isOther = isOtherType(publisher, topic) && isOtherType(subscriber, topic);
     const isDirect = publisher.isRos1 && subscriber.isRos1;
-    if (isDirect && (types.size === 1 || types.has("*"))) return null;
+    if ((isOther || isDirect) && types.size === 1) return null;
+    if (isDirect && types.has("*")) return null;
     return publisher.conflict ?? subscriber.conflict;
   }
 }

@@ -248,7 +248,7 @@ describe("ROS 1 nodes", () => {
       ...topic("/chatter", ["/talker"], ["/listener"]),
       conflicts: [conflict("/camera", true), conflict("/viewer", false)],
     };
-    const nodes = [...CHATTER.nodes, ros1("/camera"), ros1("/viewer")];
+    const nodes = [...CHATTER.nodes, node("/camera"), ros1("/viewer")];
     const drawn = picture({ ...CHATTER, nodes, topics: [chatter] }, { ...DEFAULTS, topics: false });
     const flags = drawn.edges.map(({ from, to, conflict: flag }) => `${from} > ${to}: ${flag}`);
     expect(flags).toEqual([

@@ -257,7 +257,7 @@ function addTopic(
   }
   for (const publisher of publishers) {
     for (const subscriber of subscribers) {
-      const conflict = users.conflict(publisher, subscriber);
+      const conflict = users.conflict(publisher, subscriber, topic);
       const { node: from, latch } = publisher;
       const { node: to } = subscriber;
       draft.addEdge({
