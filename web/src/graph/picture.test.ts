@@ -241,6 +241,9 @@ describe("ROS 1 nodes", () => {
       ],
     ]);
     expect(drawn.edges[0]?.publishers).toEqual([]);
+    const box = drawn.elements.find(({ kind }) => kind === "topic");
+    expect(box?.second).toBe("⚠ 2 types");
+    expect(box?.about).toContain("type std_msgs/String and a/B");
   });
 
   it("of the same other type exchange messages with each other", () => {

@@ -75,7 +75,11 @@ const topicsOf = ({ name }: ActionInfo): string[] => ACTION_TOPICS.map((each) =>
 export const idOf = (kind: Kind, name: string): string => `${kind} ${name}`;
 
 /** An element before namespaces are known; with the node that a service or action is part of. */
-type Sketch = Omit<Element, "group" | "label" | "second" | "about"> & { node?: string };
+type Sketch = Omit<Element, "group" | "label" | "second" | "about"> & {
+  node?: string;
+  /** The other types with which nodes use a topic. */
+  others?: readonly string[];
+};
 type Line = Pick<Edge, "from" | "to" | "about"> & Partial<Edge>;
 
 /** Choose the part of the graph that is drawn; `busy` says which flows had messages lately. */
@@ -92,14 +96,14 @@ export function picture(
   const typed = options.types ?? elements.length <= FEW;
   const { groups, of } = namespaces(elements, options.namespaces);
   return {
-    elements: elements.map(({ node: _node, ...element }) => {
+    elements: elements.map(({ node: _node, others = [], ...element }) => {
       const group = of.get(element.id) ?? null;
       return {
         ...element,
         group,
         label: group === null ? element.name : element.name.slice(group.length + 1),
-        second: secondLine(element, typed),
-        about: description(element, outgoing(element.id), incoming(element.id)),
+        second: secondLine({ ...element, others }, typed),
+        about: description({ ...element, others }, outgoing(element.id), incoming(element.id)),
       };
     }),
     edges,
@@ -118,6 +122,12 @@ class PictureDraft {
     const id = idOf(kind, name);
     this.elements.set(id, { id, kind, name, type, node, fault, hub });
     return id;
+  }
+
+  /** Mark a topic that nodes use with other types, too. */
+  addTypes(id: string, others: readonly string[]): void {
+    const element = this.elements.get(id);
+    if (element !== undefined && others.length > 0) this.elements.set(id, { ...element, others });
   }
 
   has(kind: Kind, name: string): boolean {
@@ -224,6 +234,8 @@ function addTopic(
   const latchedText = (latch: boolean): string => (latch ? ", latched" : "");
   if (topics) {
     const box = draft.addElement("topic", name, type);
+    const others = topic.conflicts.filter((each) => isOtherType(each, topic));
+    draft.addTypes(box, [...new Set(others.map((each) => each.type))].sort());
     for (const user of publishers) {
       const { node, latch, conflict } = user;
       draft.addEdge({
@@ -338,14 +350,19 @@ function counter(ids: readonly string[]): (id: string) => number {
 }
 
 /** The text below an element's name. */
-function secondLine({ type, fault, hub }: Sketch, typed: boolean): string {
+function secondLine({ type, fault, hub, others = [] }: Sketch, typed: boolean): string {
   if (fault !== "") return "⚠ unreachable";
+  if (others.length > 0) return `⚠ ${others.length + 1} types`;
   if (hub !== "") return `hub ${hub}`;
   return typed ? type : "";
 }
 
-function description({ kind, name, type, fault, hub }: Sketch, out: number, into: number): string {
-  const typed = type === "" ? "" : `, type ${type}`;
+function description(
+  { kind, name, type, fault, hub, others = [] }: Sketch,
+  out: number,
+  into: number,
+): string {
+  const typed = type === "" ? "" : `, type ${[type, ...others].join(" and ")}`;
   const state = fault === "" ? "" : `, unreachable: ${fault}`;
   const place = hub === "" ? "" : ` of hub ${hub}`;
   if (kind === "node") return `node ${name}${place}, publishes ${out}, subscribes ${into}${state}`;
