@@ -152,6 +152,9 @@ describe("Feed", () => {
     expect(receiver.messages).toEqual([{ data: 1 }]);
     socket.receive({ op: "subscribed", id, topic_id: 9, type: "std_msgs/String" });
     expect(receiver.faults[1]).toBe("the topic has the type std_msgs/String now");
+    socket.receiveNumber(9, 1, 0, 0, 0, 65);
+    socket.receiveNumber(7, 2);
+    expect(receiver.messages).toEqual([{ data: 1 }, { data: 2 }]);
     socket.receive({ op: "status", id, level: "error", msg: "not allowed" });
     expect(receiver.faults[2]).toBe("not allowed");
   });

@@ -174,10 +174,14 @@ export class Feed {
 
   #prepare(entry: Entry, { topic_id, type }: Record<string, unknown>): void {
     const { typedefs } = entry.subscriber;
+    if (typedefs[0]?.type !== type) {
+      // A topic may have several types: messages of the expected one are shown all the same.
+      entry.subscriber.fail(`the topic has the type ${String(type)} now`);
+      return;
+    }
     entry.topicId = topic_id as number;
     entry.reader = undefined;
     try {
-      if (typedefs[0]?.type !== type) throw new Error(`the topic has the type ${String(type)} now`);
       entry.reader = makeReader(typedefs);
     } catch (error) {
       entry.subscriber.fail((error as Error).message);
