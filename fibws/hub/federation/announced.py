@@ -209,8 +209,11 @@ def _bytes(name: str, record: Any) -> int:
         texts = [text for hub in record.path for text in (hub.name, hub.version)]
         size = len(record.path) * PART
     elif isinstance(record, RemoteTopic):
-        texts = [record.type, *record.publishers, *record.subscribers]
-        size = len(record.publishers) * PART
+        users = record.by_type
+        texts = [
+            text for each in users for text in (each.type, *each.publishers, *each.subscribers)
+        ]
+        size = sum(len(each.publishers) for each in users) * PART
     else:
         texts, size = [record.type, record.node], 0
     return RECORD + size + sum(map(getsizeof, (name, *texts)))

@@ -42,7 +42,7 @@ class World:
         self.hub = FakeHub(share_params=("/shared",))
         clock, settings = self.hub.clock, self.hub.settings
         this = HubInfo(id="a" * 16, name="this")
-        self.federation = Federation(self.hub.graph, this, clock, settings, Audit(clock.time))
+        self.federation = Federation(self.hub.graph, this, clock, settings, Audit(clock.time), {})
         self.link = Link(
             "accept",
             Mock(),
