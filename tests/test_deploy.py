@@ -359,6 +359,7 @@ HEALTHY = {
     samples("fibws_links_down"): "0x10 1x4 0x80",
     samples("fibws_recording_dropped_messages_total"): "0x80",
     samples("fibws_recording_failed"): "0x10 1x2 0x80",
+    samples("fibws_parameters_unsaved"): "0x10 1x2 0x80",
     lag("0.005"): "0+74x80",
     lag("0.5"): "0+75x80",
     lag("+Inf"): "0+75x80",
@@ -382,6 +383,7 @@ INCIDENTS = {
         samples("fibws_service_failures_total", service="/dock", code="timeout"): "0+6x80"
     },
     "LinkDown": {samples("fibws_links_down"): "0x60 1x20"},
+    "ParametersUnsaved": {samples("fibws_parameters_unsaved"): "0x60 1x20"},
     "RecordingFailed": {samples("fibws_recording_failed"): "0x60 1x20"},
     "RecordingDrops": {samples("fibws_recording_dropped_messages_total"): "0x70 40x10"},
 }
@@ -423,7 +425,12 @@ class TestPrometheus:
         self, start_hub: StartHub, tmp_path: Path
     ) -> None:
         # Some metrics are there only with a recorder, or with another hub, which need not answer.
-        hub = await start_hub(record=tmp_path, join=("ws://127.0.0.1:1",))
+        hub = await start_hub(
+            record=tmp_path,
+            join=("ws://127.0.0.1:1",),
+            params=tmp_path / "params.yaml",
+            keep_params=True,
+        )
         known = {sample for family in families(hub) for sample in family}
         for expression in strings_in(yaml.safe_load(ALERTS.read_text("utf-8")), "expr"):
             for name in re.findall(r"\b(?:fibws|process)_\w+", expression):

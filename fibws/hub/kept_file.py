@@ -64,6 +64,11 @@ class KeptFile(Generic[Snapshot]):
         self._fault = ""
         """Why the last write failed; empty if it succeeded."""
 
+    @property
+    def has_failed(self) -> bool:
+        """Whether the last write failed."""
+        return bool(self._fault)
+
     def check(self) -> bytes:
         """Return the content, empty if there is no file.
 

@@ -119,6 +119,8 @@ class Hub:
     _asset_room: ByteRoom
     _account: Account
     """Counts what is held for clients."""
+    _has_unsaved: Callable[[], bool] | None = None
+    """Returns whether the parameters cannot be written, if they are kept."""
 
     def __init__(self, settings: Settings | None = None, policy: Policy | None = None) -> None:
         self.settings = settings or Settings()
@@ -297,6 +299,7 @@ class Hub:
             watchers=watchers,
             links=lambda: [*self.federation.links(), *self._broken_links()],
             recording=self.recording,
+            has_unsaved=self._has_unsaved,
             account=self._account,
             loop=type(loop).__module__.partition(".")[0],
         )
@@ -446,6 +449,7 @@ class Hub:
             self._end.enter_context(kept.file.reserved())
         found = await kept.load()
         if self.settings.keep_params:
+            self._has_unsaved = lambda: kept.file.has_failed
             kept.watch()
             self._end.push_async_callback(kept.file.close)
         return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import math
 import os
@@ -15,6 +16,7 @@ import yaml
 from conftest import StartHub
 
 import fibws
+from fibws.client import hub_pages
 from fibws.errors import HubError
 from fibws.files import replace_file
 from fibws.hub import Hub, kept_file, parameter_file
@@ -68,6 +70,11 @@ def write(path: Path, text: str) -> None:
 
 def read(path: Path) -> str:
     return path.read_text()
+
+
+async def metrics(hub: Hub) -> bytes:
+    _, _, body = await asyncio.to_thread(hub_pages.get, hub.url, "metrics")
+    return body
 
 
 def saved(path: Path) -> Any:
@@ -178,10 +185,12 @@ async def test_full_disk_is_told_and_loses_nothing(
     await until(lambda: disk.begun > 3)
     assert caplog.text.count(f"{path} cannot be written: {os.strerror(errno.ENOSPC)}") == 1
     assert read(path) == "a: 1\n"
+    assert b"fibws_parameters_unsaved 1" in await metrics(hub)
     disk.is_full = False
     await until(lambda: disk.written)
     assert saved(path) == {"a": 2}
     await until(lambda: f"{path} is written again" in caplog.text)
+    assert b"fibws_parameters_unsaved 0" in await metrics(hub)
     disk.is_full = True
     hub.graph.parameters.set("/a", 3)
     await hub.close()

@@ -133,6 +133,7 @@ class Metrics:
     Args:
         links: returns the links to other hubs, as fibws_msgs/HubLink.
         recording: what records all topics, if anything does.
+        has_unsaved: returns whether the parameters cannot be written, if they are kept.
         account: counts what is held for clients.
         loop: the name of the event loop's library.
     """
@@ -151,6 +152,7 @@ class Metrics:
         watchers: Watchers,
         links: Callable[[], Iterable[Mapping[str, Any]]],
         recording: Recording | None,
+        has_unsaved: Callable[[], bool] | None,
         account: Account,
         loop: str,
     ) -> None:
@@ -165,6 +167,7 @@ class Metrics:
         self._watchers = watchers
         self._links = links
         self._recording = recording
+        self._has_unsaved = has_unsaved
         self._account = account
         self._build = {
             "version": __version__,
@@ -199,6 +202,9 @@ class Metrics:
         self._add_held(metrics)
         if self._recording is not None:
             self._add_recording(metrics, self._recording)
+        if self._has_unsaved is not None:
+            help_ = "1 while the file of the parameters cannot be written."
+            metrics.gauge("fibws_parameters_unsaved", help_, +self._has_unsaved())
         add_process(metrics)
 
     def _add_hub(self, metrics: Exposition) -> None:

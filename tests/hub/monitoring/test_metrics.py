@@ -132,7 +132,7 @@ class TestFormat:
     async def test_documentation_names_all_metrics(
         self, start_hub: StartHub, tmp_path: Path
     ) -> None:
-        hub = await start_hub(record=tmp_path)
+        hub = await start_hub(record=tmp_path, params=tmp_path / "params.yaml", keep_params=True)
         await start_hub(join=(hub.url,))
         await until(lambda: bool(hub.federation.peers))
         section = OPERATIONS.partition("### Metrics")[2].partition("\n## ")[0]
