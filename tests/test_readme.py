@@ -210,7 +210,8 @@ def test_type_checker_knows_the_users_own_packages_by_stubs(folder: Path) -> Non
     subprocess.run([sys.executable, *command.split()], cwd=folder, check=True, env=environment)
     settings = re.search(r"```toml\n(\[tool\.mypy\]\n.*?)```", NODES, re.DOTALL)
     assert settings is not None
-    (folder / "pyproject.toml").write_text(f"{settings[1]}strict = true\n")
+    strict = settings[1].replace("[tool.mypy]\n", "[tool.mypy]\nstrict = true\n")
+    (folder / "pyproject.toml").write_text(strict)
     program = folder / "indexed_broadcaster.py"
     program.write_text(PROGRAMS["indexed_broadcaster"])
     mypy = (sys.executable, "-m", "mypy", ".")
