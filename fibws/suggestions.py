@@ -11,6 +11,8 @@ MISSPELLED = 0.84
 
 MOST_COMPARED = 20
 """Similar names of which the last parts are compared."""
+SHORT = 3
+"""Letters of a last part in which one that differs would be too much."""
 
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
@@ -27,7 +29,7 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     by_lower = {each.lower(): each for each in reversed(list(known))}
     last = _last(name.lower())
     for near in get_close_matches(name.lower(), list(by_lower), MOST_COMPARED, cutoff):
-        if get_close_matches(last, [_last(near)], 1, cutoff):
+        if len(last) <= SHORT or get_close_matches(last, [_last(near)], 1, cutoff):
             return by_lower[near]
     return None
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from fibws.definition_folders import named_folders
-from fibws.suggestions import MISSPELLED, nearest
+from fibws.suggestions import nearest
 from fibws.values.typedefs import TIMES, Typedefs
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class InstalledTypes:
         if found := nearest(name, known):
             return found
         shorts = {each.partition("/")[2]: each for each in reversed(known)}
-        short = nearest(name.rpartition("/")[2], shorts, MISSPELLED)
+        short = nearest(name.rpartition("/")[2], shorts, 0.8)
         return shorts[short] if short else None
 
     def definition(self, name: str) -> Definition:
