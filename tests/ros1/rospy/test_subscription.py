@@ -218,7 +218,7 @@ class Source:
     def __init__(self) -> None:
         self.decoded: list[str] = []
 
-    def decode(self, received: Received) -> Any:
+    def _decode(self, received: Received) -> Any:
         message = String().deserialize(bytes(received[0]))
         self.decoded.append(message.data)
         return message
