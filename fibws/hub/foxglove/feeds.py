@@ -139,9 +139,9 @@ class Schemas:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic that others use, and whose type has known fields.
+    """A topic that others use with one type, whose fields are known.
 
-    ``id`` is the topic's number, which it keeps until it gets another type.
+    ``id`` is the number of the topic and this type.
     """
 
     id: int
@@ -161,8 +161,8 @@ class Channel:
         )
 
 
-class ChannelFeed(Feed[str, Channel]):
-    """The channels that a client may subscribe to, by the topics' names.
+class ChannelFeed(Feed[str, tuple[Channel, ...]]):
+    """The channels that a client may subscribe to, by the topics' names: one for each type.
 
     Args:
         removed: takes each channel that the client is told to be gone.
@@ -185,30 +185,42 @@ class ChannelFeed(Feed[str, Channel]):
         super().close()
         self._by_id.clear()
 
-    def view(self, key: str) -> Channel | None:
-        """Return a topic's channel, if there is one that the client may subscribe to."""
+    def view(self, key: str) -> tuple[Channel, ...] | None:
+        """Return a topic's channels, if there are any that the client may subscribe to."""
         topic = _used(self.client, key)
-        type_ = topic.type if topic is not None else None
-        schema = self._schemas.find(type_) if type_ is not None else None
-        if topic is None or type_ is None or schema is None:
+        if topic is None:
             return None
-        return Channel(topic.number, key, type_.name, type_.md5sum, schema)
+        found = []
+        for group in [each for each in topic.groups if each.sources] or topic.groups[:1]:
+            type_ = group.type
+            schema = self._schemas.find(type_) if type_ is not None else None
+            if type_ is not None and schema is not None:
+                found.append(Channel(group.number, key, type_.name, type_.md5sum, schema))
+        return tuple(found) or None
 
-    def size(self, entry: Channel) -> int:
-        """Return about how many bytes a channel takes in a frame."""
-        return len(entry.schema)
+    def size(self, entry: tuple[Channel, ...]) -> int:
+        """Return about how many bytes the channels of a topic take in a frame."""
+        return sum(len(each.schema) for each in entry)
 
-    def encode(self, removed: Sequence[Channel], added: Sequence[Channel]) -> bytes:
+    def encode(
+        self, removed: Sequence[tuple[Channel, ...]], added: Sequence[tuple[Channel, ...]]
+    ) -> bytes:
         """Return the frames that take channels back, and then offer others."""
         frames = []
-        if removed:
-            for channel in removed:
+        gone = {channel.id: channel for entry in removed for channel in entry}
+        new = {channel.id: channel for entry in added for channel in entry}
+        for id_ in gone.keys() & new.keys():
+            if gone[id_] == new[id_]:  # The topic has got, or lost, another type.
+                del gone[id_], new[id_]
+        if gone:
+            for channel in gone.values():
                 del self._by_id[channel.id]
                 self._removed(channel)
-            frames.append(text_frame("unadvertise", channelIds=[each.id for each in removed]))
-        if added:
-            self._by_id.update((channel.id, channel) for channel in added)
-            frames.append(list_frame("advertise", "channels", (each.text() for each in added)))
+            frames.append(text_frame("unadvertise", channelIds=list(gone)))
+        if new:
+            self._by_id.update(new)
+            texts = (each.text() for each in new.values())
+            frames.append(list_frame("advertise", "channels", texts))
         return b"".join(frames)
 
 

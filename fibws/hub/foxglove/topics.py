@@ -223,7 +223,7 @@ class Subscriptions:
             return
         self.client.check_room("subscriptions", len(self.by_id))
         topic = self.client.graph.topic(channel.topic)
-        if topic.number != channel.id:
+        if all(each.number != channel.id for each in topic.groups):
             raise unknown_channel(channel.id)
         key = channel, id_
         group = self._groups.get(key)

@@ -188,5 +188,5 @@ class FoxgloveClient:
 
 def _forget(known: dict[str, dict[str, Any]], ids: Sequence[int]) -> None:
     for id_ in ids:
-        [name] = [name for name, each in known.items() if each["id"] == id_]
-        del known[name]
+        for name in [name for name, each in known.items() if each["id"] == id_]:
+            del known[name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 
 import pytest
@@ -11,7 +12,7 @@ from fibws.hub.foxglove.feeds import BATCH, MOST_PROBES, PROBE_SECONDS, Schemas
 from fibws.hub.graph.graph import ExternalNode
 from fibws.hub.graph.types import MessageType
 
-from ..fakes import ADD, FIBONACCI, INT32, STANDARD
+from ..fakes import ADD, FIBONACCI, INT32, NANOSECONDS, STANDARD, STRING
 from .foxglove_client import FoxgloveHub
 
 POSE = "geometry_msgs/PoseStamped"
@@ -94,7 +95,9 @@ def test_id_stays_while_publishers_and_subscribers_come_and_go() -> None:
     first.disconnect()
     assert client.receive_operations() == []
     assert client.channels["/fib"]["id"] == id_
-    assert hub.foxglove_client("/other").session._channels.view("/fib").id == id_  # type: ignore[union-attr]
+    other = hub.foxglove_client("/other")
+    other.receive()
+    assert other.channels["/fib"]["id"] == id_
 
 
 def test_changes_within_one_turn_are_sent_together() -> None:
@@ -338,6 +341,27 @@ def work(channels: int, clients: int) -> int:
         client.receive()
         assert len(client.channels) == channels
     return lines
+
+
+def test_topic_is_a_channel_for_each_type_with_which_it_is_published() -> None:
+    hub = FoxgloveHub()
+    wrong, talker, client = hub.client("/wrong"), hub.client("/talker"), hub.foxglove_client()
+    wrong.send("advertise", "/fib", type=STRING)
+    client.subscribe("/fib", 1)
+    talker.send("advertise", "/fib", type=INT32)
+    operations = client.receive_operations()
+    assert "unadvertise" not in operations
+    assert client.channels["/fib"]["schemaName"] == INT32
+    client.subscribe("/fib", 2)
+    wrong.send("publish", "/fib", msg={"data": ""})
+    talker.send("publish", "/fib", msg={"data": 5})
+    assert client.receive_messages() == [
+        (1, NANOSECONDS, bytes(4)),
+        (2, NANOSECONDS, struct.pack("<i", 5)),
+    ]
+    wrong.disconnect()
+    talker.send("publish", "/fib", msg={"data": 6})
+    assert client.receive_messages() == [(2, NANOSECONDS, struct.pack("<i", 6))]
 
 
 @pytest.mark.long
