@@ -146,6 +146,19 @@ async def test_topic_is_left_with_its_last_publisher(tmp_path: Path) -> None:
     assert [topic for topic, *_ in recorded(tmp_path)] == ["/numbers"]
 
 
+async def test_both_types_of_a_topic_are_recorded(tmp_path: Path) -> None:
+    async with (
+        Hub(settings(tmp_path)) as hub,
+        fibws.Node("talker", hub=hub.url) as node,
+        fibws.Node("other", hub=hub.url) as other,
+    ):
+        await (await node.advertise("/numbers", Int32)).publish(1)
+        await (await other.advertise("/numbers", String)).publish("two")
+        await node.graph.nodes()
+        await other.graph.nodes()
+    assert [topic for topic, *_ in recorded(tmp_path)] == ["/numbers", "/numbers"]
+
+
 async def test_services_start_and_stop_the_recording(tmp_path: Path) -> None:
     async with (
         Hub(settings(tmp_path, record_at_start=False)) as hub,

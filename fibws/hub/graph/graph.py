@@ -621,26 +621,21 @@ class Graph:
         self, topic: Topic, name: str, definition: str | None, node: str
     ) -> TypeGroup | None:
         """Return the group of a type, or one that nobody has named a type for."""
-        groups = topic.groups
-        for group in groups:
+        for group in topic.groups:
             if group.type is not None and group.type.name == name:
                 return group
-        free = None
-        for group in groups:
-            if group.type is None:
-                free = group
-            elif self._is_alike(group.type, name, definition, node):
-                return group
-        return free
+        known = {each.type.md5sum: each for each in reversed(topic.groups) if each.type is not None}
+        known.pop(None, None)
+        if known and (alike := known.get(self._md5sum_of(name, definition, node))) is not None:
+            return alike
+        return next((each for each in topic.groups if each.type is None), None)
 
-    def _is_alike(self, type_: MessageType, name: str, definition: str | None, node: str) -> bool:
-        """Return whether a type and the one of this name are known to have the same fields."""
-        if type_.md5sum is None:
-            return False
+    def _md5sum_of(self, name: str, definition: str | None, node: str) -> str | None:
+        """Return the md5 of a type, if its fields are known."""
         try:
-            return self._types.message(name, definition, node).md5sum == type_.md5sum
+            return self._types.message(name, definition, node).md5sum
         except InterfaceError:
-            return False
+            return None
 
     def _update(self, type_: MessageType, definition: str | None, node: str) -> MessageType:
         """Return a type that is held, or one in its place if its fields have become known."""
