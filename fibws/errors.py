@@ -15,7 +15,7 @@ FibwsError
 │   └── MessageTooLarge        a message larger than the hub takes
 ├── InvalidUtf8            a text message that is not UTF-8
 ├── OperationError         the hub refuses an operation; the text goes to the client
-│   ├── TypeConflict           a topic that already has another type
+│   ├── TypeConflict           a node's second type of a topic, or not that of the hub's own
 │   ├── DefinitionMismatch     a client knows a type by another definition
 │   ├── UnknownDefinition      messages cannot be serialized, as their fields are unknown
 │   ├── UnknownPublisher       a binary frame of a publisher that is not advertised
@@ -226,7 +226,7 @@ class OperationError(FibwsError):
 
 
 class TypeConflict(OperationError):
-    """The topic already has another type."""
+    """The node itself uses the topic with another type, or the topic is the hub's own."""
 
     code = "type_conflict"
 

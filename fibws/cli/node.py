@@ -302,7 +302,7 @@ def _subscribed(snapshot: GraphSnapshot, node: str) -> list[Entry]:
 
 
 def _conflicts(snapshot: GraphSnapshot, node: str) -> Iterator[tuple[str, str]]:
-    """Yield topics that a ROS 1 node cannot use with the hub's clients, and why."""
+    """Yield topics that a node uses in conflict with others, and why."""
     for topic in snapshot.topics:
         for conflict in topic["conflicts"]:
             if conflict["node"] == node:

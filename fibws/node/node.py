@@ -257,7 +257,8 @@ class Node:
         """Advertise a topic, and return its publisher once the hub has registered it.
 
         It registers again by itself after a reconnection. If the hub refuses that, it is logged,
-        and the next publish raises OperationRejected.
+        and the next publish raises OperationRejected. Subscribers of another type get no messages;
+        other publishers of another type are logged as a warning.
 
         Args:
             topic: its name.
@@ -340,7 +341,8 @@ class Node:
     ) -> Subscription[M]:
         """Subscribe to a topic: ``async for message in node.subscribe(...)``.
 
-        If the hub refuses, the iteration raises OperationRejected.
+        If the hub refuses, the iteration raises OperationRejected. Publishers of another type are
+        logged as a warning, and their messages do not come.
 
         Args:
             topic: its name.

@@ -10,7 +10,7 @@ mutants are data, in the ``*.toml`` files beside this one::
     [[mutant]]
     what = "a source removed by a sink keeps no latched message"   # What the guard is for.
     file = "fibws/hub/graph/topic.py"
-    old = "if self.topic.sources.get(self.node) is not self:"      # Must be there exactly once.
+    old = "if not self.is_attached:"                               # Must be there exactly once.
     new = "if False:"
     tests = ["tests/hub/graph/test_sources.py"]                    # Files, or tests in them.
 

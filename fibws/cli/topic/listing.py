@@ -85,8 +85,8 @@ def _print_numbers(topics: list[Entry], end: str) -> None:
 def info(client: HubClient, topic: str, as_json: bool) -> None:
     """Show the type, the publishers and the subscribers of TOPIC.
 
-    Conflicts are ROS 1 nodes that use it with another type, and exchange no messages with the hub's
-    clients.
+    Conflicts are nodes that use it with another type, and exchange messages only with those that
+    use the same one.
     """
     snapshot = GraphSnapshot(client)
     found = snapshot.topic(client.resolve(topic))
