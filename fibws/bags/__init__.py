@@ -1,4 +1,4 @@
-"""Bags: files with recorded messages, in the formats of ROS 1 (.bag) and MCAP (.mcap).
+"""Bags: files with recorded messages: .bag of ROS 1, .mcap, and .db3 of ROS 2, which is only read.
 
     connection ─> what all formats have: connections (publishers of topics), chunks of messages
     bag_format ─> records of .bag; bag_writer, bag_reader and bag_scan use it
@@ -6,7 +6,8 @@
     reader ─> messages in the order of time, for both
     compression ─> of chunks, with bounds
     reindex ─> a bag with an index from what is left of one
-    rosbag2 ─> folders of .mcap files, as one bag
+    sqlite_files ─> a reader of .db3
+    rosbag2 ─> folders of .mcap and .db3 files, as one bag
     ros2_messages, on transformed_reader ─> messages in CDR as those of ROS 1, and back
     files ─> the right class for a file or a folder
 

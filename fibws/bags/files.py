@@ -10,6 +10,7 @@ from fibws.bags.bag_writer import CHUNK_SIZE, BagWriter
 from fibws.bags.mcap_files import MAGIC, McapWriter
 from fibws.bags.reader import Reader
 from fibws.bags.rosbag2 import MCAP_SUFFIX, is_zstd, open_file, open_folder
+from fibws.bags.sqlite_files import is_sqlite
 from fibws.errors import BagNotIndexed
 from fibws.files import check_not_written
 
@@ -20,7 +21,8 @@ def open_reader(path: str | os.PathLike[str], *, allow_unindexed: bool = False) 
     """Open a bag for reading: a file, or a folder of rosbag2.
 
     Args:
-        path: a .bag or .mcap file, also one that zstd has compressed as a whole, or a folder.
+        path: a .bag, .mcap or .db3 file, also one that zstd has compressed as a whole, or a
+            folder.
         allow_unindexed: whether a bag without an index is read as a whole to make one.
 
     Raises:
@@ -33,7 +35,7 @@ def open_reader(path: str | os.PathLike[str], *, allow_unindexed: bool = False) 
     try:
         if os.path.isdir(path):
             return open_folder(path, allow_unindexed=allow_unindexed)
-        if is_mcap(path) or is_zstd(path):
+        if is_mcap(path) or is_sqlite(path) or is_zstd(path):
             return open_file(path, allow_unindexed=allow_unindexed)
         return BagReader(path, allow_unindexed=allow_unindexed)
     except BagNotIndexed as error:

@@ -76,6 +76,8 @@ def as_ros1(connection: Connection) -> Converted:
     if connection.encoding != CDR:
         fault = f"messages of {topic} are in {connection.encoding}, which is not read"
         raise UnsupportedBag(fault, "format")
+    if not connection.definition_format:
+        connection = _with_known_definition(connection)
     if connection.definition_format != "ros2msg":
         format_ = connection.definition_format or "no definition"
         raise UnsupportedBag(
@@ -163,6 +165,35 @@ def as_ros2(connection: Connection) -> Converted:
     return Converted(ros2, convert)
 
 
+def _check_first(reader: Reader, connection: Connection, convert: Convert) -> None:
+    """Raise UnsupportedBag if the first message does not fit a definition that was assumed."""
+    for _, _, data in reader.messages(connections=[connection]):
+        try:
+            convert(data)
+        except InvalidMessage:
+            raise UnsupportedBag(
+                f"messages of {connection.topic} cannot be read: they have no definition, and do "
+                f"not fit that of {connection.type} in ROS 1",
+                "format",
+            ) from None
+        return
+
+
+def _with_known_definition(connection: Connection) -> Connection:
+    """Return a connection without a definition with that of ROS 1, if ROS 1 has such a type.
+
+    Releases before Iron have recorded none in .db3 files.
+    """
+    from fibws.interfaces.ros2_definitions import write_ros2_message
+
+    try:
+        type_ = connection.type.replace("/msg/", "/")
+        text = write_ros2_message(type_, _known().message)
+    except FibwsError:
+        return connection
+    return replace(connection, definition=text, definition_format="ros2msg")
+
+
 @cache
 def _known() -> Definitions:
     """Return the standard types of ROS 1."""
@@ -195,6 +226,8 @@ class ConvertedReader(TransformedReader):
             if connection.encoding != encoding:
                 try:
                     found = convert(connection)
+                    if not connection.definition_format:
+                        _check_first(reader, connection, found.convert)
                 except BagError as error:
                     self.not_converted[connection.id] = str(error)
                 else:

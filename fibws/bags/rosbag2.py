@@ -1,4 +1,4 @@
-"""Folders that rosbag2 has recorded: .mcap files with a metadata.yaml, maybe compressed by zstd.
+"""Folders of rosbag2: .mcap or .db3 files with a metadata.yaml, maybe compressed by zstd.
 
 The files are read as one bag. A folder whose recorder has ended before it wrote metadata.yaml is
 read, too.
@@ -7,6 +7,7 @@ read, too.
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -16,6 +17,8 @@ from fibws.bags import compression
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.bags.mcap_files import McapReader
 from fibws.bags.reader import MAX_FILE, ChunkMessages, Reader
+from fibws.bags.sqlite_files import MAGIC, SqliteReader, is_sqlite
+from fibws.bags.sqlite_files import SUFFIX as SQLITE_SUFFIX
 from fibws.bags.transformed_reader import TransformedReader
 from fibws.errors import BagError, BagFormatError, UnsupportedBag
 
@@ -23,7 +26,8 @@ METADATA = "metadata.yaml"
 MAX_METADATA = 16 * 2**20
 """Maximum size of metadata.yaml, in bytes."""
 MCAP_SUFFIX = ".mcap"
-ZSTD_SUFFIX = ".mcap.zstd"
+STORAGES = ("mcap", "sqlite3")
+SUFFIXES = tuple(f"{each}{end}" for each in (MCAP_SUFFIX, SQLITE_SUFFIX) for end in ("", ".zstd"))
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _STEP = 2**20
 
@@ -35,12 +39,12 @@ def open_folder(path: str, *, allow_unindexed: bool = False) -> Reader:
     if not names:
         bags = sorted(each for each in os.listdir(path) if each.endswith(".bag"))
         hint = f"; name a file in it, such as {os.path.join(path, bags[0])}" if bags else ""
-        raise BagFormatError(f"{path}: a folder without .mcap files{hint}")
+        raise BagFormatError(f"{path}: a folder without .mcap or .db3 files{hint}")
     with ExitStack() as stack:
         readers = []
         for name in names:
             place = os.path.join(path, name)
-            reader = open_mcap(place, allow_unindexed=allow_unindexed)
+            reader = open_storage(place, allow_unindexed=allow_unindexed)
             readers.append(stack.enter_context(reader))
         stack.pop_all()
     found = readers[0] if len(readers) == 1 else CombinedReader(path, readers)
@@ -48,8 +52,8 @@ def open_folder(path: str, *, allow_unindexed: bool = False) -> Reader:
 
 
 def open_file(path: str, *, allow_unindexed: bool = False) -> Reader:
-    """Open a .mcap file, which may be one of such a folder; raise as `open_folder`."""
-    reader = open_mcap(path, allow_unindexed=allow_unindexed)
+    """Open a .mcap or .db3 file, which may be one of such a folder; raise as `open_folder`."""
+    reader = open_storage(path, allow_unindexed=allow_unindexed)
     try:
         metadata = _read_metadata(os.path.dirname(path) or ".")
     except (BagError, OSError):
@@ -58,16 +62,36 @@ def open_file(path: str, *, allow_unindexed: bool = False) -> Reader:
     return UnpackingReader(reader) if packed else reader
 
 
-def open_mcap(path: str, *, allow_unindexed: bool = False) -> Reader:
-    """Open a .mcap file, or one that is compressed as a whole, for reading."""
+def open_storage(path: str, *, allow_unindexed: bool = False) -> Reader:
+    """Open a .mcap or .db3 file, or one that is compressed as a whole, for reading."""
     if not is_zstd(path):
+        if is_sqlite(path):
+            return SqliteReader(path)
         return McapReader(path, allow_unindexed=allow_unindexed)
     file = _decompressed(path)
     try:
-        return McapReader(path, allow_unindexed=allow_unindexed, file=file)
+        file.seek(0)
+        if file.read(len(MAGIC)) != MAGIC:
+            return McapReader(path, allow_unindexed=allow_unindexed, file=file)
+        return SqliteReader(path, file=_named_copy(file))
     except BaseException:
         file.close()
         raise
+
+
+def _named_copy(file: BinaryIO) -> str:
+    """Close a temporary file; return the path of a copy of it, as SQLite opens no other files."""
+    from tempfile import mkstemp
+
+    descriptor, path = mkstemp(suffix=SQLITE_SUFFIX)
+    try:
+        with file, open(descriptor, "wb") as copy:
+            file.seek(0)
+            shutil.copyfileobj(file, copy)
+    except BaseException:
+        os.unlink(path)
+        raise
+    return path
 
 
 def is_zstd(path: str) -> bool:
@@ -94,11 +118,10 @@ def _read_metadata(path: str) -> _Metadata:
         return _Metadata([], has_compressed_messages=False)
     found = _information(place)
     storage = _text(found, "storage_identifier", place) or "mcap"
-    if storage != "mcap":
+    if storage not in STORAGES:
+        known = " or ".join(STORAGES)
         raise UnsupportedBag(
-            f"{path}: recorded in {storage}, which is not read; expected mcap. Convert it with "
-            f"rosbags-convert (pip install rosbags): rosbags-convert --src {path} --dst NAME.bag",
-            "format",
+            f"{path}: recorded in {storage}, which is not read; expected {known}", "format"
         )
     files = found.get("relative_file_paths") or []
     if not isinstance(files, list) or not all(isinstance(each, str) for each in files):
@@ -141,9 +164,8 @@ def _information(place: str) -> dict[str, Any]:
 
 
 def _listed(path: str) -> list[str]:
-    """Return the names of the .mcap files in a folder."""
-    names = sorted(os.listdir(path))
-    return [each for each in names if each.endswith((MCAP_SUFFIX, ZSTD_SUFFIX))]
+    """Return the names of the .mcap and .db3 files in a folder."""
+    return sorted(each for each in os.listdir(path) if each.endswith(SUFFIXES))
 
 
 def _decompressed(path: str) -> BinaryIO:

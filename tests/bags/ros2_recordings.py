@@ -1,4 +1,4 @@
-"""Recordings of ROS 2, written by rosbags: messages in CDR, in MCAP files."""
+"""Recordings of ROS 2, written by rosbags: messages in CDR, in MCAP files or SQLite's."""
 
 from __future__ import annotations
 
@@ -29,6 +29,15 @@ float32[<=4] levels
 string<=9 name
 sensor_msgs/CameraInfo info
 """
+Kind = tuple[StoragePlugin, CompressionMode]
+"""How a recording is stored."""
+KINDS: dict[str, Kind] = {
+    f"{plugin.name}-{mode.name}".lower(): (plugin, mode)
+    for plugin in (StoragePlugin.MCAP, StoragePlugin.SQLITE3)
+    for mode in CompressionMode
+    if plugin is StoragePlugin.MCAP or mode is not CompressionMode.STORAGE
+}
+MCAP: Kind = KINDS["mcap-none"]
 NEVER = QosTime(9223372036, 854775807)
 LATCHED = Qos(
     history=QosHistory.KEEP_LAST,
@@ -112,14 +121,15 @@ def definition(type_: str) -> str:
 
 def write(
     folder: Path,
-    mode: CompressionMode = CompressionMode.NONE,
+    kind: Kind = MCAP,
     *,
     begin: int = 0,
     end: int = 20,
     latched: bool = False,
 ) -> None:
     """Write a folder with one file of messages by their numbers, ten of each topic in a second."""
-    writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
+    plugin, mode = kind
+    writer = Writer(folder, version=9, storage_plugin=plugin)
     writer.set_compression(mode, CompressionFormat.ZSTD)
     with writer:
         connections = {
@@ -136,17 +146,17 @@ def write(
                 writer.write(connections[topic], START + number * 100_000_000 + shift, data)
 
 
-def write_split(folder: Path, mode: CompressionMode = CompressionMode.NONE) -> None:
+def write_split(folder: Path, kind: Kind = MCAP) -> None:
     """Write a folder with three files, the way rosbag2 splits recordings."""
     parts = []
     for number in range(3):
         part = folder.with_name(f"{folder.name}_part{number}")
-        write(part, mode, begin=number * 10, end=number * 10 + 10)
+        write(part, kind, begin=number * 10, end=number * 10 + 10)
         parts.append(part)
     folder.mkdir()
     names = []
     for number, part in enumerate(parts):
-        [path] = part.glob("*.mcap*")
+        [path] = files(part)
         names.append(f"{folder.name}_{number}.{path.name.partition('.')[2]}")
         path.rename(folder / names[-1])
     metadata = yaml.safe_load((parts[0] / "metadata.yaml").read_text())
@@ -156,6 +166,11 @@ def write_split(folder: Path, mode: CompressionMode = CompressionMode.NONE) -> N
     (folder / "metadata.yaml").write_text(yaml.safe_dump(metadata))
     for part in parts:
         shutil.rmtree(part)
+
+
+def files(folder: Path) -> list[Path]:
+    """Return the files with messages of a folder."""
+    return [each for each in sorted(folder.iterdir()) if each.name != "metadata.yaml"]
 
 
 def rows_by_rosbags(folder: Path) -> list[Row]:

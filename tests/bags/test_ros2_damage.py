@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sqlite3
 import tracemalloc
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,6 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 from random_inputs import examples
-from rosbags.rosbag2 import CompressionMode
 from work import executed_lines
 
 from fibws.bags import compression, open_reader, rosbag2
@@ -34,12 +35,12 @@ def connection(
 
 
 @pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[CompressionMode, Path]:
-    """Recordings with each compression."""
+def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Recordings of each kind."""
     found = {}
-    for mode in CompressionMode:
-        found[mode] = tmp_path_factory.mktemp("bags") / "walk"
-        ros2_recordings.write(found[mode], mode, end=8)
+    for name, kind in ros2_recordings.KINDS.items():
+        found[name] = tmp_path_factory.mktemp("bags") / "walk"
+        ros2_recordings.write(found[name], kind, end=8)
     return found
 
 
@@ -137,11 +138,11 @@ def test_damaged_message_is_read_or_an_error(data: st.DataObject) -> None:
 @examples(1)
 @given(data=st.data())
 def test_damaged_folder_gives_an_error_of_its_own(
-    folders: dict[CompressionMode, Path],
+    folders: dict[str, Path],
     tmp_path_factory: pytest.TempPathFactory,
     data: st.DataObject,
 ) -> None:
-    source = folders[data.draw(st.sampled_from(sorted(folders, key=lambda mode: mode.name)))]
+    source = folders[data.draw(st.sampled_from(sorted(folders)))]
     folder = tmp_path_factory.mktemp("damaged")
     paths = sorted(source.iterdir())
     damaged = data.draw(st.sampled_from(paths))
@@ -212,6 +213,58 @@ def test_bomb_of_metadata_costs_nothing(tmp_path: Path, name: str) -> None:
     (tmp_path / "metadata.yaml").write_text(text)
     with pytest.raises(BagFormatError, match=name):
         open_reader(tmp_path)
+
+
+ENDLESS = "WITH RECURSIVE a(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM a) SELECT n"
+TOPICS = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format)"
+MESSAGES = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data)"
+TOPIC = "INSERT INTO topics VALUES (1, '/it', 'std_msgs/msg/Int32', 'cdr')"
+
+
+@pytest.mark.parametrize(
+    ("statements", "fault"),
+    [
+        ((), "no table topics"),
+        ((TOPICS,), "no table messages"),
+        ((f"CREATE VIEW topics AS {ENDLESS} FROM a", MESSAGES), "topics must be a table"),
+        (
+            (
+                *(TOPICS, TOPIC),
+                f"CREATE VIEW messages AS {ENDLESS}, 1 topic_id, 1 timestamp, x'' data FROM a",
+            ),
+            "messages must be a table",
+        ),
+        (
+            (
+                TOPICS,
+                f"{MESSAGES[:-5]}data BLOB GENERATED ALWAYS AS (zeroblob(1000000000)) VIRTUAL)",
+            ),
+            "computed columns",
+        ),
+        ((TOPICS, "CREATE TABLE messages(id TEXT PRIMARY KEY) WITHOUT ROWID"), "no such column"),
+        ((TOPICS, MESSAGES, "INSERT INTO topics VALUES (1, 5, 6, 7)"), "invalid row"),
+        ((TOPICS, MESSAGES, TOPIC, "INSERT INTO messages VALUES (1, 1, 'x', x'')"), "in row 1"),
+        ((TOPICS, MESSAGES, TOPIC, "INSERT INTO messages VALUES (1, 1, -5, x'')"), "in row 1"),
+        ((TOPICS, MESSAGES, TOPIC, "INSERT INTO messages VALUES (1, 1, 5, NULL)"), "in row 1"),
+        ((TOPICS, MESSAGES, TOPIC, "INSERT INTO messages VALUES (1, 1, 5, 'x')"), "in row 1"),
+    ],
+)
+def test_database_that_does_harm_or_is_another_one_is_an_error(
+    tmp_path: Path, statements: tuple[str, ...], fault: str
+) -> None:
+    path = tmp_path / "it.db3"
+    with closing(sqlite3.connect(path)) as database, database:
+        database.execute("CREATE TABLE other(a)")
+        for each in statements:
+            database.execute(each)
+    tracemalloc.start()
+    try:
+        with pytest.raises(BagFormatError, match=fault) as caught, open_reader(path) as reader:
+            list(reader.messages())
+        assert str(path) in str(caught.value)
+        assert tracemalloc.get_traced_memory()[1] < LARGE
+    finally:
+        tracemalloc.stop()
 
 
 def test_bomb_of_a_file_is_rejected_early(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

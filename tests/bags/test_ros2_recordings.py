@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -13,13 +15,10 @@ from fibws.errors import BagFormatError, UnsupportedBag
 from fibws.interfaces import Interfaces
 
 from . import ros2_recordings
-from .ros2_recordings import Row, rows_by_rosbags
+from .ros2_recordings import KINDS, Kind, Row, rows_by_rosbags
 
 INTERFACES = Interfaces()
-MODES = [CompressionMode.NONE, CompressionMode.STORAGE, CompressionMode.FILE]
-MODES.append(CompressionMode.MESSAGE)
-
-each_mode = pytest.mark.parametrize("mode", MODES, ids=[each.name for each in MODES])
+each_kind = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
 
 
 def rows(path: Path) -> list[Row]:
@@ -28,35 +27,35 @@ def rows(path: Path) -> list[Row]:
         return [(each.topic, each.type, time, data) for each, time, data in reader.messages()]
 
 
-@each_mode
-def test_folder_is_read_as_by_rosbags(tmp_path: Path, mode: CompressionMode) -> None:
+@each_kind
+def test_folder_is_read_as_by_rosbags(tmp_path: Path, kind: Kind) -> None:
     folder = tmp_path / "walk"
-    ros2_recordings.write(folder, mode)
+    ros2_recordings.write(folder, kind)
     found = rows(folder)
     assert found == rows_by_rosbags(folder)
     assert len(found) == 100
 
 
-@each_mode
-def test_files_of_a_folder_are_read_as_one_bag(tmp_path: Path, mode: CompressionMode) -> None:
+@each_kind
+def test_files_of_a_folder_are_read_as_one_bag(tmp_path: Path, kind: Kind) -> None:
     folder = tmp_path / "walk"
-    ros2_recordings.write_split(folder, mode)
+    ros2_recordings.write_split(folder, kind)
     found = rows(folder)
     assert found == sorted(rows_by_rosbags(folder), key=lambda row: row[2])
     with open_reader(folder) as reader:
         assert (reader.message_count, len(reader.connections)) == (150, 5)
         assert list(reader.faults()) == []
         assert len(reader.times(reader.connections[:1])) == 30
-    if mode is not CompressionMode.MESSAGE:  # Only metadata.yaml tells that messages are packed.
+    if kind[1] is not CompressionMode.MESSAGE:  # Only metadata.yaml tells that messages are packed.
         (folder / "metadata.yaml").unlink()
         assert rows(folder) == found
 
 
-@each_mode
-def test_file_of_a_folder_is_read_alone(tmp_path: Path, mode: CompressionMode) -> None:
+@each_kind
+def test_file_of_a_folder_is_read_alone(tmp_path: Path, kind: Kind) -> None:
     folder = tmp_path / "walk"
-    ros2_recordings.write(folder, mode)
-    [path] = folder.glob("*.mcap*")
+    ros2_recordings.write(folder, kind)
+    [path] = ros2_recordings.files(folder)
     assert rows(path) == rows_by_rosbags(folder)
 
 
@@ -94,11 +93,80 @@ def test_conversion_to_bag_and_back_keeps_all(tmp_path: Path) -> None:
         ]
 
 
-def test_folder_of_another_storage_says_how_to_convert_it(tmp_path: Path) -> None:
-    text = "rosbag2_bagfile_information: {storage_identifier: sqlite3, relative_file_paths: [a]}"
+def test_folder_of_another_storage_is_an_error(tmp_path: Path) -> None:
+    text = "rosbag2_bagfile_information: {storage_identifier: tape, relative_file_paths: [a]}"
     (tmp_path / "metadata.yaml").write_text(text)
-    with pytest.raises(UnsupportedBag, match=r"sqlite3.*rosbags-convert"):
+    with pytest.raises(UnsupportedBag, match=r"tape.*mcap or sqlite3"):
         open_reader(tmp_path)
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Path:
+    """A .db3 file of 100 messages."""
+    ros2_recordings.write(tmp_path / "walk", KINDS["sqlite3-none"], latched=True)
+    return tmp_path / "walk" / "walk.db3"
+
+
+def change(path: Path, *statements: str) -> None:
+    """Change a database."""
+    with closing(sqlite3.connect(path)) as connection, connection:
+        for each in statements:
+            connection.execute(each)
+
+
+def test_sqlite_without_definitions_has_those_of_ros_1(database: Path) -> None:
+    """Releases before Iron have recorded none."""
+    expected = rows_by_rosbags(database.parent)
+    change(database, "DROP TABLE message_definitions")
+    with with_encoding(open_reader(database), "ros1") as reader:
+        found = [(each.topic, each.type, time, data) for each, time, data in reader.messages()]
+        assert all(each.latching for each in reader.connections if each.encoding == "ros1")
+        [fault] = reader.not_converted.values()
+        assert "/battery" in fault and "no definition" in fault
+    assert [row for row in found if row[0] != "/battery"] == [
+        row for row in expected if row[0] != "/battery"
+    ]
+
+
+def test_sqlite_without_definitions_is_not_converted_if_messages_do_not_fit(database: Path) -> None:
+    change(
+        database,
+        "DROP TABLE message_definitions",
+        "UPDATE topics SET type = 'visualization_msgs/msg/Marker' WHERE name = '/camera_info'",
+    )
+    with with_encoding(open_reader(database), "ros1") as reader:
+        faults = list(reader.not_converted.values())
+    assert len(faults) == 2
+    assert any("/camera_info" in each and "do not fit" in each for each in faults)
+
+
+def test_file_of_sqlite_is_left_as_it_is(database: Path) -> None:
+    before, names = database.read_bytes(), sorted(database.parent.iterdir())
+    with open_reader(database) as reader:
+        assert len(list(reader.messages())) == reader.message_count == 100
+        assert sorted(database.parent.iterdir()) == names
+    assert database.read_bytes() == before
+
+
+def test_copy_of_a_compressed_file_is_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ros2_recordings.write(tmp_path / "walk", KINDS["sqlite3-file"])
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
+    with open_reader(tmp_path / "walk") as reader:
+        assert len(list(temporary.iterdir())) == 1
+        assert reader.message_count == 100
+    assert not list(temporary.iterdir())
+
+
+def test_messages_of_unknown_topics_are_left_out_and_found(database: Path) -> None:
+    change(database, "DELETE FROM topics WHERE name = '/number'")
+    with open_reader(database) as reader:
+        assert reader.message_count == len(list(reader.messages())) == 80
+        [fault] = reader.faults()
+    assert "does not list: 20" in fault
 
 
 def test_folder_names_only_files_in_it(tmp_path: Path) -> None:
@@ -119,7 +187,7 @@ def test_invalid_metadata_is_an_error(tmp_path: Path, text: str) -> None:
 
 
 def test_folder_without_files_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(BagFormatError, match=r"without \.mcap files$"):
+    with pytest.raises(BagFormatError, match=r"without \.mcap or \.db3 files$"):
         open_reader(tmp_path)
     (tmp_path / "lab.bag").touch()
     with pytest.raises(BagFormatError, match=r"such as .*lab\.bag$"):

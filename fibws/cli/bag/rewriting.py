@@ -14,11 +14,13 @@ import click
 from fibws.bags import open_reader, open_writer, reindex
 from fibws.bags.files import is_mcap
 from fibws.bags.mcap_files import rewrite_mcap
+from fibws.bags.sqlite_files import SUFFIX as SQLITE_SUFFIX
 from fibws.cli import output
 from fibws.cli.bag.filtering import Copy
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
 from fibws.cli.exit_handling import clean_exit
+from fibws.command_names import command_name
 from fibws.errors import BagError
 from fibws.files import replacing
 
@@ -132,6 +134,11 @@ def _rewrite(
 ) -> None:
     if path.is_dir():
         raise BagError(f"{path} is a folder; name the files in it: {path / '*.mcap'}")
+    if path.suffix == SQLITE_SUFFIX:
+        raise BagError(
+            f"{path}: SQLite (.db3) is only read; to convert it: {command_name('bag filter')} "
+            f"{path} {path.with_suffix('.mcap')} True"
+        )
     target = path if output_dir is None else output_dir / path.name
     backup = None
     if output_dir is None or (target.exists() and target.samefile(path)):

@@ -118,12 +118,13 @@ def test_recording_of_a_playback_is_equal(
         assert reader.compression == compression
 
 
+@pytest.mark.parametrize("kind", ["mcap-none", "sqlite3-none"])
 @pytest.mark.long
 def test_recording_of_ros_2_is_played_as_one_of_ros_1(
-    run: Run, hub: HubThread, tmp_path: Path
+    run: Run, hub: HubThread, tmp_path: Path, kind: str
 ) -> None:
     folder = tmp_path / "walk"
-    ros2_recordings.write(folder, latched=True)
+    ros2_recordings.write(folder, ros2_recordings.KINDS[kind], latched=True)
     expected = [(topic, type_, data) for topic, type_, _, data in rows_by_rosbags(folder)]
     topics = sorted({topic for topic, *_ in expected})
     with recorder(hub.url, tmp_path / "b.bag", "-l", "20", *topics) as recording:

@@ -15,7 +15,6 @@ from click.testing import CliRunner, Result
 from hub_in_thread import HubThread, Run
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
-from rosbags.rosbag2 import CompressionMode
 from rosbags.typesys import get_types_from_msg
 
 from fibws.bags import open_reader
@@ -25,7 +24,7 @@ from fibws.cli.commands import command
 from fibws.interfaces import Interfaces
 
 Tool: TypeAlias = Callable[..., Result]
-MODES = [CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE]
+KINDS = [each for each in ros2_recordings.KINDS if not each.endswith("storage")]
 MARKER = "visualization_msgs/msg/Marker"
 NOT_CONVERTED = [
     ("/wide", "wstring"),
@@ -47,11 +46,11 @@ def fibws() -> Tool:
     return run
 
 
-@pytest.fixture(params=MODES, ids=[each.name for each in MODES])
+@pytest.fixture(params=KINDS)
 def folder(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     """A folder of rosbag2 with three files and 150 messages."""
     path = tmp_path / "walk"
-    ros2_recordings.write_split(path, request.param)
+    ros2_recordings.write_split(path, ros2_recordings.KINDS[request.param])
     return path
 
 
@@ -105,6 +104,20 @@ def test_info_lists_what_cannot_be_converted(fibws: Tool, mixed: Path) -> None:
 def test_check_reads_all_messages(fibws: Tool, folder: Path) -> None:
     result = fibws("bag", "check", folder)
     assert (result.exit_code, result.output) == (0, "Bag file does not need any migrations.\n")
+
+
+@pytest.mark.parametrize("command", ["reindex", "compress", "decompress"])
+def test_file_of_sqlite_is_not_rewritten(fibws: Tool, tmp_path: Path, command: str) -> None:
+    path = tmp_path / "walk" / "walk.db3"
+    ros2_recordings.write(path.parent, ros2_recordings.KINDS["sqlite3-none"])
+    before = path.read_bytes()
+    result = fibws("bag", command, path)
+    assert result.exit_code == 1
+    advice = re.findall(r"fibws (bag filter .*)", result.output)[0].split()
+    assert path.read_bytes() == before
+    assert fibws(*advice, "-q").exit_code == 0
+    with open_reader(path.with_suffix(".mcap")) as reader:
+        assert reader.message_count == 100
 
 
 def test_check_names_a_damaged_message(fibws: Tool, tmp_path: Path) -> None:

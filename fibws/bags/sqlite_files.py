@@ -1,0 +1,258 @@
+"""Reading .db3 files, in which rosbag2 records with SQLite: messages in CDR, a row for each."""
+
+from __future__ import annotations
+
+import os
+from array import array
+from collections import Counter
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from fibws.bags.connection import ChunkInfo, Connection
+from fibws.bags.reader import ChunkMessages, Reader
+from fibws.errors import BagFormatError
+
+if TYPE_CHECKING:
+    import sqlite3
+
+MAGIC = b"SQLite format 3\0"
+SUFFIX = ".db3"
+CHUNK_SIZE, CHUNK_ROWS = 2**20, 1000
+"""Bytes and messages that are read at once."""
+MAX_TOPICS = 65_535
+_NEVER = 2**63
+
+
+class _Rows(NamedTuple):
+    """The rows of a chunk: the first and the last one."""
+
+    first: int
+    last: int
+
+
+class SqliteReader(Reader):
+    """Reads a .db3 file. Rows that follow each other are its chunks.
+
+    Args:
+        path: names the file in errors.
+        file: where it is, if not there; it is removed when this is closed.
+
+    Raises:
+        BagFormatError: it is damaged, or not of rosbag2.
+        OSError: it cannot be read.
+    """
+
+    def __init__(self, path: str, *, file: str = "") -> None:
+        self.path = path
+        self.is_indexed = True
+        self._copy = file
+        place = file or path
+        self._size = os.path.getsize(place)
+        self._database = _connect(place, self._size)
+        self._unknown: Counter[int] = Counter()
+        """How many messages have a topic that the file does not list, by its id."""
+        try:
+            with self._errors():
+                self._check_tables()
+                self.connections, self._ids = self._read_topics()
+                self.chunks, self._rows = self._read_chunks()
+        except BaseException:
+            self.close()
+            raise
+        self.version = "rosbag2 sqlite3"
+
+    @property
+    def size(self) -> int:
+        return self._size
+
+    @property
+    def counts(self) -> dict[int, int]:
+        found: Counter[int] = Counter()
+        for chunk in self.chunks:
+            found.update(chunk.counts)
+        return dict(found)
+
+    def close(self) -> None:
+        self._database.close()
+        if self._copy:
+            Path(self._copy).unlink(missing_ok=True)
+
+    @contextmanager
+    def _errors(self) -> Iterator[None]:
+        """Turn errors of SQLite into a BagFormatError."""
+        import sqlite3
+
+        try:
+            yield
+        except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
+            raise BagFormatError(f"{self.path}: {error}") from None
+
+    def _check_tables(self) -> None:
+        """Check that the tables have rows, and do not compute them: a file may be made to harm."""
+        for table in ("topics", "messages"):
+            self._check_table(table)
+
+    def _check_table(self, table: str) -> None:
+        [kind] = self._read("SELECT type, sql FROM sqlite_master WHERE name = ?", table) or [None]
+        if kind is None:
+            raise BagFormatError(f"{self.path}: not of rosbag2: it has no table {table}")
+        is_plain = kind[0] == "table" and str(kind[1]).upper().startswith("CREATE TABLE")
+        columns = self._read(f"PRAGMA table_xinfo({table})")
+        if not is_plain or any(column[6] for column in columns):
+            raise BagFormatError(f"{self.path}: {table} must be a table without computed columns")
+
+    def _read(self, query: str, *values: Any) -> list[Any]:
+        return self._database.execute(query, values).fetchall()
+
+    def _columns(self, table: str) -> set[str]:
+        return {column[1] for column in self._read(f"PRAGMA table_xinfo({table})")}
+
+    def _read_topics(self) -> tuple[list[Connection], dict[int, int]]:
+        """Return the connections, and their ids by those of the file."""
+        definitions = self._read_definitions()
+        has_qos = "offered_qos_profiles" in self._columns("topics")
+        qos = "offered_qos_profiles" if has_qos else "''"
+        query = f"SELECT id, name, type, serialization_format, {qos} FROM topics ORDER BY id"
+        connections: list[Connection] = []
+        ids: dict[int, int] = {}
+        for id_, *texts in self._database.execute(query):
+            if not isinstance(id_, int) or not all(isinstance(text, str) for text in texts):
+                raise BagFormatError(f"{self.path}: invalid row in the table topics")
+            if len(connections) == MAX_TOPICS:
+                raise BagFormatError(f"{self.path}: more than {MAX_TOPICS} topics")
+            topic, type_, encoding, profiles = texts
+            format_, definition = definitions.get(type_, ("", ""))
+            ids[id_] = len(connections)
+            connections.append(
+                Connection(
+                    id=len(connections),
+                    topic=topic,
+                    type=type_,
+                    md5sum="",
+                    definition=definition,
+                    fields={
+                        "message_definition": definition.encode(),
+                        "offered_qos_profiles": profiles.encode(),
+                    },
+                    encoding=encoding,
+                    definition_format=format_,
+                )
+            )
+        return connections, ids
+
+    def _read_definitions(self) -> dict[str, tuple[str, str]]:
+        """Return the formats and texts of types; files of releases before Iron have none."""
+        table = "message_definitions"
+        if not self._read("SELECT 1 FROM sqlite_master WHERE name = ?", table):
+            return {}
+        self._check_table(table)
+        rows = self._read(f"SELECT topic_type, encoding, encoded_message_definition FROM {table}")
+        return {
+            type_: (format_, text)
+            for type_, format_, text in rows
+            if isinstance(type_, str) and isinstance(format_, str) and isinstance(text, str)
+            if text
+        }
+
+    def _read_chunks(self) -> tuple[list[ChunkInfo], dict[int, _Rows]]:
+        """Return the chunks in the order of the file, and their rows by their positions."""
+        chunks: list[ChunkInfo] = []
+        rows: dict[int, _Rows] = {}
+        begin, first, last = 0, 0, 0
+        chunk = ChunkInfo(position=begin, start=_NEVER, end=0, counts={})
+        count = 0
+
+        def finish() -> None:
+            if chunk.counts:
+                chunk.compressed_size = chunk.size
+                chunks.append(chunk)
+                rows[chunk.position] = _Rows(first, last)
+
+        query = "SELECT rowid, topic_id, timestamp, length(data) FROM messages ORDER BY rowid"
+        for row, topic, time, size in self._database.execute(query):
+            if not isinstance(time, int) or not 0 <= time < _NEVER or not isinstance(size, int):
+                raise BagFormatError(f"{self.path}: invalid message in row {row}")
+            id_ = self._ids.get(topic)
+            if id_ is None:
+                self._unknown[topic] += 1
+                continue
+            if count and (count == CHUNK_ROWS or chunk.size + size > CHUNK_SIZE):
+                finish()
+                begin += chunk.size + 1
+                chunk = ChunkInfo(position=begin, start=_NEVER, end=0, counts={})
+                count = 0
+            if not count:
+                first = row
+            last = row
+            count += 1
+            chunk.counts[id_] = chunk.counts.get(id_, 0) + 1
+            chunk.start, chunk.end = min(chunk.start, time), max(chunk.end, time)
+            chunk.size += size
+        finish()
+        return chunks, rows
+
+    def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int] | None) -> ChunkMessages:
+        times, ids, places = array("Q"), array("Q"), array("q")
+        begins, ends = array("Q"), array("Q")
+        data = bytearray()
+        with self._errors():
+            for row, id_, time, content in self._select(chunk, wanted, "data"):
+                if not isinstance(content, bytes):
+                    raise BagFormatError(f"{self.path}: invalid message in row {row}")
+                times.append(time)
+                ids.append(id_)
+                places.append(row)
+                begins.append(len(data))
+                data += content
+                ends.append(len(data))
+        return ChunkMessages(bytes(data), times, ids, places, begins, ends)
+
+    def _chunk_times(self, chunk: ChunkInfo, wanted: Collection[int]) -> list[int]:
+        with self._errors():
+            return [time for _, _, time, _ in self._select(chunk, wanted, "0")]
+
+    def _select(
+        self, chunk: ChunkInfo, wanted: Collection[int] | None, column: str
+    ) -> Iterator[tuple[int, int, int, Any]]:
+        """Read the rows of a chunk: their numbers, connections, times and a column."""
+        topics = {topic: id_ for topic, id_ in self._ids.items() if wanted is None or id_ in wanted}
+        query = (
+            f"SELECT rowid, topic_id, timestamp, {column} FROM messages "
+            f"WHERE rowid BETWEEN ? AND ? AND topic_id IN ({', '.join(map(str, topics))}) "
+            "ORDER BY rowid"
+        )
+        for row, topic, time, value in self._database.execute(query, self._rows[chunk.position]):
+            yield row, topics[topic], time, value
+
+    def _index_faults(self) -> Iterator[str]:
+        with self._errors():
+            for (text,) in self._read("PRAGMA integrity_check(20)"):
+                if text != "ok":
+                    yield str(text)
+        for topic, count in self._unknown.items():
+            yield f"messages of the topic {topic}, which the file does not list: {count}"
+
+
+def is_sqlite(path: str) -> bool:
+    """Return whether a file is one of SQLite; raise OSError if it cannot be read."""
+    with open(path, "rb") as file:
+        return file.read(len(MAGIC)) == MAGIC
+
+
+def _connect(path: str, size: int) -> sqlite3.Connection:
+    """Open a database for reading only, in any thread."""
+    import sqlite3
+
+    address = f"{Path(os.path.abspath(path)).as_uri()}?mode=ro"
+    if not os.path.exists(f"{path}-wal"):
+        address += "&immutable=1"  # No files beside it: the folder may be read-only.
+    try:
+        database = sqlite3.connect(address, uri=True, check_same_thread=False)
+    except sqlite3.Error as error:
+        raise BagFormatError(f"{path}: {error}") from None
+    # A file may be made to harm: no value is larger than the file, and no text runs programs.
+    database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(size, 2**20))
+    database.execute("PRAGMA trusted_schema = OFF")
+    return database
