@@ -7,6 +7,7 @@ later one ends the program at once, with the status of that signal, and says wha
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import sys
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 REPEAT = 1.0
 """Seconds after the first signal in which others are the same request."""
+AGAIN = 0.01
+"""Seconds after which an interrupt that Python has ignored is raised again."""
 
 _unfinished: dict[object, Callable[[], str]] = {}
 
@@ -82,6 +85,10 @@ class ExitSignals:
         elif now - self._first >= REPEAT:
             self._again(number)
 
+    def forget(self) -> None:
+        """Take the next signal as the first one."""
+        self._first = None
+
     def install(
         self, loop: AbstractEventLoop, numbers: Iterable[int] = (signal.SIGINT, signal.SIGTERM)
     ) -> None:
@@ -126,12 +133,33 @@ class ExitSignals:
 def interrupt_once() -> None:
     """Have the first Ctrl-C raise KeyboardInterrupt, and handle others as all programs do.
 
+    Python ignores exceptions in some places, such as the callbacks of weak references while modules
+    are imported: it is raised again until it is not ignored, as a supervisor sends only one signal.
+
     For commands without an event loop; in the main thread only.
     """
 
     def raise_interrupt(number: int) -> None:
         raise KeyboardInterrupt
 
+    def raise_again(unraisable: Any) -> None:
+        if unraisable.exc_type is not KeyboardInterrupt:
+            earlier(unraisable)
+            return
+        signals.forget()
+        # Not from here: this is where exceptions are ignored.
+        _thread.start_new_thread(interrupt_later, ())
+
+    def interrupt_later() -> None:
+        time.sleep(AGAIN)
+        if sys.platform == "win32":
+            _thread.interrupt_main()
+        else:
+            signal.pthread_kill(main, signal.SIGINT)  # It ends a wait of the thread, too.
+
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         with suppress(ValueError):
-            signal.signal(signal.SIGINT, ExitSignals(raise_interrupt).receive)
+            main = _thread.get_ident()
+            signals = ExitSignals(raise_interrupt)
+            signal.signal(signal.SIGINT, signals.receive)
+            earlier, sys.unraisablehook = sys.unraisablehook, raise_again

@@ -114,3 +114,35 @@ main("a_command")
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE
     )
     assert (done.returncode, done.stdout, done.stderr) == (130, "cleaned up\n", "")
+
+
+def test_ctrl_c_that_python_ignores_in_a_callback_ends_the_command() -> None:
+    """An import has such callbacks; a supervisor does not send the signal again."""
+    program = """
+import signal
+import sys
+import threading
+import types
+import weakref
+
+module = types.ModuleType("a_command")
+sys.modules["a_command"] = module
+
+class It:
+    pass
+
+def main():
+    it = It()
+    reference = weakref.ref(it, lambda _: signal.raise_signal(signal.SIGINT))
+    del it
+    print("went on", flush=True)
+    threading.Event().wait()
+
+module.main = main
+from fibws.__main__ import main
+main("a_command")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "went on\n", "")
