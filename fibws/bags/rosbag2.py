@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Collection, Iterable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from typing import Any, BinaryIO, NamedTuple, cast
 
@@ -73,7 +73,13 @@ def open_storage(path: str, *, allow_unindexed: bool = False) -> Reader:
         file.seek(0)
         if file.read(len(MAGIC)) != MAGIC:
             return McapReader(path, allow_unindexed=allow_unindexed, file=file)
-        return SqliteReader(path, file=_named_copy(file))
+        copy = _named_copy(file)
+        try:
+            return SqliteReader(path, file=copy)
+        except BaseException:
+            with suppress(FileNotFoundError):
+                os.unlink(copy)
+            raise
     except BaseException:
         file.close()
         raise

@@ -50,7 +50,8 @@ class SqliteReader(Reader):
         self._copy = file
         place = file or path
         self._size = os.path.getsize(place)
-        self._database = _connect(place, self._size)
+        with self._errors():
+            self._database = _connect(place, self._size)
         self._unknown: Counter[int] = Counter()
         """How many messages have a topic that the file does not list, by its id."""
         try:
@@ -170,7 +171,8 @@ class SqliteReader(Reader):
                 chunks.append(chunk)
                 rows[chunk.position] = _Rows(first, last)
 
-        query = "SELECT rowid, topic_id, timestamp, length(data) FROM messages ORDER BY rowid"
+        columns = "rowid, topic_id, timestamp, length(data)"
+        query = f"SELECT {columns} FROM messages NOT INDEXED ORDER BY rowid"
         for row, topic, time, size in self._database.execute(query):
             if not isinstance(time, int) or not 0 <= time < _NEVER or not isinstance(size, int):
                 raise BagFormatError(f"{self.path}: invalid message in row {row}")
@@ -219,7 +221,7 @@ class SqliteReader(Reader):
         """Read the rows of a chunk: their numbers, connections, times and a column."""
         topics = {topic: id_ for topic, id_ in self._ids.items() if wanted is None or id_ in wanted}
         query = (
-            f"SELECT rowid, topic_id, timestamp, {column} FROM messages "
+            f"SELECT rowid, topic_id, timestamp, {column} FROM messages NOT INDEXED "
             f"WHERE rowid BETWEEN ? AND ? AND topic_id IN ({', '.join(map(str, topics))}) "
             "ORDER BY rowid"
         )
@@ -230,7 +232,7 @@ class SqliteReader(Reader):
         with self._errors():
             for (text,) in self._read("PRAGMA integrity_check(20)"):
                 if text != "ok":
-                    yield str(text)
+                    yield " ".join(str(text).split())
         for topic, count in self._unknown.items():
             yield f"messages of the topic {topic}, which the file does not list: {count}"
 
@@ -248,10 +250,7 @@ def _connect(path: str, size: int) -> sqlite3.Connection:
     address = f"{Path(os.path.abspath(path)).as_uri()}?mode=ro"
     if not os.path.exists(f"{path}-wal"):
         address += "&immutable=1"  # No files beside it: the folder may be read-only.
-    try:
-        database = sqlite3.connect(address, uri=True, check_same_thread=False)
-    except sqlite3.Error as error:
-        raise BagFormatError(f"{path}: {error}") from None
+    database = sqlite3.connect(address, uri=True, check_same_thread=False)
     # A file may be made to harm: no value is larger than the file, and no text runs programs.
     database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(size, 2**20))
     database.execute("PRAGMA trusted_schema = OFF")

@@ -162,6 +162,7 @@ def test_damaged_folder_gives_an_error_of_its_own(
                 with with_encoding(open_reader(folder, allow_unindexed=allow), "ros1") as bag:
                     for _ in bag.messages():
                         pass
+                    assert all("\n" not in fault for fault in bag.faults())
             except (BagError, FileNotFoundError) as error:  # A damaged name of a file.
                 assert "\n" not in str(error)
         assert tracemalloc.get_traced_memory()[1] < 4 * LARGE
