@@ -77,7 +77,7 @@ def command(
                 f"Nothing was set up, since ROS is installed ({found}) and would be hidden.\n"
                 "To hide it in this shell: source <(fibws setup --shadow-ros)\n" + WITHOUT
             )
-    changes = environment.set_up(os.environ)
+    changes = environment.set_up(os.environ, shadows=shadow_ros)
     click.echo(
         setup_script.set_up(changes, *(_completion(context, each) for each in SHELLS[:2])), nl=False
     )

@@ -167,7 +167,8 @@ def test_error_names_a_workspace_that_was_not_sourced(run: Run, workspace: Path)
 
 def test_workspace_option_replaces_sourcing(run: Run, workspace: Path) -> None:
     program = workspace / "src" / "fibonacci" / "src" / "fibonacci_listener_node.py"
-    program.write_text("import json, os; print(json.dumps(dict(os.environ)))")
+    text = "import json, os; print(json.dumps(dict(os.environ)))"
+    program.write_text(f"#!/usr/bin/env python3\n{text}")
     (workspace / "devel" / "share").mkdir(parents=True)
     done = run(
         *("--workspace", str(workspace), "fibonacci", "fibonacci_listener_node.py"),

@@ -32,16 +32,23 @@ _OF_ROS_1 = re.compile(
 )
 """The names of ROS 1's commands."""
 
+_SHADOWS = "shadows"
+"""A key of the record of `SETUP`: an installed ROS was hidden on purpose."""
+
 Changes: TypeAlias = dict[str, str | None]
 """New values of variables; None unsets one."""
 
 
-def set_up(environ: Mapping[str, str]) -> Changes:
+def set_up(environ: Mapping[str, str], *, shadows: bool = False) -> Changes:
     """Return the changes that put commands and modules on their paths.
 
     The variable `SETUP` records the earlier values of the other variables. In an environment that
     is set up already, nothing changes.
+
+    Args:
+        shadows: whether an installed ROS is hidden on purpose, which `SETUP` records, too.
     """
+    is_shadowing = shadows or shadows_ros(environ)
     record = _record(environ)
     if record is None:
         record = {name: environ.get(name) for name in (PYTHON, *OF_ROS)}
@@ -50,8 +57,17 @@ def set_up(environ: Mapping[str, str]) -> Changes:
         "PYTHONPATH": _joined(str(PYTHON_FOLDER), *_others(environ.get("PYTHONPATH"))),
         PYTHON: sys.executable,
         **OF_ROS,
-        SETUP: json.dumps(record),
+        SETUP: json.dumps({**record, **({_SHADOWS: "yes"} if is_shadowing else {})}),
     }
+
+
+def shadows_ros(environ: Mapping[str, str]) -> bool:
+    """Return whether this shell hides an installed ROS on purpose, as `SETUP` records."""
+    try:
+        found = json.loads(environ.get(SETUP, ""))
+    except ValueError:
+        return False
+    return isinstance(found, dict) and _SHADOWS in found
 
 
 def undo(environ: Mapping[str, str], besides: Iterable[tuple[str, Path]] = ()) -> Changes:

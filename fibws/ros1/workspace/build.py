@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fibws.errors import FibwsError, PackageFileError, WorkspaceError
+from fibws.ros1.shell.environment import shadows_ros
 from fibws.ros1.workspace.definitions import compile_definitions
 from fibws.ros1.workspace.devel_space import check_collisions, generated_files, modules_of
 from fibws.ros1.workspace.file_writer import File, Tree, remove, write
@@ -68,7 +69,7 @@ class Workspace:
     Args:
         folder: its folder; see `fibws.ros1.workspace.paths.check_workspace`.
         environment: variables of which $CMAKE_PREFIX_PATH names workspaces that it builds on; by
-            default those of this process.
+            default those of this process. If they hide an installed ROS, so do the setup files.
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str] | None = None) -> None:
@@ -78,6 +79,7 @@ class Workspace:
         self.build = folder / BUILD
         environment = os.environ if environment is None else environment
         self._below = self._other_workspaces(environment)
+        self._shadows = shadows_ros(environment)
 
     def plan(self, names: Sequence[str] = (), *, with_depends: bool = False) -> Plan:
         """Read and check the packages.
@@ -147,7 +149,7 @@ class Workspace:
     def _write(self, built: Mapping[str, Tree], others: set[str]) -> None:
         """Write devel/, in which the files of the packages named ``others`` stay."""
         before = self._recorded()
-        common = setup_files(self.folder, self._below)
+        common = setup_files(self.folder, self._below, shadows=self._shadows)
         common[SPACES] = File(str(self.source).encode())
         record = {name: package for name, package in before.items() if package in others}
         for package, tree in {"": common, **built}.items():

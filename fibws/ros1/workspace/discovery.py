@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 MANIFEST = "package.xml"
+SHEBANG = "#!/usr/bin/env python3"
+"""The first line of a program in Python."""
 IGNORED = {"CATKIN_IGNORE", "AMENT_IGNORE", "COLCON_IGNORE", "rospack_nosubdirs", ".catkin"}
 """A folder with one of these files is not searched; catkin writes .catkin into devel/."""
 
@@ -84,6 +86,30 @@ def has_shebang(path: Path) -> bool:
 def has_windows_shebang(path: Path) -> bool:
     """Return whether that line ends in CRLF: Linux takes the CR for a part of the name."""
     return has_shebang(path) and _first_line(path).endswith(b"\r\n")
+
+
+def fault_of_script(path: Path) -> str:
+    """Return why Linux and macOS would not run an executable file with Python; empty if they do.
+
+    A shell would take a file without a shebang for a script of its own.
+    """
+    if os.name == "nt" or not path.is_file():
+        return ""
+    if has_windows_shebang(path):
+        return "line 1: lines end in CRLF, so the program does not run; save it with LF"
+    if path.suffix == ".py" and not has_shebang(path):
+        return f"line 1 must be {SHEBANG}, or a shell runs the program in place of Python"
+    return ""
+
+
+def starts_node(path: Path) -> bool:
+    """Return whether a Python file is a node's, and not a module of a Python package."""
+    if path.suffix != ".py" or (path.parent / "__init__.py").exists():
+        return False
+    try:
+        return b"init_node(" in path.read_bytes()
+    except OSError:
+        return False
 
 
 def looks_like_program(path: Path) -> bool:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
 from fibws.errors import PackageFileError
 from fibws.ros1.workspace.discovery import (
+    SHEBANG,
+    fault_of_script,
     find_files,
     has_shebang,
     has_windows_shebang,
     is_executable,
+    starts_node,
 )
 from fibws.ros1.workspace.packages_outside_fibws import (
     NOT_NEEDED,
@@ -49,16 +51,19 @@ def _check_programs(package: SourcePackage) -> Iterator[str]:
             text = f"{quoted(each.path)} replaces {quoted(other)}: both become {each.target}"
             yield f"{where}: {text}"
         if not has_shebang(each.path):
-            yield f"{where}: the first line of {each.path.name} should be #!/usr/bin/env python3"
+            yield f"{where}: the first line of {each.path.name} should be {SHEBANG}"
         if not is_executable(each.path):
             yield f"{where}: {each.path.name} is not executable: chmod +x {quoted(each.path)}"
     installed = {each.path.resolve() for each in lists.programs}
     for path in find_files(package.folder):
-        is_script = path.suffix == ".py" and has_shebang(path)
-        if is_script and not is_executable(path) and path.resolve() not in installed:
+        is_script = path.suffix == ".py" and (has_shebang(path) or starts_node(path))
+        is_installed = path.resolve() in installed
+        if is_script and not is_executable(path) and not is_installed:
             yield f"{path} is not executable, so it cannot be run: chmod +x {quoted(path)}"
-        if os.name != "nt" and is_executable(path) and has_windows_shebang(path):
-            yield f"{path}, line 1: lines end in CRLF, so the program does not run; save it with LF"
+        is_run = is_script or is_executable(path)
+        if is_run and (fault := fault_of_script(path)):
+            if not is_installed or has_windows_shebang(path):
+                yield f"{path}, {fault}"
 
 
 def missing_dependencies(

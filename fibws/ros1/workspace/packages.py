@@ -13,6 +13,7 @@ from fibws.definition_folders import STANDARD
 from fibws.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
 from fibws.ros1.shell import ros_programs
 from fibws.ros1.workspace.discovery import (
+    fault_of_script,
     find_files,
     find_packages,
     is_executable,
@@ -158,7 +159,7 @@ class Packages:
 
         Raises:
             PackageNotFound: there is no such package; the text suggests what to do.
-            ExecutableNotFound: there is no such program, it is not executable, or there are two.
+            ExecutableNotFound: there is no such program, it cannot be run, or there are two.
         """
         owner = self._found.get(package)
         found = [] if owner is None else self._programs(owner, name)
@@ -170,6 +171,8 @@ class Packages:
             raise ExecutableNotFound(package, name, suggestion_for_program(owner, name, self))
         if len(found) > 1:
             raise ExecutableNotFound(package, name, suggestion_for_several(owner, found))
+        if fault := fault_of_script(found[0]):
+            raise ExecutableNotFound(package, name, f"{found[0]}, {fault}")
         return found[0]
 
     def installed(self, package: str, name: str) -> Path | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
-from fibws.ros1.workspace.discovery import find_files, looks_like_program
+from fibws.ros1.workspace.discovery import find_files, looks_like_program, starts_node
 from fibws.ros1.workspace.packages_outside_fibws import CPP, IN_CPP, REPOSITORIES
 from fibws.ros1.workspace.paths import DEVEL, is_built, source_command, workspace_around
 from fibws.suggestions import nearest
@@ -60,6 +60,9 @@ def suggestion_for_program(package: Package, name: str, packages: Packages) -> s
     idle = {path.name: path for path in find_files(package.folder) if path.suffix == ".py"}
     if near := nearest(name, sorted(idle)):
         return f"did you mean {near}? It is not executable: chmod +x {quoted(idle[near])}"
+    if not known and (nodes := [path for path in idle.values() if starts_node(path)]):
+        words = " ".join(quoted(path) for path in nodes[:10])
+        return f"no program is executable: chmod +x {words}"
     if known:
         return f"it has {', '.join(known[:10])}"
     return f"there are no programs in {package.folder}"

@@ -124,6 +124,20 @@ def test_program_without_a_shebang_is_warned_of(layout: Layout) -> None:
     assert "node.py" in warning and "#!/usr/bin/env python3" in warning
 
 
+@needs_executable_bit
+def test_program_without_a_shebang_that_is_not_installed_is_warned_of(layout: Layout) -> None:
+    node = "import rospy\nrospy.init_node('node')\n"
+    layout.package(
+        "a",
+        files={"src/idle.py": node, "src/a/__init__.py": "", "src/a/module.py": node, "x.py": "1"},
+        programs={"src/node.py": node, "src/data.csv": "1,2", "run.sh": "#!/bin/sh\n"},
+    )
+    executable, shebang, other = layout.warnings()
+    assert executable.startswith("a/src/idle.py ") and "chmod +x a/src/idle.py" in executable
+    for warning, path in ((shebang, "a/src/idle.py"), (other, "a/src/node.py")):
+        assert warning.startswith(f"{path}, line 1") and "#!/usr/bin/env python3" in warning
+
+
 def test_two_programs_of_one_name_are_warned_of(layout: Layout) -> None:
     installed = "\n".join(
         f"catkin_install_python(PROGRAMS {files} DESTINATION {BIN})"

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from fibws.ros1.shell.environment import set_up
+from fibws.ros1.workspace.build import Workspace
 from fibws.ros1.workspace.file_writer import write
 from fibws.ros1.workspace.setup_files import setup_files
 
@@ -114,3 +116,23 @@ def test_quotation_marks_are_escaped_for_powershell(tmp_path: Path) -> None:
     powershell = setup_files(tmp_path / "it\u2019s \u2018a\u2018")["setup.ps1"].content
     assert "it\u2019\u2019s \u2018\u2018a\u2018\u2018" in powershell.decode()
     assert powershell.startswith(b"\xef\xbb\xbf"), "or else Windows reads it in its old code page"
+
+
+@pytest.mark.parametrize("shadows", [False, True])
+def test_workspace_of_a_shell_that_hides_an_installed_ros_hides_it_too(
+    tmp_path: Path, shadows: bool
+) -> None:
+    layout = Layout(tmp_path / "ws")
+    environment = {name: each or "" for name, each in set_up({}, shadows=shadows).items()}
+    layout.package("a")
+    workspace = Workspace(layout.folder, environment)
+    workspace.make(workspace.plan())
+    roscore = tmp_path / "ros" / "roscore"
+    roscore.parent.mkdir()
+    roscore.touch(mode=0o755)
+    path = os.pathsep.join([str(roscore.parent), PLAIN["PATH"], "/usr/bin", "/bin"])
+    script = f'. "{layout.folder}/devel/setup.bash"; command -v roscore'
+    done = subprocess.run(
+        ["bash", "-c", script], capture_output=True, text=True, env={**PLAIN, "PATH": path}
+    )
+    assert (str(roscore) == done.stdout.strip()) is not shadows, done.stdout + done.stderr

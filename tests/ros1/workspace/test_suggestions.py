@@ -12,6 +12,7 @@ from fibws.errors import ExecutableNotFound, PackageNotFound
 from fibws.ros1.workspace.packages import Packages
 
 from .conftest import Layout
+from .test_package_checks import needs_executable_bit
 
 PROGRAM = "#!/usr/bin/env python3\n"
 NODE = "fibonacci_broadcaster_node.py"
@@ -162,3 +163,26 @@ def test_without_a_valid_cmake_lists_programs_are_suggested(
     if cmake is None:
         (folder / "CMakeLists.txt").unlink()
     assert of_program(sourced(layout), "a", "talker") == "did you mean talker.py?"
+
+
+@needs_executable_bit
+@pytest.mark.parametrize(
+    ("text", "fact"),
+    [
+        ("import rospy\n", "#!/usr/bin/env python3"),
+        ("#!/usr/bin/env python3\r\nimport rospy\r\n", "CRLF"),
+    ],
+)
+def test_program_that_a_shell_would_run_is_refused(layout: Layout, text: str, fact: str) -> None:
+    folder = layout.package("fibonacci", programs={f"src/{NODE}": ""})
+    (folder / "src" / NODE).write_bytes(text.encode())
+    suggestion = of_program(sourced(layout), "fibonacci", NODE)
+    assert suggestion.startswith(f"{folder / 'src' / NODE}, line 1") and fact in suggestion
+
+
+@needs_executable_bit
+def test_programs_that_are_not_executable_are_named(layout: Layout) -> None:
+    node = f"{PROGRAM}rospy.init_node('a')\n"
+    folder = layout.package("fibonacci", files={"src/a_node.py": node, "src/b_node.py": node})
+    suggestion = of_program(sourced(layout), "fibonacci", "broadcaster")
+    assert suggestion.endswith(f"chmod +x {folder}/src/a_node.py {folder}/src/b_node.py")
