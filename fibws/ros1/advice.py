@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import NoReturn
 
 from fibws.command_names import command_name
 from fibws.definition_folders import VARIABLE, find_unnamed, hold_definitions
@@ -89,6 +90,16 @@ def advise(fullname: str) -> None:
             raise ModuleNotFoundError(_advice(fullname, package, kind), name=fullname)
     if (way_out := _way_out(fullname)) and _is_being_imported(fullname):
         raise ModuleNotFoundError(f"No module named {fullname!r}: {way_out}", name=fullname)
+
+
+def advise_submodule(package: str, kind: str, name: str) -> NoReturn:
+    """Explain how to import a type that was imported from its package.
+
+    Raises:
+        ImportError: always.
+    """
+    right = f"from {package}.{kind} import {name}"
+    raise ImportError(f"cannot import name {name!r} from {package!r}: write {right}", name=package)
 
 
 def no_such_name(package: str, kind: str, name: str, names: list[str]) -> str:

@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
 from fibws.definition_folders import VARIABLE, are_bare, hold_definitions
-from fibws.ros1.advice import advise, no_such_name
+from fibws.ros1.advice import advise, advise_submodule, no_such_name
 
 if TYPE_CHECKING:
     from importlib.abc import Loader
@@ -94,7 +94,17 @@ class _PackageLoader:
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
-        """Run nothing."""
+        """Set a function that explains where the package's types are."""
+
+        def find(name: str) -> Any:
+            if sys._getframe(1).f_code.co_name == "_handle_fromlist":  # from PACKAGE import NAME
+                for kind in _KINDS:
+                    if name in _owners(module.__name__, _KINDS[kind]):
+                        advise_submodule(module.__name__, kind, name)
+            text = f"module {module.__name__!r} has no attribute {name!r}"
+            raise AttributeError(text, name=name, obj=module)
+
+        vars(module)["__getattr__"] = find
 
 
 class _ClassesLoader(_PackageLoader):

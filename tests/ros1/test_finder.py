@@ -172,6 +172,10 @@ def test_script_with_the_name_of_its_package_runs_once(define: Define, tmp_path:
             "from std_msgs.msg import Zzz",
             "cannot import name 'Zzz' from 'std_msgs.msg'",
         ),
+        ("from std_msgs import Int32", "write from std_msgs.msg import Int32"),
+        ("from std_srvs import Empty", "write from std_srvs.srv import Empty"),
+        ("from rospy_tutorials import AddTwoIntsResponse", "from rospy_tutorials.srv import"),
+        ("from std_msgs import Zzz", "cannot import name 'Zzz' from 'std_msgs'"),
         ("import std_msgs.srv", "No module named 'std_msgs.srv'"),
         ("import std_msg.msg", "did you mean std_msgs?"),
         ("from my_robot.msg import A", "No module named 'my_robot'"),
@@ -186,6 +190,13 @@ def test_import_error_suggests_a_similar_name(statement: str, text: str) -> None
     with pytest.raises(ImportError) as caught:
         exec(statement)
     assert text in str(caught.value)
+
+
+def test_package_has_no_attributes_but_its_modules() -> None:
+    package = importlib.import_module("std_msgs")
+    assert not hasattr(package, "Int32")
+    with pytest.raises(AttributeError, match="module 'std_msgs' has no attribute 'Int32'"):
+        _ = package.Int32
 
 
 def test_missing_attribute_of_a_module_is_an_attribute_error() -> None:
