@@ -1,6 +1,7 @@
 """ROS types: their definitions, validation and serialization of messages, and Python classes.
 
     folders ─> text of .msg, .srv, .action ─ parser, with literals ─> definition
+    folders ─> text of .idl ─ idl ─> definition
     folders ─ catalogue, with resolver ─> Interfaces: all installed types by name
     text from a client ─ client_definitions ─> the same for types that clients brought
     Interfaces ─ md5sum ─> md5

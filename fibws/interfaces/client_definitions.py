@@ -261,6 +261,11 @@ class ClientDefinitions:
         """Changes with the definitions that are kept."""
         self._watchers: list[Callable[[str], None]] = []
 
+    @property
+    def base(self) -> Interfaces:
+        """The types in folders."""
+        return self._base
+
     def find(self, kind: Kind, name: str) -> ClientDefinition | None:
         """Return the definition that has a type, ``package/Name``, if clients brought it."""
         found = self._by_type.get((kind, name))

@@ -6,6 +6,7 @@ Packages have ROS's layout, ``<package>/msg/Type.msg``.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -17,6 +18,7 @@ from fibws.interfaces.definition import (
     MessageDefinition,
     ServiceDefinition,
 )
+from fibws.interfaces.idl import IdlFile
 from fibws.suggestions import nearest
 
 Kind: TypeAlias = Literal["msg", "srv", "action"]
@@ -27,6 +29,8 @@ STANDARD = Path(__file__).parent / "definitions"
 """The folder of the standard packages."""
 
 
+IDL = "idl"
+"""The suffix of the files that rosidl makes of all others, and that a package may have instead."""
 SIMILAR = 0.85
 """Similarity from which a package is suggested for another: many names end in ``_msgs``."""
 
@@ -65,8 +69,10 @@ class Package:
         return self._is_ros2s
 
     def _own_files(self, kind: Kind) -> dict[str, Path]:
-        paths = sorted((self.folder / kind).glob(f"*.{kind}"))
-        return {path.stem: path for path in paths if _is_name(path.stem)}
+        # An installed package of ROS 2 has both; IDL is what .msg files became.
+        paths = [path for suffix in (IDL, kind) for path in self.folder.glob(f"{kind}/*.{suffix}")]
+        found = {path.stem: path for path in paths if _is_name(path.stem)}
+        return dict(sorted(found.items()))
 
     def _hidden(self, kind: Kind) -> dict[str, Path]:
         """The files of the standard package; messages hide the action that they are made of."""
@@ -119,6 +125,7 @@ class Folders:
         self._folders = [STANDARD]
         self._packages: dict[str, Package] = {}
         self._actions: dict[str, ActionDefinition] = {}
+        self._idl_files: dict[Path, IdlFile] = {}
 
     def add(self, folder: Path) -> bool:
         """Add a folder, which holds packages side by side or is one; return whether it is new.
@@ -133,6 +140,7 @@ class Folders:
         self._folders.append(folder)
         self._packages = {}
         self._actions = {}
+        self._idl_files = {}
         return True
 
     def find_message(self, name: str) -> MessageDefinition | None:
@@ -148,13 +156,17 @@ class Folders:
             if action is not None:
                 return next(message for message in action.messages() if message.type == name)
         found = self._read(name, "msg")
-        if found is None:
-            return None
-        return parser.parse_message(*found.text, ros2=found.is_ros2s)
+        if isinstance(found, _File):
+            return parser.parse_message(*found.text, ros2=found.is_ros2s)
+        if found is not None and (message := found.messages().get(name)) is not None:
+            return message
+        return self._find_beside(name)
 
     def find_service(self, name: str) -> ServiceDefinition | None:
         """The service of that name, or None; as `find_message`."""
         found = self._read(name, "srv")
+        if isinstance(found, IdlFile):
+            return found.service(*name.split("/"))
         if found is None:
             return None
         return parser.parse_service(*found.text, ros2=found.is_ros2s)
@@ -163,9 +175,15 @@ class Folders:
         """The action of that name, or None; as `find_message`."""
         if name not in self._actions:
             found = self._read(name, "action")
-            if found is None:
+            if isinstance(found, IdlFile):
+                action = found.action(*name.split("/"))
+            elif found is not None:
+                action = parser.parse_action(*found.text, ros2=found.is_ros2s)
+            else:
+                action = None
+            if action is None:
                 return None
-            self._actions[name] = parser.parse_action(*found.text, ros2=found.is_ros2s)
+            self._actions[name] = action
         return self._actions[name]
 
     def packages(self) -> dict[str, Package]:
@@ -228,12 +246,42 @@ class Folders:
         near = nearest(short, names)
         return f"{package}/{near}" if near else None
 
-    def _read(self, name: str, kind: Kind) -> _File | None:
+    def _find_beside(self, name: str) -> MessageDefinition | None:
+        """The message of that name in an IDL file that is named after another type, or None."""
+        for path in self._files("msg", name.partition("/")[0]).values():
+            if path.suffix == f".{IDL}":
+                try:
+                    found = self._idl(path).messages().get(name)
+                except InterfaceError:
+                    continue  # It is told by those who ask for the type of the file's name.
+                if found is not None:
+                    return found
+        return None
+
+    def _idl(self, path: Path) -> IdlFile:
+        if path not in self._idl_files:
+            text = path.read_text("utf-8-sig", errors="replace")
+            self._idl_files[path] = IdlFile(text, str(path), partial(self._included, path))
+        return self._idl_files[path]
+
+    def _included(self, by: Path, path: str) -> str | None:
+        """The text of a file that another one includes, or None."""
+        package, slash, rest = path.partition("/")
+        found = self.packages().get(package) if slash else None
+        place = found.folder / rest if found is not None else by.parent / path
+        try:
+            return place.read_text("utf-8-sig", errors="replace")
+        except OSError:
+            return None
+
+    def _read(self, name: str, kind: Kind) -> _File | IdlFile | None:
         """The file that defines a type."""
         package, _, short = name.partition("/")
         path = self._files(kind, package).get(short)
         if path is None:
             return None
+        if path.suffix == f".{IDL}":
+            return self._idl(path)
         # Editors of Windows begin a file with a mark; a comment in Latin-1 does no harm.
         text = path.read_text("utf-8-sig", errors="replace")
         is_ros2s = self.packages()[package].is_ros2s(path)

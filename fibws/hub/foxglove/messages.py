@@ -37,6 +37,8 @@ JSON: Final = "json"
 ENCODINGS: Final = (ROS1, JSON)
 """The encodings of messages and requests that clients may send."""
 ROS1_TEXT: Final = "ros1msg"
+ROS2_IDL: Final = "ros2idl"
+ROS2_TEXTS: Final = ("ros2msg", ROS2_IDL)
 """The encoding of schemas: the text of a type with those of all types in it."""
 
 INFO, WARNING, ERROR = 0, 1, 2

@@ -7,7 +7,7 @@ from functools import partial
 
 from pydantic_core import from_json
 
-from fibws.errors import FibwsError, LimitReached, OperationError
+from fibws.errors import FibwsError, InterfaceError, LimitReached, OperationError
 from fibws.hub.delivery.send_queue import Flusher, MadeFrame, SendQueue, frame_of
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.feeds import Channel
@@ -17,16 +17,22 @@ from fibws.hub.foxglove.messages import (
     MESSAGE_HEAD_SIZE,
     ROS1,
     ROS1_TEXT,
+    ROS2_IDL,
+    ROS2_TEXTS,
     WARNING,
     ClientChannel,
     message_head,
     text_frame,
 )
+from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.websocket.endpoint import Removals, Work
+from fibws.interfaces import Interfaces, idl
+from fibws.interfaces.client_definitions import LONGEST_TEXT
+from fibws.interfaces.ros2_definitions import Ros2Definitions
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.value_limits import check_json
 from fibws.protocol.websocket import BINARY, server_header
@@ -324,12 +330,11 @@ class Publications:
             raise OperationError(f"encoding must be {known}, got {channel.encoding!r}")
         client = self._client
         client.check_room("advertisements", len(self._channels))
-        is_text = channel.schema_encoding in (None, "", ROS1_TEXT)
         source = client.graph.advertise(
             client.graph.topic(client.resolve(channel.topic)),
             client.node,
             channel.schema_name,
-            channel.schema_text if channel.schema_text and is_text else None,
+            _definition(channel, client.graph),
             quota=self._quota,
             serialized=channel.encoding == ROS1,
             on_conflict=partial(client.statuses.state, f"conflict of channel {channel.id}"),
@@ -389,6 +394,26 @@ class Publications:
         self._channels.clear()
         self._client.graph.abandon(sources)
         return ((self._client.graph.remove_source, sources),)
+
+
+def _definition(channel: ClientChannel, graph: Graph) -> str | None:
+    """Return the definition of a type that a client brings, as ROS 1 would have it.
+
+    A type of ROS 2 that ROS 1 has with the same fields is ROS 1's, which the hub knows.
+
+    Raises:
+        InterfaceError: it is invalid.
+    """
+    text, name = channel.schema_text, channel.schema_name
+    if not text or channel.schema_encoding not in (None, "", ROS1_TEXT, *ROS2_TEXTS):
+        return None
+    if channel.schema_encoding not in ROS2_TEXTS:
+        return text
+    if len(text) > LONGEST_TEXT:
+        raise InterfaceError(f"the schema of {name} is too long (limit {LONGEST_TEXT} characters)")
+    if channel.schema_encoding == ROS2_IDL:
+        text = idl.full_text(Interfaces.canonical(name), text)
+    return Ros2Definitions(name, text, graph.definitions.base).full_text(name)
 
 
 def unknown_channel(id_: int) -> OperationError:

@@ -342,3 +342,58 @@ def test_misspelled_package_earns_a_warning() -> None:
     client.advertise("/text", "std_msg/String", encoding="json")
     warning = client.receive_statuses(1)[0]
     assert "std_msg/String" in warning and "did you mean std_msgs/String?" in warning
+
+
+ROS2_SCHEMAS = {
+    "ros2msg": "my_msgs/Part[] parts\nstd_msgs/Header header\n"
+    + f"{'=' * 80}\nMSG: my_msgs/msg/Part\nfloat32 size 0.5\n"
+    + f"{'=' * 80}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    + f"{'=' * 80}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n",
+    "ros2idl": f"{'=' * 80}\nIDL: my_msgs/msg/Thing\n"
+    "module my_msgs { module msg { struct Thing {\n"
+    "sequence<my_msgs::msg::Part> parts; std_msgs::msg::Header header; }; }; };\n"
+    f"{'=' * 80}\nIDL: my_msgs/msg/Part\n"
+    "module my_msgs { module msg { struct Part { @default(value=0.5) float size; }; }; };\n"
+    f"{'=' * 80}\nIDL: std_msgs/msg/Header\n"
+    "module std_msgs { module msg { struct Header {\n"
+    "builtin_interfaces::msg::Time stamp; string frame_id; }; }; };\n",
+}
+
+
+@pytest.mark.parametrize("encoding", ROS2_SCHEMAS)
+def test_schemas_of_ros_2_define_a_type(encoding: str) -> None:
+    hub = FoxgloveHub()
+    client = hub.foxglove_client()
+    listener = hub.client("/listener")
+    listener.send("subscribe", "/t")
+    fields: dict[str, Any] = {
+        "schema": ROS2_SCHEMAS[encoding],
+        "schemaEncoding": encoding,
+        "encoding": "json",
+    }
+    client.advertise("/t", "my_msgs/msg/Thing", **fields)
+    client.publish(1, b'{"parts":[{"size":2}],"header":{"frame_id":"map","stamp":{"sec":1}}}')
+    message = listener.receive_one("publish")["msg"]
+    assert message["parts"] == [{"size": 2.0}]
+    assert message["header"]["frame_id"] == "map"
+    assert message["header"]["stamp"]["secs"] == 1
+
+
+@pytest.mark.parametrize(
+    ("encoding", "schema", "fault"),
+    [
+        ("ros2idl", "module my_msgs { module msg { union Thing { }; }; };", "union"),
+        ("ros2idl", "module my_msgs { module msg { struct Other { long x; }; }; };", "Thing"),
+        ("ros2msg", "float32 9x", "line 1"),
+        ("ros2idl", "//" + " " * 2**18, "too long"),
+    ],
+)
+def test_schema_of_ros_2_that_cannot_be_read_is_refused(
+    encoding: str, schema: str, fault: str
+) -> None:
+    client = FoxgloveHub().foxglove_client()
+    client.receive()
+    fields: dict[str, Any] = {"schema": schema, "schemaEncoding": encoding, "encoding": "json"}
+    client.advertise("/t", "my_msgs/Thing", **fields)
+    [text] = client.receive_statuses()
+    assert fault in text
