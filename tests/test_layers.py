@@ -106,10 +106,11 @@ BELOW_IN_HUB = {
         "hub.delivery",
         "hub.rosbridge",
     }
-    | {"hub.settings", "hub.log_text", "hub.websocket.endpoint", "interfaces.serialized_values"},
+    | {"hub.settings", "hub.log_text", "hub.node_session", "hub.websocket.endpoint"}
+    | {"interfaces.serialized_values"},
     "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
     | {"hub.audit", "hub.byte_room", "hub.delivery", "hub.log_text", "hub.settings"}
-    | {"hub.websocket.endpoint"},
+    | {"hub.node_session", "hub.websocket.endpoint"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
     | {"origins", "hub.memory", "hub.kept_file"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},

@@ -29,10 +29,8 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 Loop = ast.For | ast.AsyncFor | ast.comprehension
 
 AT_ONCE = {
-    ("federation/federation.py", "announced"): "a record has 1 MiB at most, and few of a kind",
-    ("federation/announced.py", "take"): "a record has 1 MiB at most: 50 ms",
     ("federation/link.py", "_halves"): "an announcement of this hub, made within a turn",
-    ("rosbridge/session.py", "leave"): "the parts of a session",
+    ("federation/zenoh_backplane.py", "announce"): "an announcement of this hub, made in a turn",
     ("rosbridge/services.py", "leave"): "lists what is removed later",
     ("rosbridge/actions.py", "leave"): "lists what is removed later",
     ("foxglove/session.py", "leave"): "the parts of a session",

@@ -59,9 +59,9 @@ from fibws.hub.foxglove.turns import Turns
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
+from fibws.hub.node_session import NodeSession
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
-from fibws.hub.websocket.node_session import NodeSession
 from fibws.protocol.websocket import Payload
 
 CAPABILITIES = (

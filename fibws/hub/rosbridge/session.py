@@ -32,6 +32,7 @@ from fibws.errors import (
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
+from fibws.hub.node_session import NodeSession, RegisteringPart
 from fibws.hub.rosbridge.actions import Actions, Goals
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.services import Calls, Services
@@ -40,7 +41,6 @@ from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
-from fibws.hub.websocket.node_session import NodeSession, RegisteringPart
 from fibws.protocol.decoding import (
     REQUESTS,
     decode_cbor,
