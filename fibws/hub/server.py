@@ -12,7 +12,7 @@ import socket
 import time
 import uuid
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from contextlib import AsyncExitStack, ExitStack, suppress
 from functools import cache, partial
 from pathlib import Path
@@ -35,11 +35,10 @@ from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.records import HubInfo
 from fibws.hub.foxglove import SUBPROTOCOLS as FOXGLOVE_SUBPROTOCOLS
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
-from fibws.hub.machine_memory import available_memory
-from fibws.hub.memory import Account, Bound, Holding, Part
+from fibws.hub.held_memory import count_held, memory_limit
+from fibws.hub.memory import Account
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
@@ -286,7 +285,16 @@ class Hub:
             RecordingRoute(
                 requests, self.recording, self._authentication, self._readers, room, self.audit
             )
-        self._count_held()
+        count_held(
+            self._account,
+            self.graph,
+            federation=self.federation,
+            ros1=self.ros1,
+            ros2=lambda: self.ros2,
+            recording=self.recording,
+            files=room,
+            find_client=self._own.clients.find,
+        )
         metrics = Metrics(
             self.graph,
             self._connections,
@@ -326,44 +334,6 @@ class Hub:
             audit=self.audit,
             is_simulated=lambda: self.graph.clock.simulated is not None,
         )
-
-    def _count_held(self) -> None:
-        """Add all that is held for clients to the account, beside what connections hold."""
-        account, graph, room = self._account, self.graph, self._asset_room
-        graph.latched.on_grow = account.grow
-        account.add("latched", Part(self._latched, is_metered=True))
-        account.add("queues", Part(self.federation.queued))
-        account.add("incoming", Part(self.federation.incoming))
-        account.add("hubs", Part(self.federation.records))
-        if self.ros1 is not None:
-            account.add("queues", Part(self.ros1.queued))
-            account.add("incoming", Part(self.ros1.incoming))
-        account.add_fixed("files", lambda: room.held, room.size)
-        account.add_fixed("parameters", lambda: graph.parameters.bytes, 0)
-        account.add_fixed("queues", self._ros2_bytes, 0)
-        if (recording := self.recording) is not None:
-            size = 2 * recording.buffer_size
-            account.add_fixed("recording", lambda: recording.held_bytes, size)
-
-    def _latched(self) -> Iterator[Holding]:
-        """Yield the latched messages and wills of each node."""
-        owner = self.graph.policy.owner
-        for quota in self.graph.latched.quotas:
-            yield Holding(
-                owner(quota.node) if quota.node else f"node {id(quota)}",
-                partial(_latched_bytes, quota),
-                shorten=partial(_shorten_latched, quota),
-                end=partial(self._end_client, quota.node),
-            )
-
-    def _ros2_bytes(self) -> int:
-        return self.ros2.network.waiting_bytes if self.ros2 is not None else 0
-
-    def _end_client(self, node: str, bound: Bound) -> None:
-        """Close the connection of a node for which too much is held, if it is a client."""
-        client = self._own.clients.find(node)
-        if isinstance(client, Connection):
-            client.fail(bound.reason)
 
     async def __aexit__(
         self,
@@ -878,20 +848,6 @@ def local_url(settings: Settings, port: int, tls: ServerTls | None = None) -> st
     if tls is not None:
         host = tls.name_for(host)
     return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}{settings.base_path}"
-
-
-def memory_limit(settings: Settings) -> int:
-    """Return the bytes that a hub may hold for all clients together."""
-    return settings.max_memory or available_memory() // 2
-
-
-def _latched_bytes(quota: LatchQuota) -> int:
-    return quota.used
-
-
-def _shorten_latched(quota: LatchQuota, size: int, least: int, bound: Bound) -> None:
-    limit = f"the hub may hold {bound.limit} bytes for all clients ({bound.setting})"
-    quota.shorten(size, limit)
 
 
 def _tls(settings: Settings) -> ServerTls | None:
