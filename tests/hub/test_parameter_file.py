@@ -233,7 +233,7 @@ async def test_file_keeps_its_mode_and_its_link(start_hub: StartHub, tmp_path: P
         ("5", "root namespace"),
         ("a:", r"\[/a\]: null"),
         ("a: 2026-01-31", r"\[/a\]: .*date"),
-        (f"a: {'x' * 2000}", "max-parameter-bytes"),
+        (f"a: {'x' * 2000}", "max_parameter_bytes"),
     ],
 )
 async def test_file_that_cannot_be_used_is_named_and_stays(
@@ -241,21 +241,21 @@ async def test_file_that_cannot_be_used_is_named_and_stays(
 ) -> None:
     path = tmp_path / "params.yaml"
     write(path, text)
-    with pytest.raises(HubError, match=f"^--params: {path}: .*{fault}"):
+    with pytest.raises(HubError, match=rf"^Settings\(params=\.\.\.\): {path}: .*{fault}"):
         await start_hub(params=path, keep_params=keep, max_parameter_bytes=1500)
     assert read(path) == text
 
 
 async def test_file_must_exist_unless_it_is_kept(start_hub: StartHub, path: Path) -> None:
-    with pytest.raises(HubError, match=rf"--params: Cannot read {path}: No such file"):
+    with pytest.raises(HubError, match=rf"params=\.\.\.\): Cannot read {path}: No such file"):
         await start_hub(params=path)
-    with pytest.raises(HubError, match="--keep-params requires --params"):
+    with pytest.raises(HubError, match=r"keep_params=.* requires .*\(params="):
         await start_hub(keep_params=True)
 
 
 async def test_file_belongs_to_one_hub(start_hub: StartHub, path: Path) -> None:
     first = await start_hub(params=path, keep_params=True)
-    with pytest.raises(HubError, match=r"--params: another hub uses .*params\.yaml"):
+    with pytest.raises(HubError, match=r"params=\.\.\.\): another hub uses .*params\.yaml"):
         await start_hub(params=path, keep_params=True)
     await first.close()
     await start_hub(params=path, keep_params=True)

@@ -31,6 +31,9 @@ Loop = ast.For | ast.AsyncFor | ast.comprehension
 AT_ONCE = {
     ("federation/link.py", "_halves"): "an announcement of this hub, made within a turn",
     ("federation/zenoh_backplane.py", "announce"): "an announcement of this hub, made in a turn",
+    ("federation/announced.py", "_set"): "the users of one topic",
+    ("federation/announced.py", "_remove_record"): "the users of one topic",
+    ("federation/offers.py", "_users_of"): "the users of one topic of this hub",
     ("rosbridge/services.py", "leave"): "lists what is removed later",
     ("rosbridge/actions.py", "leave"): "lists what is removed later",
     ("foxglove/session.py", "leave"): "the parts of a session",

@@ -56,8 +56,8 @@ class Goals:
         self._sent: dict[Goal, SentGoal] = {}
         self._by_id: dict[Id, Goal] = {}
         """By the ids that the client gave."""
-        self._ended: deque[Id] = deque(maxlen=MOST_ENDED)
-        """The ids of the goals that ended last."""
+        self._ended: deque[int] = deque(maxlen=MOST_ENDED)
+        """The hashes of the ids of the goals that ended last: ids may be long."""
 
     def send(self, request: SendActionGoal) -> None:
         """Send a goal.
@@ -76,7 +76,7 @@ class Goals:
             )
         except FibwsError as error:
             if request.id is not None:
-                self._ended.append(request.id)
+                self._ended.append(hash(request.id))
             self._fail(request, Ros2GoalStatus.ABORTED, str(error), error.code)
             return
         serialized = isinstance(request.args, SerializedValues)
@@ -113,7 +113,7 @@ class Goals:
             goal.cancel()
             return
         text = f"no goal of {request.action} has this id"
-        if request.id not in self._ended:
+        if hash(request.id) not in self._ended:
             raise OperationError(text)
         # The result was on its way.
         self._client.statuses.info(request.id, f"cancel_action_goal: {text}")
@@ -168,7 +168,7 @@ class Goals:
         sent = self._sent.pop(goal)
         self._client.queue.forget(sent.lane)
         if self._by_id.pop(sent.request.id, None) is not None:
-            self._ended.append(sent.request.id)
+            self._ended.append(hash(sent.request.id))
         return sent
 
     def _frames(self, sent: SentGoal, fields: dict[str, Any], body: Body) -> bytes:

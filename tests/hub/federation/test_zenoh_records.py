@@ -34,6 +34,7 @@ class World:
             config=None,
             max_queued=2**20,
         )
+        self.backplane._is_attached = True
         self.known = self.backplane._known[ID] = _Known()
 
     def join(self, announcement: Any, **fields: Any) -> None:

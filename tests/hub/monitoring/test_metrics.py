@@ -307,9 +307,9 @@ class Topic:
 
     def __init__(self, name: str, messages: int = 0) -> None:
         self.name = name
-        self.sources = {"/node": Source(self, messages)}
+        self.publishers = {"/node": Source(self, messages)}
 
-    def sinks(self) -> list[Any]:
+    def all_sinks(self) -> list[Any]:
         return []
 
 
@@ -320,7 +320,7 @@ class TestNamesWithoutEnd:
         return {name: Topic(name, messages) for name in names}
 
     def leave(self, totals: TopicTotals, topics: dict[str, Any], name: str) -> None:
-        totals.source_left(topics.pop(name).sources["/node"])
+        totals.source_left(topics.pop(name).publishers["/node"])
 
     def test_topics_beyond_the_limit_count_as_others(self) -> None:
         topics = self.topics(*(f"/{number}" for number in range(10)))
@@ -374,7 +374,7 @@ class TestNamesWithoutEnd:
             elif name not in topics:
                 topics |= self.topics(name)
             else:
-                topics[name].sources["/node"].messages += 1
+                topics[name].publishers["/node"].messages += 1
             if number % 2:
                 found, total = totals.by_topic()
                 assert len(found) <= 4

@@ -333,7 +333,9 @@ class TestReload:
             (tmp_path / "other").mkdir()
             known.write_bytes(Authority(tmp_path / "other").file.read_bytes())
             changed = "authorities of client certificates changed"
-            assert hub.reload() == [changed, "1 client closed"]
+            reloaded: asyncio.Future[list[str]] = asyncio.get_running_loop().create_future()
+            assert hub.reload(reloaded.set_result) == [changed]
+            assert await reloaded == [changed, "1 client closed"]
             with pytest.raises((OSError, InvalidMessage)):
                 await connect(hub.url, ssl=context)
             # Others of the new authority's, too, are to connect again: 1012 says so.

@@ -325,13 +325,14 @@ async def test_client_without_a_server(client: fibws.Node, over: Over) -> None:
 
 
 async def test_server_works_although_others_use_its_topics_with_other_types(
-    server: fibws.Node, client: fibws.Node
+    server: fibws.Node, client: fibws.Node, real_hub: Hub
 ) -> None:
-    for topic in ("feedback", "cancel"):
-        await client.advertise(f"count/{topic}", String)
-    await server.action_server("count", Fibonacci, count)
-    goal = await client.action_client("count", Fibonacci).send({"order": 2})
-    assert (await goal.result(timeout=60)) is not None
+    async with fibws.Node("other", hub=real_hub.url) as other:
+        for topic in ("feedback", "cancel"):
+            await other.advertise(f"count/{topic}", String)
+        await server.action_server("count", Fibonacci, count)
+        goal = await client.action_client("count", Fibonacci).send({"order": 2})
+        assert (await goal.result(timeout=60)) is not None
 
 
 async def test_goal_of_another_type_than_the_servers_is_refused(
