@@ -56,8 +56,8 @@ class RemoteTopic(NamedTuple):
         return frozenset[str]().union(*(each.subscribers for each in self.by_type))
 
     @property
-    def nodes(self) -> set[str]:
-        """All nodes."""
+    def users(self) -> set[str]:
+        """All nodes that publish or subscribe."""
         return set(self.subscribers).union(*(each.publishers for each in self.by_type))
 
 
@@ -166,7 +166,7 @@ class Announced:
         home.names[kind].add(name)
         self._records[kind].setdefault(name, {})[home] = record
         if kind == "topics":
-            for node in record.nodes:
+            for node in record.users:
                 home.topics_of.setdefault(node, set()).add(name)
         elif kind != "nodes":
             home.served_by.setdefault(record.node, set()).add((kind, name))
@@ -189,7 +189,7 @@ class Announced:
         if not records[name]:
             del records[name]
         if kind == "topics":
-            for node in record.nodes:
+            for node in record.users:
                 _discard(home.topics_of, node, name)
         elif kind != "nodes":
             _discard(home.served_by, record.node, (kind, name))

@@ -220,7 +220,7 @@ class Offers:
             publishers = self._publishers(topic, group)
         subscribers: tuple[str, ...] = ()
         if self._may(name, "publish", exports=False):
-            seen = (each for each in group.nodes if view.sees_user(topic, each))
+            seen = (each for each in group.listeners if view.sees_user(topic, each))
             subscribers = tuple(filter(self._may_offer, seen))
         type_ = topic.type if group is topic.main else group.type
         return TypeUsers.model_construct(

@@ -229,7 +229,7 @@ class Subscriptions:
             return
         self.client.check_room("subscriptions", len(self.by_id))
         topic = self.client.graph.topic(channel.topic)
-        if all(each.number != channel.id for each in topic.groups):
+        if not topic.has_number(channel.id):
             raise unknown_channel(channel.id)
         key = channel, id_
         group = self._groups.get(key)

@@ -146,7 +146,7 @@ class Topic:
 
     def subscribers(self) -> Collection[str]:
         """Return the nodes of these sinks, each once."""
-        return self.groups[0].nodes
+        return self.groups[0].listeners
 
     def all_subscribers(self) -> set[str]:
         """Return the nodes of the sinks of all groups."""
@@ -185,6 +185,10 @@ class Topic:
         """Return the type that a sink names, or that of the topic."""
         group = self.group_of(sink)
         return self.type if group is None else group.type
+
+    def has_number(self, number: int) -> bool:
+        """Return whether one of its types has this number."""
+        return any(each.number == number for each in self.groups)
 
     def number_of(self, type_: MessageType) -> int:
         """Return the number of the group of a type, in which one of its messages was published."""

@@ -119,9 +119,9 @@ class TypeGroup:
         """What tells members of conflicts; see `Graph.advertise`."""
         self.watching_sources = PeerWatch(self.sources)
         """The typed sinks that watch who publishes."""
-        self.nodes = Union(self.typed, topic.untyped)
+        self.listeners = Union(self.typed, topic.untyped)
         """The nodes that get its messages."""
-        self.watching_sinks = PeerWatch(self.nodes)
+        self.watching_sinks = PeerWatch(self.listeners)
         """The sources that watch who subscribes."""
         self._receivers: tuple[Receiver, ...] | None = None
         """A tuple, since a sink may leave, or bring another one, while it is given a message; None

@@ -184,7 +184,7 @@ class TopicLinks:
     def _is_needed(self, publisher: Ros1Publisher) -> bool:
         """Return whether anybody outside ROS 1 subscribes to messages of a publisher's type."""
         source = publisher.source
-        nodes = source.group.nodes if source is not None else ()
+        nodes = source.group.listeners if source is not None else ()
         return source is None or any(node not in self._nodes.by_name for node in nodes)
 
     def _open_goals(self, status: str) -> None:

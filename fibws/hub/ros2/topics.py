@@ -726,7 +726,7 @@ class Ros2Topics:
             (node, message.name, message.type_hash)
             for group, message in messages.items()
             if may_subscribe
-            for node in group.nodes
+            for node in group.listeners
             if self._own.is_shown(node)
         }
         present = links.own_subscribers
