@@ -431,6 +431,21 @@ def test_bytes_with_too_many_values_for_json_fail_the_response_or_the_result(
     assert "too many values" in client.client.receive_one("action_result")["values"]
 
 
+def test_response_with_too_many_values_for_json_fails_a_call_of_foxglove(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hub = FoxgloveHub()
+    server = serve(hub, "fibws.v1")
+    client = hub.foxglove_client("/foxglove")
+    client.receive()
+    client.call(client.services["/s"]["id"], exact_json(VALUES).encode(), encoding="json")
+    id_ = server.receive()["id"]
+    monkeypatch.setattr("fibws.hub.graph.types.FEWEST_BYTES", 0)
+    monkeypatch.setattr("fibws.interfaces.serialization.MOST_WEIGHT", 0)
+    server.send("service_response", "values", id=id_, service="/s", result=True)
+    assert "too many values" in client.receive_one("serviceCallFailure")["message"]
+
+
 @pytest.mark.parametrize(
     "frame",
     [

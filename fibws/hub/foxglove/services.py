@@ -115,6 +115,9 @@ class Calls:
         try:
             is_json = waiting.encoding == JSON
             data = plain_json(response.json()) if is_json else response.ros1()
+        except FibwsError as error:  # It came as bytes that are too much for JSON.
+            self._fail(waiting.service, waiting.call, str(error))
+            return
         except Exception as fault:  # It is no fault of the server's.
             self._fail(waiting.service, waiting.call, INTERNAL_ERROR)
             self._client.statuses.log(f"{call.service.name}: {INTERNAL_ERROR}", fault=fault)
