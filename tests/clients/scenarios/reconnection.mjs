@@ -1,6 +1,6 @@
 /** A hub that goes away and another one in its place: user code connects again on `close`. */
 
-import { collect, pause } from "../world.mjs";
+import { collect } from "../world.mjs";
 
 export default {
   "client reconnects when the hub returns": async ({ library, url, report, settled }) => {
@@ -9,10 +9,7 @@ export default {
       const ros = new library.Ros({ url, encoding: "utf8", ...library.options });
       ros.on("connection", () => returns.add(ros));
       ros.on("error", () => {}); // No hub is there for a while.
-      ros.on("close", async () => {
-        await pause(100);
-        ros.connect(url);
-      });
+      ros.on("close", () => setTimeout(() => ros.connect(url), 1000));
       return ros;
     };
     const [talker, listener] = [connect(), connect()];
