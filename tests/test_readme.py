@@ -23,6 +23,7 @@ import pytest
 import fibws
 from fibws.cli.commands import command as fibws_command
 from fibws.cli.hub import HubCommands
+from fibws.command_names import ALIASES
 from fibws.hub import Hub, Settings
 from fibws.hub.settings import flag_of
 from fibws.msg.geometry_msgs import TransformStamped, Twist
@@ -246,12 +247,35 @@ async def test_cells_of_the_notebook_run_one_after_the_other() -> None:
 # The commands.
 
 
+OTHERS = {
+    *("cat", "cd", "chmod", "eval", "export", "kill", "mkdir", "source", "umask", "until"),
+    *("chgrp", "curl", "docker", "git", "groupadd", "journalctl", "kubectl", "systemctl"),
+    *("mkdocs", "mypy", "nox", "npm", "pip", "pre-commit", "ruff"),  # of developers
+    "ros2",  # of ROS 2
+}
+"""Programs that are not fibws's."""
+MODULES = {"bench", "pip", "pytest", "venv"}
+"""Modules that are run and are not fibws's."""
+
+
 def commands(page: str) -> Iterator[list[str]]:
-    """Yield the words of each command in a page's blocks for terminals, comments left out."""
+    """Yield the words of each command in a page's blocks for terminals, comments left out.
+
+    In a block with prompts, other lines are what the commands print.
+    """
     for block in re.findall(r"^```console[^\n]*\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
-        for line in block.replace("\\\n", "").splitlines():
-            for part in line.split(" && "):
-                yield shlex.split(part.removesuffix(" &"), comments=True)
+        lines = block.replace("\\\n", " ").splitlines()
+        if prompted := [line[2:] for line in lines if line.startswith("$ ")]:
+            lines = prompted
+        for line in lines:
+            subshell = re.fullmatch(r"\((umask \d+); (.*)\)", line)
+            for part in subshell.groups() if subshell else line.split(" && "):
+                words = shlex.split(re.sub(r" &$| > \S+$", "", part), comments=True)
+                while words and re.match(r"\w+=", words[0]):  # A variable of this command.
+                    words.pop(0)
+                yield words
+                for inner in re.findall(r"[<$]\(([^()]*)\)", part):
+                    yield shlex.split(inner)
 
 
 def installed(first: str) -> list[str]:
@@ -296,11 +320,19 @@ def test_commands_and_their_options_exist(path: Path) -> None:
         match words:
             case ["fibws", *arguments] | ["python", "-m", "fibws", *arguments]:
                 check_options(fibws_command, arguments)
+            case [str(alias), *arguments] if alias in ALIASES:
+                check_options(fibws_command, [*ALIASES[alias].split(), *arguments])
             case ["python", "-m", str(module), *arguments] if module.startswith("fibws."):
                 name = f"{module}.__main__" if module == "fibws.hub" else module
                 command = getattr(import_module(name), "command", None)
                 if isinstance(command, click.Command):
                     check_options(command, arguments)
+            case ["python", "-m", str(module), *_]:
+                assert module in MODULES, words
+            case ["python", str(script), *_]:
+                assert script.endswith(".py"), words
+            case [str(program), *_]:
+                assert program in OTHERS, words
 
 
 def check_options(command: click.Command, arguments: list[str]) -> None:
