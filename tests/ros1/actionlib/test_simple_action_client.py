@@ -39,7 +39,7 @@ async def test_goal_is_aborted(hub: Hub, start_script: StartScript) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
         client = await start_script("fibonacci_client.py", "-3", "20")
-        assert await client.end() == (0, "4 there is no such order\n[]\n", "")
+        assert await client.end() == (0, "4 ValueError: there is no such order\n[]\n", "")
 
 
 async def test_goal_is_canceled(hub: Hub, start_script: StartScript) -> None:

@@ -67,9 +67,9 @@ for call in (lambda: rospy.ServiceProxy("none", AddTwoInts)(1, 2), lambda: add(1
             "3 3 9 0",
             "/server /add rospy_tutorials/AddTwoInts",
             "ServiceException service [/add] responded with an error: "
-            "b'error processing request: no 13'",
+            "b'error processing request: ValueError: no 13'",
             "ServiceException service [/add] responded with an error: b'error processing request: "
-            "request from [/me]: md5sums do not match: [1] vs. [2]'",
+            "ValueError: request from [/me]: md5sums do not match: [1] vs. [2]'",
             "ServiceException service [/add] responded with an error: "
             "b'Service /add does not exist'",
             "SerializationError field a must be an integer type",
