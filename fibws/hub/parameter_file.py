@@ -70,19 +70,20 @@ class ParameterFile:
         self._parameters.watch(lambda name, node: self.file.changed())
 
     def _entries(self) -> tuple[list[tuple[str, Any]], int]:
+        """Return the parameters of the file, and when it was written; in any thread."""
+        if self._is_kept:
+            self.file.check()
+            if not self._path.exists():
+                return [], 0
         try:
-            if self._is_kept:
-                self.file.check()
-                if not self._path.exists():
-                    return [], 0
             text = parameter_files.read(self._path)
-            changed = self._path.stat().st_mtime_ns
-        except (FibwsError, OSError) as error:
-            raise SettingError(f"{FLAG}: {_without_flag(error)}") from None
+        except FibwsError as error:
+            raise SettingError(f"{FLAG}: {error}") from None
         try:
-            return parameter_files.entries(text, "/"), changed
+            found = parameter_files.entries(text, "/")
         except FibwsError as error:
             raise SettingError(f"{FLAG}: {self._path}: {error}") from None
+        return found, self._path.stat().st_mtime_ns
 
     def _text(self, tree: Namespace) -> bytes:
         document = self._document("", tree)
@@ -100,7 +101,3 @@ class ParameterFile:
         parts = {key: self._document(f"{name}/{key}", each) for key, each in list(node.items())}
         found = {key: each for key, each in parts.items() if each is not None}
         return None if parts and not found else found
-
-
-def _without_flag(error: Exception) -> str:
-    return str(error).removeprefix(f"{FLAG}: ")
