@@ -232,7 +232,7 @@ class TestCompose:
                 with pytest.raises(ConnectionClosed) as closed:
                     async with client(at, "wrong") as stranger:
                         await stranger.recv()
-                return closed.value.rcvd and closed.value.rcvd.code
+                return closed.value.rcvd.code if closed.value.rcvd is not None else None
 
             while await refused("127.0.0.2") != LIMITED:
                 pass

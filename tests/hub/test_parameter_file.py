@@ -282,6 +282,7 @@ async def test_only_loaded_values_that_have_not_changed_since_are_old(
     write(path, "robot: {speed: 1, color: red, gone: 1}\n")
     os.utime(path, (1e9, 1e9))
     other = await start_hub()
+    other.graph.clock.simulated = 1_500_000_000 * 10**9  # Later than the file, and before today.
     other.graph.parameters.set("/r7/robot/color", "blue")
     hub = await start_hub(params=path, join=(other.url,), join_prefix="/r7")
     hub.graph.parameters.set("/robot/speed", 3)
