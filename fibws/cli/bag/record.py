@@ -42,6 +42,8 @@ LOOK_INTERVAL = 0.5
 """Seconds between two looks for new topics; rosbag looks once a second."""
 CLOCK_LAG = 10**9
 """Nanoseconds that this node's time may be behind the hub's."""
+NEW_LATCHED = 10 * 10**9
+"""Nanoseconds after which a latched message that arrives late is not new, at high rates, too."""
 REPORT_TIMEOUT = 2.0
 """Seconds that the hub may take at the end to report what it has dropped."""
 _MULTIPLIERS = {"": 1, "k": 2**10, "M": 2**20, "G": 2**30}
@@ -227,9 +229,12 @@ class RecordingNode:
         """Return the time of the first message of a latching publisher.
 
         It may have been published before the recording, by a clock that has jumped since: it is
-        recorded as of the beginning then.
+        recorded as of the beginning then. If time was set back since the beginning, it keeps a time
+        shortly before now, as it may be new.
         """
         now = self._node.now().to_nanoseconds()
+        if 0 < now < self._began - CLOCK_LAG:
+            return received if now - NEW_LATCHED <= received <= now else now
         return received if self._began <= received <= now + CLOCK_LAG else self._began
 
     def _stream(self, topic: str, header: bytes, type_: Any) -> Stream:

@@ -213,6 +213,27 @@ def test_latched_messages_have_the_time_of_the_beginning(
         assert "*" not in {each.type for each in bag.connections}
 
 
+def test_latched_message_after_time_was_set_back_has_the_new_time(
+    hub: HubThread, tmp_path: Path, publish: Publish, client: HubClient
+) -> None:
+    client.call("/rosapi/set_param", {"name": "/use_sim_time", "value": "true"})
+    publish("/clock", "rosgraph_msgs/Clock", {"clock": {"secs": 20, "nsecs": 0}})
+    client.call("/rosapi/get_time")
+    try:
+        with recorder(hub.url, tmp_path / "b.bag", "-a") as recording:
+            recording.wait_for("Recording to")
+            wait_for_subscriber(hub.url, "/clock")
+            publish("/clock", "rosgraph_msgs/Clock", {"clock": {"secs": 5, "nsecs": 0}})
+            publish("/late", "std_msgs/Int32", {"data": 1})
+            recording.wait_for("Subscribing to /late")
+            wait_for_subscriber(hub.url, "/late")
+            recording.end(signal.SIGINT)
+    finally:
+        client.call("/rosapi/set_param", {"name": "/use_sim_time", "value": "false"})
+    with open_reader(tmp_path / "b.bag") as bag:
+        assert [time for _, time, _ in bag.messages(["/late"])] == [5 * SECOND]
+
+
 def test_two_signals_at_once_complete_the_bag(
     hub: HubThread, tmp_path: Path, publish: Publish
 ) -> None:
