@@ -16,8 +16,8 @@ class Throttling(NamedTuple):
     """At most one message in a period: rosbridge's throttle_rate and queue_length.
 
     ``period`` is in seconds. ``queue_length`` frames wait for their turn; 0 drops all that come too
-    early. With a ``credit``, at most so many messages are unacknowledged, and one frame waits for
-    its turn, the newest.
+    early. With a ``credit``, at most so many messages are unacknowledged, and the newest frames
+    wait for their turn: one, or ``queue_length``.
     """
 
     period: float

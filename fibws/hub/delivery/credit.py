@@ -1,4 +1,4 @@
-"""Credit: few messages on the way that a client has not acknowledged, and the newest one next."""
+"""Credit: a bound of the messages on the way that a client has not acknowledged."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ class Credit(Generic[M]):
     """Sends its one member frames while fewer than its credit are unacknowledged.
 
     Meanwhile the newest frame waits, and a newer one replaces it, until the client's socket takes
-    it: what the client gets is as fresh as its link and its own speed allow. Latched frames wait,
+    it: what the client gets is as fresh as its link and its own speed allow. With a queue_length of
+    2 or more, so many of the newest wait, and the oldest of more are dropped. Latched frames wait,
     too, but are not replaced, since each may be another publisher's.
 
     A throttle may ask for a period between two frames, except latched ones.
@@ -33,7 +34,8 @@ class Credit(Generic[M]):
         self._member: M | None = member
         self._clock = clock
         self._waiting: deque[MadeFrame] = deque()
-        """Latched frames, and at most one other; their bytes count as kept for the client."""
+        """Latched frames, then others, at most as many as may wait; their bytes count as kept for
+        the client."""
         self._latched = 0
         """How many of these must not be replaced."""
         self._due = -inf
@@ -60,10 +62,17 @@ class Credit(Generic[M]):
             self._timer.cancel()
 
     def offer(self, frame: Frame, now: float) -> None:
-        """Send a frame now or later, unless a newer one replaces it."""
-        if len(self._waiting) > self._latched:
-            replaced = self._waiting.pop()
-            self._count(-len(replaced))  # It counts as left out, like those of a throttle.
+        """Send a frame now or later, unless newer ones replace it."""
+        assert self._member is not None
+        assert self._member.throttling is not None
+        room = max(1, self._member.throttling.queue_length)
+        if len(self._waiting) - self._latched >= room:
+            replaced = self._waiting[self._latched]
+            del self._waiting[self._latched]
+            self._count(-len(replaced))
+            # One that the client did not ask to keep counts as left out, like those of a throttle.
+            if room > 1:
+                self._count_dropped()
         self._keep(frame)
         self.proceed()
 

@@ -78,6 +78,32 @@ def test_replaced_messages_count_as_throttled() -> None:
     assert (one.report.messages, one.report.dropped, one.report.throttled) == (3, 0, 2)
 
 
+def test_as_many_messages_wait_for_credit_as_the_queue_is_long() -> None:
+    one = viewer(queue_length=3)
+    one.publish(*range(5))
+    assert one.received() == [0, 1]
+    one.acknowledge(2)
+    assert one.received() == [2, 3]
+    one.acknowledge()
+    assert one.received() == [4]
+    report = one.report
+    assert (report.messages, report.dropped, report.throttled) == (5, 0, 0)
+
+
+def test_oldest_message_is_dropped_when_more_wait_for_credit_than_the_queue_holds() -> None:
+    one = viewer(queue_length=3)
+    one.publish(*range(9))
+    report = one.report
+    assert (report.messages, report.dropped, report.throttled) == (2, 4, 0)
+    assert one.received() == [0, 1]
+    one.acknowledge(2)
+    assert one.received() == [6, 7]
+    one.acknowledge(2)
+    assert one.received() == [8]
+    assert one.client.queue.dropped == 4
+    assert one.client.queue.kept_bytes == 0
+
+
 def test_reply_to_the_subscription_has_its_credit() -> None:
     one = viewer(credit=3)
     [(_, reply)] = one.client.receive_frames()
