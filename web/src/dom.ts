@@ -4,6 +4,8 @@
  * Markup is never parsed. `style` attributes are forbidden by the page's security policy.
  */
 
+import { shownText } from "./text";
+
 export type Child = Node | string | number | null | undefined | false;
 export type Listener = (event: never) => unknown;
 export type Attributes = Record<string, string | number | boolean | null | undefined | Listener>;
@@ -54,7 +56,8 @@ export function replace(element: Element, ...children: Child[]): void {
 
 /** Set an element's text; the document is touched only if it changes. */
 export function setText(element: Element, text: string): void {
-  if (element.textContent !== text) element.textContent = text;
+  const shown = shownText(text);
+  if (element.textContent !== shown) element.textContent = shown;
 }
 
 /** The text of a name, of which a line may end after slashes and underscores only. */
@@ -117,8 +120,9 @@ export function longestRising(numbers: readonly number[]): Set<number> {
 
 /** Set an attribute; returns whether it changed. The document is touched only then. */
 export function setAttribute(element: Element, name: string, value: string): boolean {
-  if (element.getAttribute(name) === value) return false;
-  element.setAttribute(name, value);
+  const shown = shownText(value);
+  if (element.getAttribute(name) === shown) return false;
+  element.setAttribute(name, shown);
   return true;
 }
 
@@ -132,7 +136,7 @@ function setAttributes(element: Element, attributes: Attributes): void {
     } else if (value === true) {
       element.setAttribute(name, "");
     } else if (value !== false && value !== null && value !== undefined) {
-      element.setAttribute(name, String(value));
+      element.setAttribute(name, shownText(String(value)));
     }
   }
 }
@@ -140,6 +144,6 @@ function setAttributes(element: Element, attributes: Attributes): void {
 function append(element: Element, children: Child[]): void {
   for (const child of children) {
     if (child === null || child === undefined || child === false) continue;
-    element.append(typeof child === "number" ? String(child) : child);
+    element.append(typeof child === "object" ? child : shownText(String(child)));
   }
 }

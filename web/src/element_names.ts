@@ -1,4 +1,5 @@
 /** The names of array elements: a joint's position is `position[elbow]` instead of `position[3]`. */
+import { elements } from "./messages/values";
 import { own, parsePath, pathText, type Step } from "./types";
 
 /** Fields that name an element of an array of messages, such as KeyValue or TransformStamped. */
@@ -15,7 +16,7 @@ const INHERITED = ["joint_names"];
  * are numbers, or that several elements have, are left out.
  */
 export function elementNames(
-  array: readonly unknown[],
+  array: ArrayLike<unknown>,
   key: string,
   owners: readonly unknown[],
 ): (string | undefined)[] | undefined {
@@ -28,13 +29,15 @@ export function elementNames(
   );
 }
 
-function ownNames(array: readonly unknown[]): string[] | undefined {
+function ownNames(array: ArrayLike<unknown>): string[] | undefined {
   const field = OWN_NAMES.find((each) => typeof own(array[0], each) === "string");
-  return field === undefined ? undefined : array.map((element) => String(own(element, field)));
+  return field === undefined
+    ? undefined
+    : Array.from(array, (element) => String(own(element, field)));
 }
 
 function parallelNames(
-  array: readonly unknown[],
+  array: ArrayLike<unknown>,
   key: string,
   owners: readonly unknown[],
 ): string[] | undefined {
@@ -74,7 +77,7 @@ export function resolve(
       named.push(step);
       continue;
     }
-    const array: readonly unknown[] = Array.isArray(value) ? value : [];
+    const array = elements(value) ?? [];
     const names = elementNames(array, key, owners);
     const index = typeof step === "number" ? step : (names?.indexOf(step.name) ?? -1);
     if (index < 0) return undefined;
@@ -96,7 +99,7 @@ export function expand(message: unknown, path: string): string[] {
   });
   if (at < 0) return [path];
   const array = valueAt(message, resolve(message, steps.slice(0, at))?.indices ?? []);
-  return (Array.isArray(array) ? array : []).flatMap((_, index) => {
+  return Array.from(elements(array) ?? []).flatMap((_, index) => {
     const start = resolve(message, [...steps.slice(0, at), index])?.named ?? [];
     return expand(message, pathText([...start, ...steps.slice(at + 1)]));
   });

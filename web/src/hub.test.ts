@@ -170,57 +170,26 @@ test("a response after the timeout is ignored", async () => {
   ).not.toThrow();
 });
 
-test("subscriptions and advertisements are repeated after a reconnection", () => {
+test("advertisements are repeated after a reconnection", () => {
   open();
-  const stop = hub.subscribe("/gone", {}, () => undefined);
-  hub.subscribe("/kept", { throttle: 100, queue: 1 }, () => undefined);
+  hub.advertise("/gone", "a/T").close();
   hub.advertise("/mine", "a/T");
-  stop();
   close();
   expect(hub.state.value).toBe("closed");
   vi.advanceTimersByTime(250);
   open();
   expect(hub.state.value).toBe("open");
-  const subscribed = socket().sent.filter(({ op }) => op === "subscribe");
-  expect(subscribed).toMatchObject([{ topic: "/kept", throttle_rate: 100, queue_length: 1 }]);
-  // A type would keep nodes from giving the topic another one.
-  expect(subscribed[0]).not.toHaveProperty("type");
   expect(take("advertise")).toMatchObject([{ topic: "/mine" }]);
-});
-
-test("each listener has its own subscription", () => {
-  open();
-  const [one, other] = [vi.fn(), vi.fn()];
-  const stopOne = hub.subscribe("/t", {}, one);
-  const stopOther = hub.subscribe("/t", {}, other);
-  const ids = take("subscribe").map(({ id }) => id);
-  expect(new Set(ids).size).toBe(2);
-  receive({ op: "publish", topic: "/t", msg: { data: 1 } });
-  stopOne();
-  stopOne();
-  receive({ op: "publish", topic: "/t", msg: { data: 2 } });
-  expect(one.mock.calls).toEqual([[{ data: 1 }, {}]]);
-  expect(other.mock.calls).toEqual([
-    [{ data: 1 }, {}],
-    [{ data: 2 }, {}],
-  ]);
-  expect(take("unsubscribe")).toMatchObject([{ id: ids[0] }]);
-  stopOther();
-  expect(take("unsubscribe")).toMatchObject([{ id: ids[1] }]);
-  expect(() => receive({ op: "publish", topic: "/t", msg: {} })).not.toThrow();
 });
 
 test("errors are reported to the caller of the operation", () => {
   open();
-  const [subscriber, publisher] = [vi.fn(), vi.fn()];
-  hub.subscribe("/t", {}, () => undefined, subscriber);
+  const publisher = vi.fn();
   const publication = hub.advertise("/t", "a/T", publisher);
-  const [subscribe, advertise] = socket().sent.map(({ id }) => id);
-  receive({ op: "status", id: subscribe, msg: "not this type" });
+  const [advertise] = socket().sent.map(({ id }) => id);
   publication.publish({ data: 1 });
   expect(take("publish")).toMatchObject([{ id: advertise, topic: "/t", msg: { data: 1 } }]);
   receive({ op: "status", id: advertise, msg: "not this value" });
-  expect(subscriber.mock.calls).toEqual([["not this type"]]);
   expect(publisher.mock.calls).toEqual([["not this value"]]);
   close();
   publication.publish({ data: 2 });
@@ -380,10 +349,10 @@ test("a denied page is disconnected", () => {
 });
 
 test("the token comes first on each connection, and is not in the address", () => {
-  hub.subscribe("/a", {}, () => undefined);
+  hub.advertise("/a", "a/T");
   hub.enter("secret");
   open();
-  expect(socket().sent.map(({ op }) => op)).toEqual(["auth", "subscribe"]);
+  expect(socket().sent.map(({ op }) => op)).toEqual(["auth", "advertise"]);
   expect(socket().sent[0]).toMatchObject({ token: "secret" });
   expect(socket().url).not.toContain("secret");
 });

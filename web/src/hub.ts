@@ -1,10 +1,9 @@
 /**
- * The page's connection to the hub, by the rosbridge protocol over one WebSocket.
+ * The page's connection to the hub for calls and for what it publishes, by the rosbridge protocol.
  *
- * It reconnects by itself, and then subscribes and advertises again.
+ * It reconnects by itself, and then advertises again. Messages come on another connection.
  */
 import { type Signal, Source } from "./signal";
-import { type Header, type MessageListener, TopicListeners } from "./topic_listeners";
 
 export type Message = Record<string, unknown>;
 export type State = "connecting" | "open" | "closed";
@@ -21,15 +20,6 @@ export interface Publication {
   setWill(message: Message, timeout: number): void;
   clearWill(): void;
   close(): void;
-}
-
-export interface SubscribeOptions {
-  /** Minimum time between two messages, in ms. */
-  throttle?: number;
-  /** How many messages the hub queues while the page falls behind. */
-  queue?: number;
-  /** Whether the listener is passed connection headers: `callerid` is the publisher. */
-  headers?: boolean;
 }
 
 /** A goal of an action that is served by ROS 2's operations. */
@@ -94,6 +84,8 @@ export class CallTimeout extends Error {
 export class Hub {
   readonly url: string;
   readonly node = `/page_${randomHex()}`;
+  /** The node of the page's other connection, on which messages come. */
+  readonly #messageNode = `/page_${randomHex()}`;
   readonly state: Signal<State>;
   /** Why the connection was lost, if the hub gave a reason. */
   readonly reason: Signal<string>;
@@ -113,7 +105,6 @@ export class Hub {
   readonly #calls = new Map<string, Call>();
   /** Goals that have not ended, by their ids. */
   readonly #goals = new Map<string, SentGoal>();
-  readonly #listeners = new Map<string, TopicListeners<Operation>>();
   readonly #advertised = new Map<string, Operation>();
   /** Who receives the errors about an operation, by its id. */
   readonly #onError = new Map<string, (why: string) => void>();
@@ -156,7 +147,12 @@ export class Hub {
 
   /** The address and the token for another connection of the page, which is a node of its own. */
   second(): { url: string; token: string } {
-    return { url: withNode(this.url, `/page_${randomHex()}`), token: this.#token };
+    return { url: withNode(this.url, this.#messageNode), token: this.#token };
+  }
+
+  /** Whether a node is this page. */
+  isOwn(node: string): boolean {
+    return node === this.node || node === this.#messageNode;
   }
 
   /** Connect with a token, which is sent by the operation `auth`. */
@@ -241,44 +237,6 @@ export class Hub {
     };
   }
 
-  /**
-   * Subscribe to a topic; return a function that unsubscribes.
-   *
-   * The type is left out: naming one would keep nodes from giving the topic another type.
-   *
-   * `onError` receives the reason each time that the hub rejects the subscription. The hub has one
-   * throttle rate per topic and client, so slower listeners are throttled here.
-   */
-  subscribe(
-    topic: string,
-    { throttle = 0, queue = 0, headers = false }: SubscribeOptions,
-    listener: MessageListener,
-    onError?: (why: string) => void,
-  ): () => void {
-    const id = this.#newId("subscribe");
-    const listeners = this.#listeners.get(topic) ?? new TopicListeners<Operation>();
-    this.#listeners.set(topic, listeners);
-    const operation = {
-      op: "subscribe",
-      id,
-      topic,
-      throttle_rate: throttle,
-      queue_length: queue,
-      ...(headers ? { headers } : {}),
-    };
-    listeners.add(id, operation, throttle, listener);
-    if (onError !== undefined) this.#onError.set(id, onError);
-    this.#send(operation);
-    return () => {
-      if (!listeners.remove(id)) return;
-      this.#onError.delete(id);
-      this.#send({ op: "unsubscribe", id, topic });
-      if (listeners.isEmpty && this.#listeners.get(topic) === listeners) {
-        this.#listeners.delete(topic);
-      }
-    };
-  }
-
   /** Advertise a topic; `onError` receives the reason when the hub rejects that or a message. */
   advertise(topic: string, type: string, onError?: (why: string) => void): Publication {
     const id = this.#newId("advertise");
@@ -332,11 +290,6 @@ export class Hub {
   #receive(operation: Operation): void {
     const { op, id } = operation;
     switch (op) {
-      case "publish":
-        this.#listeners
-          .get(operation.topic as string)
-          ?.dispatch(operation.msg as Message, operation.header as Header | undefined);
-        break;
       case "service_response":
         this.#respond(this.#calls.get(id as string), operation);
         break;
@@ -368,7 +321,7 @@ export class Hub {
     else call?.reject(new Error(values ? String(values) : `${String(service)} failed`));
   }
 
-  /** Send an operation if connected; subscriptions and advertisements are sent on connecting. */
+  /** Send an operation if connected; advertisements are sent on connecting. */
   #send(operation: Operation): void {
     // A socket that the hub is closing is "open" until that is done; a browser warns of such use.
     if (this.#state.value !== "open" || this.#socket?.readyState !== OPEN) return;
@@ -382,11 +335,7 @@ export class Hub {
 
   #connected(): void {
     this.#retryTime = MIN_RETRY;
-    const listeners = [...this.#listeners.values()];
-    const operations: Operation[] = [
-      ...this.#advertised.values(),
-      ...listeners.flatMap((all) => all.operations()),
-    ];
+    const operations: Operation[] = [...this.#advertised.values()];
     if (this.#token !== "") operations.unshift({ op: "auth", token: this.#token });
     for (const operation of operations) this.#socket?.send(JSON.stringify(operation));
     this.#reason.set("");

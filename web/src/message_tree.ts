@@ -4,16 +4,8 @@ import "./message_tree.css";
 import { h, setText, svg } from "./dom";
 import { elementNames } from "./element_names";
 import { dateTime, duration, plural, whole } from "./format";
-import {
-  byteLength,
-  bytesOf,
-  type Field,
-  isBytes,
-  kindOf,
-  own,
-  type Types,
-  typeText,
-} from "./types";
+import { bytes, elements, numberText } from "./messages/values";
+import { byteLength, type Field, isBytes, kindOf, own, type Types, typeText } from "./types";
 
 /** How many elements of an array are shown at first, added by each click, and shown at most. */
 const FIRST = 50;
@@ -83,8 +75,9 @@ class Children {
     this.#value = value;
     this.#field = field;
     this.#owners = owners;
-    if (Array.isArray(value)) this.#showArray(value, field);
-    else this.#showMessage(value, field);
+    const list = elements(value);
+    if (list === undefined) this.#showMessage(value, field);
+    else this.#showArray(list, field);
   }
 
   #showMore(): void {
@@ -106,7 +99,7 @@ class Children {
       this.#place.replaceChildren(h("span", { class: "tree-note" }, "no fields"));
   }
 
-  #showArray(values: unknown[], field: Field | undefined): void {
+  #showArray(values: ArrayLike<unknown>, field: Field | undefined): void {
     const element = field === undefined ? undefined : { ...field, array: -1 };
     const shown = Math.min(values.length, this.#limit);
     const names = elementNames(values, keyOf(this.#path), this.#owners);
@@ -179,10 +172,16 @@ function makeItem(
   const single = field === undefined || field.array < 0;
   const kind = field === undefined ? undefined : kindOf(field.type);
   const isTime = single && (kind === "time" || kind === "duration");
-  if (typeof value === "object" && value !== null && !isTime) {
+  if (typeof value === "object" && value !== null && !isTime && !isByteString(value, field)) {
     return new Branch(context, label, path, value, field, depth, owners);
   }
   return new Leaf(context.plot, label, path, value, field);
+}
+
+/** Whether a value is shown as bytes, and not as an array of numbers. */
+function isByteString(value: unknown, field: Field | undefined): boolean {
+  if (field === undefined) return value instanceof Uint8Array;
+  return isBytes(field) && (typeof value === "string" || value instanceof Uint8Array);
 }
 
 class Branch implements Item {
@@ -206,7 +205,7 @@ class Branch implements Item {
     owners: Owners,
   ) {
     this.#field = field;
-    this.#isArray = Array.isArray(value);
+    this.#isArray = elements(value) !== undefined;
     this.#types = context.types;
     const place = h("div", { class: "tree-children" });
     this.#children = new Children(place, context, path, depth + 1);
@@ -229,8 +228,8 @@ class Branch implements Item {
   }
 
   show(value: unknown, owners: Owners): boolean {
-    if (typeof value !== "object" || value === null || Array.isArray(value) !== this.#isArray)
-      return false;
+    if (typeof value !== "object" || value === null) return false;
+    if ((elements(value) !== undefined) !== this.#isArray) return false;
     this.#value = value;
     this.#owners = owners;
     setText(this.#note, this.#describe(value));
@@ -245,25 +244,31 @@ class Branch implements Item {
 
   #describe(value: object): string {
     const type = this.#field === undefined ? "" : typeText(this.#field);
-    if (!Array.isArray(value)) return type;
-    return `${type} ${plural(value.length, "element")}`.trim();
+    const list = elements(value);
+    return list === undefined ? type : `${type} ${plural(list.length, "element")}`.trim();
   }
 }
 
 function isShort(value: object): boolean {
-  const length = Object.keys(value).length;
+  const length = elements(value)?.length ?? Object.keys(value).length;
   return length > 0 && length <= SHORT;
 }
 
 /** The first few values of a closed branch: ` x: 1.5, y: 0` or ` 1, 2, 3, …`. */
 function preview(value: unknown, field: Field | undefined, types: Types | undefined): string {
-  const isArray = Array.isArray(value);
+  const list = elements(value);
+  const isArray = list !== undefined;
   const element = field === undefined ? undefined : { ...field, array: -1 };
-  const all = Object.entries(isArray ? value.slice(0, PREVIEW + 1) : (value as object));
+  const all = Object.entries(
+    isArray
+      ? Array.from({ length: Math.min(list.length, PREVIEW + 1) }, (_, at) => list[at])
+      : Object(value),
+  );
   const texts = all.flatMap(([name, each]) => {
     const inner = isArray ? element : field && types?.field(field.type, name);
-    if (typeof each === "object" && each !== null && own(each, "nsecs") === undefined) return [];
-    const text = leafText(typeof each === "number" ? Number(each.toPrecision(5)) : each, inner)[0];
+    const isLeaf = isByteString(each, inner) || own(each, "nsecs") !== undefined;
+    if (typeof each === "object" && each !== null && !isLeaf) return [];
+    const text = leafText(isFraction(each) ? Number(each.toPrecision(5)) : each, inner)[0];
     return [isArray ? text : `${name}: ${text}`];
   });
   if (texts.length === 0) return "";
@@ -272,6 +277,10 @@ function preview(value: unknown, field: Field | undefined, types: Types | undefi
     .join(isArray ? ", " : "  ")
     .slice(0, 120);
   return `  ${few}${texts.length > PREVIEW ? ", …" : ""}`;
+}
+
+function isFraction(value: unknown): value is number {
+  return typeof value === "number" && Number.isFinite(value) && !Number.isInteger(value);
 }
 
 /** Receives the path of a number that the user wants to plot. */
@@ -311,7 +320,8 @@ export class Leaf implements Item {
   show(value: unknown): boolean {
     const kind = this.#field === undefined ? undefined : kindOf(this.#field.type);
     const isTime = kind === "time" || kind === "duration";
-    if (typeof value === "object" && value !== null && !isTime) return false;
+    if (typeof value === "object" && value !== null && !isTime && !isByteString(value, this.#field))
+      return false;
     const [text, style, title] = leafText(value, this.#field);
     setText(this.#value, text);
     this.#value.className = `tree-value tree-${style}`;
@@ -322,7 +332,7 @@ export class Leaf implements Item {
 }
 
 function isPlottable(value: unknown, field: Field | undefined): boolean {
-  if (field === undefined) return typeof value === "number" || typeof value === "boolean";
+  if (field === undefined) return ["number", "bigint", "boolean"].includes(typeof value);
   return field.array < 0 && kindOf(field.type) !== "string";
 }
 
@@ -362,23 +372,14 @@ export function leafText(
 ): [text: string, style: string, title: string] {
   if (value === null)
     return ["nan", "word", "Not a number: JSON has null for nan and for infinity"];
+  if (isByteString(value, field)) return [bytesText(value as string | Uint8Array), "bytes", ""];
   if (typeof value === "string") {
-    if (field !== undefined && isBytes(field)) return [bytesText(value), "bytes", ""];
     if (value.length <= MAX_CHARACTERS) return [`"${value}"`, "string", ""];
     const rest = whole(value.length - MAX_CHARACTERS);
     return [`"${value.slice(0, MAX_CHARACTERS)}" … ${rest} more characters`, "string", ""];
   }
-  if (typeof value === "number") {
-    const isInteger =
-      field === undefined ? Number.isInteger(value) : kindOf(field.type) === "integer";
-    if (isInteger && !Number.isSafeInteger(value)) {
-      return [
-        `≈ ${BigInt(value)}`,
-        "number",
-        "Browsers represent integers exactly only up to 2^53: the last digits may differ",
-      ];
-    }
-    return [String(value), "number", ""];
+  if (typeof value === "number" || typeof value === "bigint") {
+    return [numberText(value), Number.isNaN(value) ? "word" : "number", ""];
   }
   const [secs, nsecs] = [own(value, "secs"), own(value, "nsecs")];
   if (typeof secs === "number" && typeof nsecs === "number") {
@@ -388,9 +389,12 @@ export function leafText(
   return [String(value), "word", ""];
 }
 
-function bytesText(base64: string): string {
-  const length = byteLength(base64);
-  const first = bytesOf(base64.slice(0, Math.ceil(MAX_BYTES / 3) * 4))?.slice(0, MAX_BYTES) ?? [];
-  const hex = Array.from(first, (byte) => byte.toString(16).padStart(2, "0")).join(" ");
+/** The first bytes of an array, or of base64 text. */
+function bytesText(value: string | Uint8Array): string {
+  const length = typeof value === "string" ? byteLength(value) : value.length;
+  const start = typeof value === "string" ? value.slice(0, Math.ceil(MAX_BYTES / 3) * 4) : value;
+  const hex = Array.from(bytes(start).subarray(0, MAX_BYTES), (byte) =>
+    byte.toString(16).padStart(2, "0"),
+  ).join(" ");
   return `${plural(length, "byte")}${hex && `: ${hex}`}${length > MAX_BYTES ? " …" : ""}`;
 }

@@ -1,6 +1,7 @@
 /** The addresses from which the page loads further scripts, as its Trusted Types policy wants. */
+
+import dataUrl from "./data.worker.ts?worker&url";
 import layoutUrl from "./graph/layout.worker.ts?worker&url";
-import dataUrl from "./messages/data.worker.ts?worker&url";
 import meshUrl from "./panels/scene/robot/mesh.worker.ts?worker&url";
 
 /** In the same folder as the page. */

@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
+import { numberAt } from "./messages/values";
 import { typedef } from "./typedef.fixture";
 import {
   byteLength,
   bytesOf,
   isBytes,
   kindOf,
-  numberAt,
   own,
   parsePath,
   pathText,
@@ -72,7 +72,7 @@ describe("types", () => {
   });
 
   it("read the number at a path", () => {
-    const at = (message: unknown, path: string): number | undefined =>
+    const at = (message: unknown, path: string): number | bigint | undefined =>
       numberAt(message, (parsePath(path) ?? []) as (string | number)[]);
     expect(parsePath("poses[3].x")).toEqual(["poses", 3, "x"]);
     expect(parsePath("position[arm/elbow.left 2].x")).toEqual([

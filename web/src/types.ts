@@ -187,27 +187,6 @@ export function own(value: unknown, name: string): unknown {
   return (value as Record<string, unknown>)[name];
 }
 
-/** The number at a path of a message: times as seconds, booleans as 0 and 1; else `undefined`. */
-export function numberAt(message: unknown, path: readonly (string | number)[]): number | undefined {
-  let value = message;
-  for (const step of path) {
-    if (typeof step === "string") value = own(value, step);
-    else if (Array.isArray(value)) value = value[step] as unknown;
-    else value = typeof value === "string" ? byteAt(value, step) : undefined;
-  }
-  if (typeof value === "number") return value;
-  if (typeof value === "boolean") return value ? 1 : 0;
-  const secs = own(value, "secs");
-  const nsecs = own(value, "nsecs");
-  return typeof secs === "number" && typeof nsecs === "number" ? secs + nsecs / 1e9 : undefined;
-}
-
-/** One byte of base64 text. Only the four letters that encode it are decoded. */
-function byteAt(base64: string, index: number): number | undefined {
-  const start = Math.floor(index / 3) * 4;
-  return bytesOf(base64.slice(start, start + 4))?.[index % 3];
-}
-
 /** Decode base64 text; `undefined` if it is invalid. */
 export function bytesOf(base64: string): Uint8Array | undefined {
   try {

@@ -4,6 +4,10 @@ import type { GoalEnd, Hub, Message } from "../hub";
 import { Source } from "../signal";
 import { OperationSender, TopicSender } from "./goals";
 
+vi.mock("../messages/data_client", () => ({
+  subscribe: (fake: FakeHub, ...rest: Parameters<FakeHub["subscribe"]>) => fake.subscribe(...rest),
+}));
+
 /** Stands in for the connection: records what is published, and the test sends messages. */
 class FakeHub {
   readonly node = "/page_1";
@@ -16,9 +20,20 @@ class FakeHub {
   reject: (why: string) => void = () => undefined;
   readonly #listeners = new Map<string, (message: Message) => void>();
 
-  subscribe(topic: string, _options: object, listener: (message: Message) => void): () => void {
+  /** Whether the hub subscribes at once. */
+  isReady = true;
+  readonly subscribed: (() => void)[] = [];
+
+  subscribe(
+    { topic }: { topic: string },
+    listener: (message: Message) => void,
+    _fail: (why: string) => void,
+    ready: () => void,
+  ): () => void {
     this.#listeners.set(topic, listener);
     this.open.add(topic);
+    if (this.isReady) ready();
+    else this.subscribed.push(ready);
     return () => this.open.delete(topic);
   }
 
@@ -201,4 +216,24 @@ test.each([
   const goal = new OperationSender(hub, "/count", "a/Count").send({});
   fake.onEnd(end);
   expect(goal.progress.value).toMatchObject({ status: name, text, result: undefined });
+});
+
+test("a goal is sent once the hub has subscribed to all that is told about it", () => {
+  sender.close();
+  fake.isReady = false;
+  sender = new TopicSender(hub, "/count", "a/Count");
+  sender.send({ to: 8 });
+  const sent = () => fake.published.map(([topic]) => topic);
+  expect(sent()).toEqual([]);
+  for (const ready of fake.subscribed) ready();
+  expect(sent()).toEqual(["/count/goal"]);
+});
+
+test("a goal is sent although nobody uses the topics about it", () => {
+  sender.close();
+  fake.isReady = false;
+  sender = new TopicSender(hub, "/count", "a/Count");
+  sender.send({ to: 8 });
+  vi.advanceTimersByTime(1000);
+  expect(fake.published.map(([topic]) => topic)).toEqual(["/count/goal"]);
 });

@@ -5,6 +5,7 @@
  * (action_msgs/GoalStatus); each has the name of one of actionlib here.
  */
 import type { Hub, Message, Publication } from "../hub";
+import { subscribe } from "../messages/data_client";
 import { type Signal, Source } from "../signal";
 import { own } from "../types";
 
@@ -37,6 +38,8 @@ const UNFINISHED: ReadonlySet<Status> = new Set(["PENDING", "ACTIVE", "PREEMPTIN
 
 /** Time without a message about a goal, or from its server, after which it is lost, in ms. */
 const LOST_AFTER = 5000;
+/** How long goals wait for the hub to subscribe to the action's topics, in ms. */
+const READY_AFTER = 1000;
 /** How many messages of each topic the hub queues while the page falls behind. */
 const QUEUE = 100;
 
@@ -153,24 +156,36 @@ export class TopicSender implements GoalSender {
   readonly #cancelTopic: Publication;
   readonly #unsubscribe: (() => void)[];
   readonly #timer: number;
+  readonly #readyTimer: number;
+  /** The topics to which the hub has not subscribed yet, and the goals that wait for that. */
+  readonly #missing = new Set(["status", "feedback", "result"]);
+  readonly #unsent: (() => void)[] = [];
   #count = 0;
 
   /** `now` returns the time in ms since 1970. */
   constructor(hub: Hub, action: string, type: string, now: () => number = Date.now) {
     this.#hub = hub;
     this.#now = now;
-    const subscribe = (topic: string, listener: (message: Message) => void): (() => void) =>
-      hub.subscribe(`${action}/${topic}`, { queue: QUEUE }, listener, (why) => this.#reject(why));
+    const follow = (topic: string, listener: (message: Message) => void): (() => void) =>
+      subscribe(
+        hub,
+        { topic: `${action}/${topic}`, queue: QUEUE },
+        listener,
+        (why) => why !== "" && hub.state.value === "open" && this.#reject(why),
+        () => this.#setReady(topic),
+      );
     const advertise = (topic: string, topicType: string): Publication =>
       hub.advertise(`${action}/${topic}`, topicType, (why) => this.#reject(why));
     this.#unsubscribe = [
-      subscribe("status", (message) => this.#onStatus(message)),
-      subscribe("feedback", (message) => this.#onFeedback(message)),
-      subscribe("result", (message) => this.#onResult(message)),
+      follow("status", (message) => this.#onStatus(message)),
+      follow("feedback", (message) => this.#onFeedback(message)),
+      follow("result", (message) => this.#onResult(message)),
     ];
     this.#cancelTopic = advertise("cancel", "actionlib_msgs/GoalID");
     this.#goalTopic = advertise("goal", `${type}ActionGoal`);
     this.#timer = window.setInterval(() => this.#findLost(), LOST_AFTER / 5);
+    // A topic that nobody uses has no type yet, of which the hub would tell.
+    this.#readyTimer = window.setTimeout(() => this.#sendAll(), READY_AFTER);
   }
 
   send(values: Message): Goal {
@@ -185,12 +200,26 @@ export class TopicSender implements GoalSender {
     });
     this.#goals.set(id, { goal, lastHeard: now, isConfirmed: false });
     const stamp = { secs: Math.floor(now / 1000), nsecs: Math.floor(now % 1000) * 1_000_000 };
-    this.#goalTopic.publish({ goal_id: { stamp, id }, goal: values });
+    const publish = (): void => this.#goalTopic.publish({ goal_id: { stamp, id }, goal: values });
+    if (this.#missing.size === 0) publish();
+    else this.#unsent.push(publish);
     return goal;
+  }
+
+  /** The hub has subscribed to a topic: once it has to all, no message about a goal can be missed. */
+  #setReady(topic: string): void {
+    this.#missing.delete(topic);
+    if (this.#missing.size === 0) this.#sendAll();
+  }
+
+  #sendAll(): void {
+    this.#missing.clear();
+    for (const publish of this.#unsent.splice(0)) publish();
   }
 
   close(): void {
     window.clearInterval(this.#timer);
+    window.clearTimeout(this.#readyTimer);
     for (const stop of this.#unsubscribe) stop();
     this.#goalTopic.close();
     this.#cancelTopic.close();

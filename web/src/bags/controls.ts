@@ -4,6 +4,7 @@ import "./bags.css";
 import { type Child, h, replace, setText } from "../dom";
 import { bytes, plural } from "../format";
 import type { Hub } from "../hub";
+import { subscribe } from "../messages/data_client";
 import type { Graph, Model, Time } from "../model";
 import { route } from "../view";
 import { clockText } from "./clock_text";
@@ -91,7 +92,9 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
     button.disabled = false;
   };
 
-  hub.subscribe(`${RECORDER}/state`, {}, (message) => show(message as unknown as RecordingState));
+  subscribe(hub, { topic: `${RECORDER}/state` }, (message) =>
+    show(message as unknown as RecordingState),
+  );
   model.graph.watch((graph) => {
     box.hidden = !canRecord(graph);
   });

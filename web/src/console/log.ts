@@ -2,6 +2,7 @@
 import type { Filter } from "../filter";
 import { timeOfDay } from "../format";
 import type { Hub, Message } from "../hub";
+import { subscribe } from "../messages/data_client";
 import { type Signal, Source } from "../signal";
 
 /** One logged message. */
@@ -86,9 +87,7 @@ export class Log {
   constructor(hub: Hub) {
     this.newest = this.#newest;
     this.unseen = this.#unseen;
-    hub.subscribe("/rosout_agg", { queue: QUEUE }, (message) => {
-      this.add(message);
-    });
+    subscribe(hub, { topic: "/rosout_agg", queue: QUEUE }, (message) => this.add(message));
   }
 
   /** The entries after a number, oldest first. */

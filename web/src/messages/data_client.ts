@@ -1,11 +1,19 @@
-/** The page's side of its second connection, which is in a worker. */
+/** The page's side of its connection for messages, which is in a worker. */
 import type { Hub } from "../hub";
 import { dataWorker } from "../script_urls";
+import type { Delivery, Subscription } from "./feed";
 import type { Fields } from "./reader";
-import type { Report, Request, Subscription } from "./worker_messages";
+import type { Report, Request } from "./worker_messages";
 
-type Listener = (report: Report) => void;
+interface Numbered {
+  readonly kind: string;
+  readonly id: number;
+}
+
 type Unnumbered<T> = T extends { id: number } ? Omit<T, "id"> : never;
+
+/** Sends further requests about what is open. */
+export type Send<Request> = (request: Unnumbered<Request>) => void;
 
 const clients = new WeakMap<Hub, DataClient>();
 
@@ -21,16 +29,18 @@ export function dataClient(hub: Hub): DataClient {
 
 export class DataClient {
   readonly #worker: Worker;
-  readonly #listeners = new Map<number, Listener>();
+  readonly #listeners = new Map<number, (report: Numbered) => void>();
   #ids = 0;
 
   constructor(hub: Hub) {
     this.#worker = new Worker(dataWorker, { type: "module" });
-    this.#worker.onmessage = ({ data }: MessageEvent<Report>) =>
+    this.#worker.onmessage = ({ data }: MessageEvent<Numbered>) =>
       this.#listeners.get(data.id)?.(data);
     this.#worker.onerror = ({ message }) => {
       const why = message || "the worker did not start";
-      for (const [id, listener] of this.#listeners) listener({ kind: "fault", id, why });
+      for (const [id, listener] of this.#listeners) {
+        listener({ kind: "fault", id, why } as Numbered);
+      }
     };
     // Again whenever the page has connected: the hub may want another token by then.
     hub.state.watch((state) => {
@@ -43,40 +53,49 @@ export class DataClient {
   }
 
   /** Open something in the worker; returns a function for further requests. */
-  open(
-    request: Unnumbered<Request & { kind: "picture" | "messages" }>,
+  open<Sent extends Numbered, Received extends Numbered>(
+    request: Unnumbered<Sent>,
     transfer: Transferable[],
-    listener: Listener,
-  ): (request: Unnumbered<Request>) => void {
+    listener: (report: Received) => void,
+  ): Send<Sent> {
     this.#ids += 1;
     const id = this.#ids;
-    this.#listeners.set(id, listener);
+    this.#listeners.set(id, listener as (report: Numbered) => void);
     this.#worker.postMessage({ ...request, id }, transfer);
     return (next) => {
       if (next.kind === "close") this.#listeners.delete(id);
       this.#worker.postMessage({ ...next, id });
     };
   }
+}
 
-  /**
-   * Subscribe to the messages of a topic; return a function that unsubscribes.
-   *
-   * `fail` receives the reason why there are no messages.
-   */
-  subscribe(
-    subscription: Subscription,
-    receive: (message: Fields) => void,
-    fail: (why: string) => void,
-  ): () => void {
-    const send = this.open({ kind: "messages", ...subscription }, [], (report) => {
-      if (report.kind === "fault") fail(report.why);
-      if (report.kind !== "message") return;
-      try {
-        receive(report.message);
-      } finally {
-        send({ kind: "taken" });
-      }
-    });
-    return () => send({ kind: "close" });
-  }
+/** A subscription of the page: every message without a throttle, and the newest alone without a queue. */
+export type Wanted = Pick<Subscription, "topic"> & Partial<Subscription>;
+
+/**
+ * Subscribe to the messages of a topic; return a function that unsubscribes.
+ *
+ * `fail` receives the reason why there are no messages; an empty text if there are again. `ready` is
+ * called when the hub has subscribed, after each time that the connection was lost, too.
+ */
+export function subscribe(
+  hub: Hub,
+  { throttle = 0, queue = 1, ...wanted }: Wanted,
+  receive: (message: Fields, delivery: Delivery) => void,
+  fail: (why: string) => void = () => undefined,
+  ready: () => void = () => undefined,
+): () => void {
+  type Sent = Extract<Request, { id: number }>;
+  const request = { kind: "messages", throttle, queue, ...wanted } as const;
+  const send = dataClient(hub).open<Sent, Report>(request, [], (report) => {
+    if (report.kind === "fault") fail(report.why);
+    if (report.kind === "ready") ready();
+    if (report.kind !== "messages") return;
+    try {
+      for (const delivery of report.batch) receive(delivery.message, delivery);
+    } finally {
+      send({ kind: "taken" });
+    }
+  });
+  return () => send({ kind: "close" });
 }

@@ -1,6 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { typedef } from "../typedef.fixture";
-import { Feed, HEAD, PROTOCOL, type Subscriber } from "./feed";
+import { type Delivery, Feed, HEAD, PROTOCOL, type Subscriber } from "./feed";
 import type { Fields } from "./reader";
 
 /** A socket without a network, and the newest one. */
@@ -45,25 +44,37 @@ class FakeSocket {
   }
 
   receiveNumber(topicId: number, ...bytes: number[]): void {
+    this.receiveAt(topicId, 0, ...bytes);
+  }
+
+  /** Receive a message that the hub had at a time in ms since 1970. */
+  receiveAt(topicId: number, time: number, ...bytes: number[]): void {
     const frame = new Uint8Array(HEAD + bytes.length);
     frame[0] = 1;
     frame[1] = topicId;
+    new DataView(frame.buffer).setBigUint64(5, BigInt(time) * 1_000_000n, true);
     frame.set(bytes, HEAD);
     this.onmessage({ data: frame.buffer });
   }
 }
 
-const INT8 = [typedef("std_msgs/Int8", [["data", "int8"]])];
+/** What the hub says of a type of one number. */
+const INT8 = { type: "std_msgs/Int8", definition: "int8 data" };
 
 class Receiver implements Subscriber {
   readonly topic = "/a";
-  readonly typedefs = INT8;
-  readonly throttle = 50;
-  readonly messages: Fields[] = [];
+  readonly type: string | undefined = "std_msgs/Int8";
+  throttle = 50;
+  queue = 1;
+  readonly deliveries: Delivery[] = [];
   readonly faults: string[] = [];
 
-  receive(message: Fields): void {
-    this.messages.push(message);
+  receive(batch: readonly Delivery[]): void | Promise<void> {
+    this.deliveries.push(...batch);
+  }
+
+  get messages(): Fields[] {
+    return this.deliveries.map(({ message }) => message);
   }
 
   fail(why: string): void {
@@ -104,7 +115,7 @@ describe("Feed", () => {
     const [subscribe] = socket.sent;
     expect(subscribe).toMatchObject({ op: "subscribe", topic: "/a", compression: "ros1" });
     expect(subscribe).toMatchObject({ throttle_rate: 50, queue_length: 1 });
-    socket.receive({ op: "subscribed", id: subscribe?.id, topic_id: 7, type: "std_msgs/Int8" });
+    socket.receive({ op: "subscribed", id: subscribe?.id, topic_id: 7, ...INT8 });
     socket.receiveNumber(7, 255);
     socket.receiveNumber(8, 5);
     expect(receiver.messages).toEqual([{ data: -1 }]);
@@ -116,21 +127,21 @@ describe("Feed", () => {
 
   it("gives each subscriber of a topic bytes of its own", () => {
     const feed = connected();
-    const typedefs = [typedef("x/Bytes", [["data", "uint8", 0]])];
+    const bytes = { type: "x/Bytes", definition: "uint8[] data" };
     const taken: Uint8Array[] = [];
-    const receive = ({ data }: Fields): void => {
-      const bytes = data as Uint8Array;
+    const receive = ([first]: readonly Delivery[]): void => {
+      const bytes = first?.message.data as Uint8Array;
       taken.push(structuredClone(bytes, { transfer: [bytes.buffer as ArrayBuffer] }));
     };
-    const options = { topic: "/a", typedefs, throttle: 0, fail: receiver.fail.bind(receiver) };
-    feed.subscribe({ ...options, receive });
-    feed.subscribe({ ...options, receive, queue: 10 });
+    const options = { topic: "/a", throttle: 0, fail: receiver.fail.bind(receiver), receive };
+    feed.subscribe({ ...options, queue: 1 });
+    feed.subscribe({ ...options, queue: 1000 });
     const socket = FakeSocket.newest;
     socket.open();
-    expect(socket.sent.map(({ queue_length }) => queue_length)).toEqual([1, 10]);
-    expect(socket.sent.map((each) => "credit" in each)).toEqual([true, false]);
+    expect(socket.sent.map(({ queue_length }) => queue_length)).toEqual([1, 1000]);
+    expect(socket.sent.map(({ credit }) => credit)).toEqual([2, 500]);
     for (const { id } of socket.sent) {
-      socket.receive({ op: "subscribed", id, topic_id: 7, type: "x/Bytes" });
+      socket.receive({ op: "subscribed", id, topic_id: 7, ...bytes });
     }
     socket.receiveNumber(7, 2, 0, 0, 0, 5, 6);
     expect(taken.map((bytes) => [...bytes])).toEqual([
@@ -140,17 +151,150 @@ describe("Feed", () => {
     expect(receiver.faults).toEqual([]);
   });
 
+  it("has all messages of a queue, in order, however slowly they are processed", async () => {
+    receiver.queue = 1000;
+    receiver.throttle = 0;
+    const batches: number[] = [];
+    const receive = receiver.receive.bind(receiver);
+    let go = (): void => undefined;
+    receiver.receive = (batch) => {
+      batches.push(batch.length);
+      void receive(batch);
+      return new Promise((done) => (go = done));
+    };
+    connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const id = socket.sent[0]?.id;
+    socket.receive({ op: "subscribed", id, topic: "/a", topic_id: 7, ...INT8, credit: 500 });
+    for (let at = 0; at < 120; at += 1) socket.receiveNumber(7, at);
+    go();
+    await settled();
+    expect(batches).toEqual([1, 119]);
+    expect(receiver.messages.map(({ data }) => data)).toEqual([...Array(120).keys()]);
+    go();
+    await settled();
+    const counts = socket.sent.filter(({ op }) => op === "acknowledge").map(({ count }) => count);
+    expect(counts).toEqual([1, 119]);
+  });
+
+  it("gives the newest message to those who want no queue, beside one who wants all", async () => {
+    const feed = connected();
+    const all = new Receiver();
+    all.queue = 1000;
+    all.throttle = 0;
+    feed.subscribe(receiver);
+    feed.subscribe(all);
+    const socket = FakeSocket.newest;
+    socket.open();
+    for (const { id } of socket.sent)
+      socket.receive({ op: "subscribed", id, topic_id: 7, ...INT8 });
+    for (let at = 0; at < 100; at += 1) {
+      socket.receiveNumber(7, at);
+      await settled();
+    }
+    expect(all.messages.length).toBe(100);
+    expect(receiver.messages).toEqual([{ data: 0 }]);
+    await vi.advanceTimersByTimeAsync(receiver.throttle);
+    expect(receiver.messages).toEqual([{ data: 0 }, { data: 99 }]);
+  });
+
+  it("gives a latched message that comes again to the new subscriber alone", async () => {
+    const feed = connected();
+    const other = new Receiver();
+    feed.subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const subscribed = (): void => {
+      const id = socket.sent.filter(({ op }) => op === "subscribe").at(-1)?.id;
+      socket.receive({ op: "subscribed", id, topic_id: 7, ...INT8 });
+    };
+    subscribed();
+    socket.receiveAt(7, 5000, 8);
+    feed.subscribe(other);
+    subscribed();
+    socket.receiveAt(7, 5000, 8);
+    await settled();
+    expect([receiver.messages.length, other.messages.length]).toEqual([1, 1]);
+    socket.receiveAt(7, 6000, 8);
+    await vi.advanceTimersByTimeAsync(1000);
+    expect([receiver.messages.length, other.messages.length]).toEqual([2, 2]);
+  });
+
+  it("takes messages to have come as the hub received them, by this computer's clock", async () => {
+    vi.setSystemTime(1_000_000);
+    receiver.queue = 100;
+    connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const id = socket.sent[0]?.id;
+    socket.receive({ op: "subscribed", id, topic_id: 7, ...INT8 });
+    // The hub's clock is 300 s behind; the later ones wait on the way, and come together.
+    socket.receiveAt(7, 700_000, 1);
+    vi.setSystemTime(1_000_050);
+    socket.receiveAt(7, 700_010, 2);
+    socket.receiveAt(7, 700_020, 3);
+    // A latched one is from long ago.
+    socket.receiveAt(7, 600_000, 4);
+    await vi.advanceTimersByTimeAsync(100);
+    const times = receiver.deliveries.map(({ time }) => time);
+    expect(times).toEqual([1_000_000, 1_000_010, 1_000_020, 1_000_050]);
+  });
+
+  it("asks for JSON if the hub does not know a type", async () => {
+    receiver.throttle = 0;
+    connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const id = socket.sent[0]?.id;
+    socket.receive({ op: "status", id, level: "error", code: "unknown_definition", msg: "x" });
+    expect(socket.sent.at(-1)).toMatchObject({ op: "subscribe", id });
+    expect(socket.sent.at(-1)).not.toHaveProperty("compression");
+    socket.receive({ op: "publish", topic: "/a", msg: { data: 3 } });
+    await settled();
+    expect([receiver.messages, receiver.faults]).toEqual([[{ data: 3 }], []]);
+  });
+
+  it("has the name of the node that publishes", () => {
+    connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const id = socket.sent[0]?.id;
+    socket.receive({ op: "subscribed", id, topic_id: 7, ...INT8 });
+    const header = new TextEncoder().encode('{"callerid":"/robot"}');
+    const frame = new Uint8Array([
+      2,
+      7,
+      0,
+      0,
+      0,
+      ...Array(8).fill(0),
+      header.length,
+      0,
+      ...header,
+      5,
+    ]);
+    socket.onmessage({ data: frame.buffer });
+    expect(receiver.deliveries).toMatchObject([{ node: "/robot", message: { data: 5 } }]);
+  });
+
   it("reports messages that it cannot read, and goes on", () => {
     connected().subscribe(receiver);
     const socket = FakeSocket.newest;
     socket.open();
     const id = socket.sent[0]?.id;
-    socket.receive({ op: "subscribed", id, topic_id: 7, type: "std_msgs/Int8" });
+    socket.receive({ op: "subscribed", id, topic_id: 7, ...INT8 });
     socket.receiveNumber(7);
     expect(receiver.faults[0]).toContain("ends early");
     socket.receiveNumber(7, 1);
     expect(receiver.messages).toEqual([{ data: 1 }]);
-    socket.receive({ op: "subscribed", id, topic_id: 9, type: "std_msgs/String" });
+    socket.receive({
+      op: "subscribed",
+      id,
+      topic_id: 9,
+      type: "std_msgs/String",
+      definition: "string data",
+    });
     expect(receiver.faults[1]).toBe("the topic has the type std_msgs/String now");
     socket.receiveNumber(9, 1, 0, 0, 0, 65);
     socket.receiveNumber(7, 2);
@@ -169,9 +313,8 @@ describe("Feed", () => {
     const socket = FakeSocket.newest;
     socket.open();
     for (const { id, topic, credit } of socket.sent) {
-      const type = "std_msgs/Int8";
       expect(credit).toBe(2);
-      socket.receive({ op: "subscribed", id, topic, topic_id: 7, type, credit });
+      socket.receive({ op: "subscribed", id, topic, topic_id: 7, ...INT8, credit });
     }
     const acknowledgements = () => socket.sent.filter(({ op }) => op === "acknowledge");
     socket.receiveNumber(7, 1);
@@ -180,12 +323,12 @@ describe("Feed", () => {
     expect(acknowledgements()).toEqual([]);
     decoded[0]?.();
     await settled();
-    expect(acknowledgements()).toEqual([{ op: "acknowledge", topic: "/a" }]);
+    expect(acknowledgements()).toEqual([{ op: "acknowledge", topic: "/a", count: 1 }]);
     stop();
     socket.receiveNumber(7, 2);
     socket.receiveNumber(7); // It cannot be read.
     await settled();
-    expect(acknowledgements().length).toBe(3);
+    expect(acknowledgements().reduce((sum, { count }) => sum + Number(count), 0)).toBe(3);
   });
 
   it("acknowledges messages that came before it had unsubscribed", async () => {
@@ -193,13 +336,13 @@ describe("Feed", () => {
     const socket = FakeSocket.newest;
     socket.open();
     const id = socket.sent[0]?.id;
-    const [type, topic] = ["std_msgs/Int8", "/a"];
-    socket.receive({ op: "subscribed", id, topic, topic_id: 7, type, credit: 2 });
+    const topic = "/a";
+    socket.receive({ op: "subscribed", id, topic, topic_id: 7, ...INT8, credit: 2 });
     stop();
     socket.receiveNumber(7, 1);
     await settled();
     expect(receiver.messages).toEqual([]);
-    expect(socket.sent.at(-1)).toEqual({ op: "acknowledge", topic });
+    expect(socket.sent.at(-1)).toEqual({ op: "acknowledge", topic, count: 1 });
   });
 
   it("acknowledges nothing on another connection, or to a hub without credit", async () => {
@@ -209,14 +352,14 @@ describe("Feed", () => {
     receiver.receive = () => new Promise((done) => (decode = () => done(undefined)));
     first.open();
     const id = first.sent[0]?.id;
-    const [type, topic] = ["std_msgs/Int8", "/a"];
-    first.receive({ op: "subscribed", id, topic, topic_id: 7, type, credit: 2 });
+    const topic = "/a";
+    first.receive({ op: "subscribed", id, topic, topic_id: 7, ...INT8, credit: 2 });
     first.receiveNumber(7, 1);
     first.lose();
     vi.runOnlyPendingTimers();
     const second = FakeSocket.newest;
     second.open();
-    second.receive({ op: "subscribed", id, topic, topic_id: 7, type });
+    second.receive({ op: "subscribed", id, topic, topic_id: 7, ...INT8 });
     decode();
     await settled();
     second.receiveNumber(7, 1);

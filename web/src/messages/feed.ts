@@ -1,19 +1,27 @@
 /**
- * A second connection to the hub, for messages that are large or many: by fibws.v1, whose frames
- * have them serialized. It runs in a worker, so that no image waits for the page, or the page for it.
+ * The page's connection for messages: by fibws.v1, whose frames have them serialized, to the bit as
+ * they were sent. It runs in a worker, so that no image waits for the page, or the page for it.
  *
- * A server without fibws.v1 sends JSON instead.
+ * A server without fibws.v1 sends JSON instead, and so does the hub if it does not know a type.
  */
 
-import type { TypeDef } from "../types";
+import { readDefinition } from "./definition";
+import { Inbox } from "./inbox";
 import { type Fields, makeReader, type Reader } from "./reader";
 
 export const PROTOCOL = "fibws.v1";
 /** Bytes of a frame before the message: its kind, the topic's id, and when the hub received it. */
 export const HEAD = 13;
 const MESSAGE = 1;
-/** Messages of a topic that the hub sends before the first of them is processed. */
+/** The same, followed by the size of the publisher's connection header, and that. */
+const MESSAGE_WITH_HEADER = 2;
+/** Messages of a topic that the hub sends before the first of them is processed... */
 const CREDIT = 2;
+/** ...and at most for those who want each of them. */
+const MAX_CREDIT = 500;
+
+/** A message takes the time at which the hub had it, unless it came later than this, in ms. */
+const MAX_DELAY = 2000;
 
 /** The least and the most time between two attempts to connect, in ms. */
 const MIN_RETRY = 250;
@@ -21,33 +29,70 @@ const MAX_RETRY = 4000;
 /** The hub closes with a code from here on if a client must not reconnect by itself. */
 const NO_RECONNECT = 4000;
 
-export interface Subscriber {
+/** Which messages a subscriber wants. */
+export interface Subscription {
   readonly topic: string;
-  /** The definition of the topic's type, which comes first. */
-  readonly typedefs: readonly TypeDef[];
+  /** The type that the topic must have; any without it. */
+  readonly type?: string | undefined;
   /** The least time between two messages, in ms. */
   readonly throttle: number;
-  /** How many messages the hub keeps while they cannot be sent; 1 without it. */
-  readonly queue?: number;
   /**
-   * Take a message; `size` is its bytes on the way here.
-   *
-   * The hub waits for the promise before it sends more than another one, so that messages become
-   * fewer, and not older, if they are processed slowly.
+   * How many messages wait while others are processed, here and at the hub: 1 for the newest alone.
+   * Of more, the oldest are dropped.
    */
-  receive(message: Fields, size: number): void | Promise<void>;
+  readonly queue: number;
+  /** Whether it needs the names of the nodes that publish. */
+  readonly headers?: boolean;
+}
+
+/** A message, and how it came. */
+export interface Delivery {
+  readonly message: Fields;
+  /** Bytes on the way here. */
+  readonly size: number;
+  /** When the hub received it, by this computer's clock: in ms since 1970. */
+  readonly time: number;
+  /** The node that published it, if the subscription asks for that. */
+  readonly node: string;
+}
+
+export interface Subscriber extends Subscription {
+  /**
+   * Take messages, the oldest first; only one if the queue is 1.
+   *
+   * The next ones come once the promise is resolved, so that messages become fewer, and not older,
+   * if they are processed slowly.
+   */
+  receive(batch: readonly Delivery[]): void | Promise<void>;
   /** Take the reason why there are no messages; an empty text if there are again. */
   fail(why: string): void;
+  /** The hub has subscribed: what is published from now on comes. */
+  ready?(): void;
 }
 
 interface Entry {
   readonly id: string;
   readonly subscriber: Subscriber;
+  readonly inbox: Inbox<Delivery>;
   reader: Reader | undefined;
   /** The id of the topic in frames. */
   topicId: number | undefined;
+  /** Whether the hub cannot serialize its messages. */
+  isJson: boolean;
   /** Whether the subscriber was told last that the connection was lost. */
   isLost: boolean;
+  /** Whether no message has come since it was subscribed. */
+  isNew: boolean;
+}
+
+/** A message as it came, for all who want it. */
+interface Incoming {
+  readonly key: string;
+  readonly size: number;
+  readonly time: number;
+  readonly node: string;
+  /** Read it; `isShared` if others read it, too. */
+  read(entry: Entry, isShared: boolean): Fields;
 }
 
 export class Feed {
@@ -57,6 +102,12 @@ export class Feed {
   #socket: WebSocket | undefined;
   /** The topics whose messages are to be acknowledged, by their ids in frames. */
   readonly #credited = new Map<number, string>();
+  /** How many messages of each topic are processed, but not acknowledged. */
+  readonly #processed = new Map<string, number>();
+  /** What came last on each topic. */
+  readonly #last = new Map<string, string>();
+  /** The least time that a message has taken from the hub, by the clocks of both, in ms. */
+  #delay = Infinity;
   #ids = 0;
   #retryTime = MIN_RETRY;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -82,16 +133,25 @@ export class Feed {
     socket?.close();
   }
 
-  /** Subscribe; returns a function that unsubscribes. Each message is the newest one. */
+  /** Subscribe; returns a function that unsubscribes. */
   subscribe(subscriber: Subscriber): () => void {
     this.#ids += 1;
     const id = `feed:${this.#ids}`;
-    const entry: Entry = { id, subscriber, reader: undefined, topicId: undefined, isLost: false };
+    const { queue, throttle } = subscriber;
+    const inbox = new Inbox<Delivery>(
+      queue,
+      throttle,
+      (batch) => subscriber.receive(batch),
+      (why) => subscriber.fail(why),
+    );
+    const state = { reader: undefined, topicId: undefined, isJson: false, isLost: false };
+    const entry: Entry = { id, subscriber, inbox, ...state, isNew: true };
     this.#entries.set(id, entry);
     this.#request(entry);
     return () => {
       if (!this.#entries.delete(id)) return;
       this.#send({ op: "unsubscribe", id, topic: subscriber.topic });
+      inbox.close();
     };
   }
 
@@ -100,6 +160,8 @@ export class Feed {
     socket.binaryType = "arraybuffer";
     this.#socket = socket;
     this.#credited.clear();
+    this.#processed.clear();
+    this.#delay = Infinity;
     socket.onopen = () => {
       this.#retryTime = MIN_RETRY;
       if (this.#token !== "") this.#send({ op: "auth", token: this.#token });
@@ -107,6 +169,7 @@ export class Feed {
         // If there is another reason, the hub says it again.
         if (entry.isLost) entry.subscriber.fail("");
         entry.isLost = false;
+        entry.isJson = false;
         this.#request(entry);
       }
     };
@@ -129,22 +192,21 @@ export class Feed {
     };
   }
 
-  get #isBinary(): boolean {
-    return this.#socket?.protocol === PROTOCOL;
-  }
-
-  #request({ id, subscriber }: Entry): void {
-    const { queue = 1 } = subscriber;
-    // With credit, only the newest message waits.
-    const credit = queue === 1 ? { credit: CREDIT } : {};
+  #request({ id, subscriber, isJson }: Entry): void {
+    const { topic, throttle, queue, headers = false } = subscriber;
+    const credit = queue === 1 ? CREDIT : Math.min(queue, MAX_CREDIT);
+    const isBinary = this.#socket?.protocol === PROTOCOL && !isJson;
     this.#send({
       op: "subscribe",
       id,
-      topic: subscriber.topic,
-      throttle_rate: subscriber.throttle,
+      topic,
+      throttle_rate: throttle,
       queue_length: queue,
-      ...(this.#isBinary ? { compression: "ros1", ...credit } : {}),
+      ...(headers ? { headers } : {}),
+      ...(isBinary ? { compression: "ros1", send_definition: true, credit } : {}),
     });
+    // JSON has no reply.
+    if (!isBinary && this.#socket?.readyState === WebSocket.OPEN) subscriber.ready?.();
   }
 
   #send(operation: Record<string, unknown>): void {
@@ -160,21 +222,28 @@ export class Feed {
         if (entry !== undefined) this.#prepare(entry, operation);
         break;
       case "status":
-        entry?.subscriber.fail(String(operation.msg));
+        if (entry !== undefined) this.#onStatus(entry, operation);
         break;
       case "publish":
-        for (const each of this.#entries.values()) {
-          const { topic } = each.subscriber;
-          if (topic === operation.topic)
-            void this.#dispatch(each, () => operation.msg as Fields, text.length);
-        }
+        this.#receiveJson(operation, text);
         break;
     }
   }
 
-  #prepare(entry: Entry, { topic_id, type }: Record<string, unknown>): void {
-    const { typedefs } = entry.subscriber;
-    if (typedefs[0]?.type !== type) {
+  #onStatus(entry: Entry, { level, msg, code }: Record<string, unknown>): void {
+    // Others say that the topic has no type yet, or that somebody else's message was repaired.
+    if (level !== "error") return;
+    if (code === "unknown_definition" && !entry.isJson) {
+      entry.isJson = true;
+      this.#request(entry);
+      return;
+    }
+    entry.subscriber.fail(String(msg));
+  }
+
+  #prepare(entry: Entry, { topic_id, type, definition }: Record<string, unknown>): void {
+    const expected = entry.subscriber.type ?? type;
+    if (expected !== type) {
       // A topic may have several types: messages of the expected one are shown all the same.
       entry.subscriber.fail(`the topic has the type ${String(type)} now`);
       return;
@@ -182,25 +251,79 @@ export class Feed {
     entry.topicId = topic_id as number;
     entry.reader = undefined;
     try {
-      entry.reader = makeReader(typedefs);
+      entry.reader = makeReader(readDefinition(String(type), String(definition)));
     } catch (error) {
       entry.subscriber.fail((error as Error).message);
     }
+    entry.subscriber.ready?.();
+  }
+
+  #receiveJson({ topic, msg, header }: Record<string, unknown>, text: string): void {
+    const takers = [...this.#entries.values()].filter(
+      ({ subscriber }) => subscriber.topic === topic,
+    );
+    const node = (header as { callerid?: string } | undefined)?.callerid ?? "";
+    const read = (_: Entry, isShared: boolean): Fields =>
+      (isShared ? structuredClone(msg) : msg) as Fields;
+    const incoming = { key: text, size: text.length, time: Date.now(), node, read };
+    this.#dispatch(String(topic), takers, incoming);
   }
 
   #receiveFrame(frame: Uint8Array): void {
-    if (frame.length < HEAD || frame[0] !== MESSAGE) return;
-    const topicId = new DataView(frame.buffer).getUint32(1, true);
-    const processed: Promise<void>[] = [];
-    const takers = [...this.#entries.values()].filter((entry) => entry.topicId === topicId);
-    for (const [at, entry] of takers.entries()) {
-      const { reader } = entry;
-      if (reader === undefined) continue;
-      // Each may keep the bytes, or transfer them.
-      const own = at < takers.length - 1 ? frame.slice() : frame;
-      processed.push(this.#dispatch(entry, () => reader(own.subarray(HEAD)), frame.length));
+    const kind = frame[0];
+    if (frame.length < HEAD || (kind !== MESSAGE && kind !== MESSAGE_WITH_HEADER)) return;
+    const view = new DataView(frame.buffer);
+    const topicId = view.getUint32(1, true);
+    const received = view.getBigUint64(5, true);
+    let start = HEAD;
+    let node = "";
+    if (kind === MESSAGE_WITH_HEADER) {
+      start = HEAD + 2 + view.getUint16(HEAD, true);
+      const header = new TextDecoder().decode(frame.subarray(HEAD + 2, start));
+      node = (JSON.parse(header) as { callerid?: string }).callerid ?? "";
     }
+    const takers = [...this.#entries.values()].filter(
+      (entry) => entry.topicId === topicId && entry.reader !== undefined,
+    );
+    const read = ({ reader }: Entry, isShared: boolean): Fields =>
+      // Each may keep the bytes, or transfer them.
+      (reader as Reader)(isShared ? frame.slice(start) : frame.subarray(start));
+    const key = `${received} ${frame.length}`;
+    const incoming = { key, size: frame.length, time: this.#timeOf(received), node, read };
+    const processed = this.#dispatch(takers[0]?.subscriber.topic ?? "", takers, incoming);
     void this.#acknowledge(topicId, processed);
+  }
+
+  /** When the hub had a message, by this computer's clock; now if that was long ago. */
+  #timeOf(received: bigint): number {
+    const now = Date.now();
+    const time = Number(received / 1000n) / 1000;
+    this.#delay = Math.min(this.#delay, now - time);
+    return now - (time + this.#delay) < MAX_DELAY ? time + this.#delay : now;
+  }
+
+  /** Give a message to those who want it. */
+  #dispatch(topic: string, all: readonly Entry[], incoming: Incoming): Promise<void>[] {
+    const added = all.filter(({ isNew }) => isNew);
+    // The hub sends a latched message again for each new subscription: only that one gets it.
+    const isRepeated =
+      added.length > 0 && added.length < all.length && this.#last.get(topic) === incoming.key;
+    this.#last.set(topic, incoming.key);
+    const takers = isRepeated ? added : all;
+    const shortest = all.reduce(
+      (least, { subscriber }) => Math.min(least, subscriber.throttle),
+      Infinity,
+    );
+    return takers.map((entry) => {
+      entry.isNew = false;
+      const { size, time, node } = incoming;
+      const read = (): Delivery => {
+        const message = incoming.read(entry, takers.length > 1);
+        return { message, size, time, node };
+      };
+      // The hub throttles to the shortest time; throttling to that again would delay messages.
+      return entry.inbox.offer({ read }, entry.subscriber.throttle > shortest);
+    });
   }
 
   /** Acknowledge a message once all subscribers have processed it, or if there are none left. */
@@ -208,14 +331,16 @@ export class Feed {
     const socket = this.#socket;
     await Promise.all(processed);
     const topic = this.#credited.get(topicId);
-    if (this.#socket === socket && topic !== undefined) this.#send({ op: "acknowledge", topic });
+    if (this.#socket !== socket || topic === undefined) return;
+    const count = this.#processed.get(topic) ?? 0;
+    this.#processed.set(topic, count + 1);
+    // Those that are processed together are acknowledged together.
+    if (count === 0) queueMicrotask(() => this.#sendAcknowledgement(topic));
   }
 
-  async #dispatch({ subscriber }: Entry, read: () => Fields, size: number): Promise<void> {
-    try {
-      await subscriber.receive(read(), size);
-    } catch (error) {
-      subscriber.fail((error as Error).message);
-    }
+  #sendAcknowledgement(topic: string): void {
+    const count = this.#processed.get(topic) ?? 0;
+    this.#processed.delete(topic);
+    if (count > 0) this.#send({ op: "acknowledge", topic, count });
   }
 }

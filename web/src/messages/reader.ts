@@ -4,9 +4,14 @@
  * A reader is made from the definition of a type, as functions for its fields: the page's security
  * policy forbids making code from text.
  */
-import type { TypeDef } from "../types";
 
-/** A message. Numbers of 64 bits are bigints; arrays of numbers are typed arrays. */
+import { decodeText } from "../text";
+import type { Definition } from "./definition";
+
+/**
+ * A message. Numbers of 64 bits are bigints; arrays of numbers are typed arrays; texts that are not
+ * UTF-8 are as `decodeText` makes them.
+ */
 export type Fields = Record<string, unknown>;
 export type Reader = (bytes: Uint8Array) => Fields;
 
@@ -67,8 +72,6 @@ const SCALARS = new Map<string, Scalar>([
 /** Most elements of an array whose elements take no bytes. */
 const MAX_EMPTY = 65_536;
 
-const utf8 = new TextDecoder();
-
 /** The place in a message up to which it has been read. */
 class Cursor {
   readonly bytes: Uint8Array;
@@ -102,9 +105,9 @@ class Cursor {
  * that are aligned, are views of the message. Throws an `Error` if the definition of a type is
  * missing.
  */
-export function makeReader(typedefs: readonly TypeDef[]): Reader {
-  const known = new Map(typedefs.map((def) => [def.type, def]));
-  const [first] = typedefs;
+export function makeReader(definitions: readonly Definition[]): Reader {
+  const known = new Map(definitions.map((def) => [def.type, def]));
+  const [first] = definitions;
   if (first === undefined) throw new Error("no definition");
   const { read } = messageReader(first.type, known, []);
   return (bytes) => {
@@ -123,7 +126,7 @@ interface Part {
   readonly least: number;
 }
 
-function messageReader(type: string, known: Map<string, TypeDef>, above: string[]): Part {
+function messageReader(type: string, known: Map<string, Definition>, above: string[]): Part {
   const def = known.get(type);
   if (def === undefined) throw new Error(`the definition of ${type} is missing`);
   if (above.includes(type)) throw new Error(`${type} contains itself`);
@@ -148,7 +151,7 @@ interface Element extends Part {
   readonly scalar?: Scalar;
 }
 
-function elementReader(type: string, known: Map<string, TypeDef>, above: string[]): Element {
+function elementReader(type: string, known: Map<string, Definition>, above: string[]): Element {
   const scalar = SCALARS.get(type);
   if (scalar !== undefined) {
     const { size, read } = scalar;
@@ -160,7 +163,7 @@ function elementReader(type: string, known: Map<string, TypeDef>, above: string[
 
 function readString(cursor: Cursor): string {
   const start = cursor.skip(cursor.length());
-  return utf8.decode(cursor.bytes.subarray(start, cursor.at));
+  return decodeText(cursor.bytes.subarray(start, cursor.at));
 }
 
 /** Read arrays; `length` is 0 for those of any length. */

@@ -3,6 +3,7 @@ import "../form/form.css";
 import { browsePage } from "../browse";
 import { type Child, h, replace, setText } from "../dom";
 import type { Hub, Message } from "../hub";
+import { subscribe } from "../messages/data_client";
 import {
   type Config,
   type ConfigDescription,
@@ -61,11 +62,13 @@ export class ServerPage {
 
   open(): void {
     if (this.#stops.length > 0) return;
-    const subscribe = (topic: string, listener: (message: Message) => void) =>
-      this.#hub.subscribe(`${this.name}/${topic}`, {}, listener, (why) => this.#showError(why));
+    const follow = (topic: string, listener: (message: Message) => void) =>
+      subscribe(this.#hub, { topic: `${this.name}/${topic}` }, listener, (why) =>
+        this.#showError(why),
+      );
     this.#stops = [
-      subscribe("parameter_descriptions", (message) => this.#describe(message)),
-      subscribe("parameter_updates", (message) => this.#show(message as unknown as Config)),
+      follow("parameter_descriptions", (message) => this.#describe(message)),
+      follow("parameter_updates", (message) => this.#show(message as unknown as Config)),
     ];
   }
 
@@ -181,7 +184,7 @@ export class ServerPage {
 
   #showError(why: string): void {
     setText(this.#error, why);
-    this.#error.hidden = false;
+    this.#error.hidden = why === "";
   }
 }
 

@@ -1,6 +1,7 @@
 /** The styles of curves, which differ in dashes and markers as well as colour, and their legend. */
 import { h, setText, svg } from "../dom";
 import { figure } from "../format";
+import { numberText } from "../messages/values";
 import { axisText, type Extent } from "./axes";
 
 /** The number of colours, dashes and markers. */
@@ -151,7 +152,11 @@ export class LegendEntry {
     if (extent !== undefined) setText(this.#range, extent.map(axisText).join(" … "));
   }
 
-  showValue(value: number | undefined): void {
-    setText(this.#value, value === undefined || Number.isNaN(value) ? "–" : figure(value));
+  /** Show a value, with all its digits in the tooltip; `undefined` is a gap. */
+  showValue(value: number | bigint | undefined): void {
+    const sent = value === undefined ? "" : numberText(value);
+    const isRounded = typeof value === "number" && Number.isFinite(value) && !Object.is(value, -0);
+    setText(this.#value, isRounded ? figure(value) : sent || "–");
+    this.#value.title = sent;
   }
 }

@@ -4,6 +4,8 @@ import { h, setText } from "../dom";
 import { ago, plural } from "../format";
 import type { Hub, Message } from "../hub";
 import { MessageTree, type PlotPath } from "../message_tree";
+import { subscribe } from "../messages/data_client";
+import { jsonText } from "../messages/values";
 import type { Types } from "../types";
 import "./echo.css";
 
@@ -45,7 +47,7 @@ export class Echo {
       },
       "Pause",
     );
-    this.#copy = copyButton("Copy as JSON", () => JSON.stringify(this.#newest, null, 2));
+    this.#copy = copyButton("Copy as JSON", () => jsonText(this.#newest));
     this.#copy.disabled = true;
     this.element = h(
       "div",
@@ -83,9 +85,9 @@ export class Echo {
   /** Subscribe while visible and not paused. */
   #updateSubscription(): void {
     if (this.#shown && !this.#paused) {
-      this.#stop ??= this.#hub.subscribe(
-        this.#topic,
-        { throttle: THROTTLE, queue: 1 },
+      this.#stop ??= subscribe(
+        this.#hub,
+        { topic: this.#topic, throttle: THROTTLE },
         (message) => this.#receive(message),
         (why) => this.#showError(why),
       );
@@ -111,7 +113,7 @@ export class Echo {
 
   #showError(why: string): void {
     setText(this.#error, why);
-    this.#error.hidden = false;
+    this.#error.hidden = why === "";
   }
 
   #toggle(): void {

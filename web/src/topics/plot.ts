@@ -1,7 +1,6 @@
 /** The plot below the list of topics, with curves of any topics. */
 import { h, replace, setText } from "../dom";
 import { download } from "../download";
-import { hertz } from "../format";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { clock, spanFor } from "./axes";
@@ -11,9 +10,6 @@ import { csv, curvesFrom, curvesText, ranges, type ViewState } from "./plot_stat
 import { type Curve, Sampler } from "./sampler";
 import "./plot.css";
 
-/** Minimum time between two messages, in ms; the buffers hold ten minutes at the longer one. */
-const THROTTLE = 20;
-const LONG_THROTTLE = 50;
 /** Minimum time between two frames, and the time after which one is drawn without samples, in ms. */
 const FRAME = 50;
 const IDLE = 200;
@@ -76,7 +72,7 @@ export class Plot {
     this.#changed = changed;
     this.#range = h(
       "select",
-      { "aria-label": "Time range", onchange: () => this.#changeRange() },
+      { "aria-label": "Time range", onchange: () => this.#update() },
       ...ranges.all.map(({ seconds, label }) => h("option", { value: seconds }, label)),
     );
     this.#range.value = ranges.usual;
@@ -192,15 +188,10 @@ export class Plot {
     this.#separate.checked = state.has("own_axes");
     if (state.has("folded")) this.#openOn.delete(this.#page);
     else this.#openOn.add(this.#page);
-    this.#changeThrottle();
   }
 
   get #isFolded(): boolean {
     return !this.#openOn.has(this.#page);
-  }
-
-  get #throttle(): number {
-    return Number(this.#range.value) > 120 ? LONG_THROTTLE : THROTTLE;
   }
 
   #checkbox(label: string): HTMLInputElement {
@@ -219,7 +210,7 @@ export class Plot {
     if (style === undefined) return;
     let sampler = this.#samplers.get(topic);
     if (sampler === undefined) {
-      sampler = new Sampler(this.#hub, topic, this.#throttle, () => this.#refresh());
+      sampler = new Sampler(this.#hub, topic, () => this.#refresh());
       this.#samplers.set(topic, sampler);
       if (this.#shown) sampler.start();
     }
@@ -262,15 +253,6 @@ export class Plot {
   #toggleFold(): void {
     if (!this.#openOn.delete(this.#page)) this.#openOn.add(this.#page);
     this.#update();
-  }
-
-  #changeRange(): void {
-    this.#changeThrottle();
-    this.#update();
-  }
-
-  #changeThrottle(): void {
-    for (const sampler of this.#samplers.values()) sampler.throttle = this.#throttle;
   }
 
   /** Update the panel, for other curves or settings. */
@@ -372,9 +354,6 @@ export class Plot {
     for (const { topic, error, missing } of this.#samplers.values()) {
       if (error !== "") all.push(`${topic}: ${error}`);
       if (missing !== "") all.push(`${topic} has no number at ${missing} now.`);
-      const rate = this.#model.rates.value.topics.get(topic)?.messages ?? 0;
-      const most = 1000 / this.#throttle;
-      if (rate > 1.1 * most) all.push(`${topic} has ${hertz(rate)}; ${hertz(most)} are plotted.`);
     }
     setText(this.#notes, all.join(" "));
   }

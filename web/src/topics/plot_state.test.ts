@@ -21,13 +21,16 @@ test("entries that are no curves are left out", () => {
 });
 
 test("samples of one time share a row of the CSV, and gaps are empty", () => {
-  const samples = (...all: [number, number][]) => {
+  const samples = (...all: [number, number | undefined][]) => {
     const buffer = new RingBuffer(10);
-    for (const [time, value] of all) buffer.push(time, value);
+    for (const [time, value] of all) {
+      if (value === undefined) buffer.pushGap(time);
+      else buffer.push(time, value);
+    }
     return buffer.all();
   };
   const text = csv([
-    { name: ["/pose", "x"], samples: samples([1, 0.5], [2, NaN], [3, 1e-9]) },
+    { name: ["/pose", "x"], samples: samples([1, 0.5], [2, undefined], [3, 1e-9]) },
     { name: ["/joints", 'position[a "b", c]'], samples: samples([1, 7], [2.5, -2]) },
   ]);
   expect(text.split("\r\n")).toEqual([
@@ -46,4 +49,19 @@ test("the CSV has several samples of one time, and only what the buffer still ha
   expect(csv([{ name: ["/a", "x"], samples: buffer.all() }])).toBe(
     'time,"/a x"\r\n5.000000,2\r\n5.000000,3\r\n',
   );
+});
+
+test("numbers of the CSV are as they were sent", () => {
+  const buffer = new RingBuffer(10);
+  const sent = [9007199254740993n, -0, NaN, Infinity, -Infinity, 2n ** 64n - 1n];
+  for (const value of sent) buffer.push(1, value);
+  const rows = csv([{ name: ["/a", "x"], samples: buffer.all() }]).split("\r\n");
+  expect(rows.slice(1, -1).map((row) => row.split(",")[1])).toEqual([
+    "9007199254740993",
+    "-0",
+    "nan",
+    "inf",
+    "-inf",
+    "18446744073709551615",
+  ]);
 });

@@ -1,5 +1,6 @@
 /** A plot as text: the part that its URL has, which is curves and the range of time, and its samples as CSV. */
-import type { Samples } from "./ring_buffer";
+import { numberText } from "../messages/values";
+import type { Sample } from "./ring_buffer";
 
 /** Entries of the URL's state. */
 export type ViewState = Record<string, string | boolean>;
@@ -37,29 +38,40 @@ export function curvesFrom(text: string): CurveName[] {
   });
 }
 
+/** A curve, and its samples in the order of time. */
+export interface NamedSamples {
+  readonly name: CurveName;
+  readonly samples: Iterable<Sample>;
+}
+
 /**
  * The samples of curves as CSV: a column of times, in seconds since 1970, and one of each curve.
  *
- * Samples of the same time share a row, as those of one message do; gaps are empty.
- * Source of the quotes: RFC 4180.
+ * Samples of the same time share a row, as those of one message do; gaps are empty. Numbers are as
+ * they were sent. Source of the quotes: RFC 4180.
  */
-export function csv(
-  curves: readonly { readonly name: CurveName; readonly samples: Samples }[],
-): string {
+export function csv(curves: readonly NamedSamples[]): string {
   const quoted = (text: string): string => `"${text.replaceAll('"', '""')}"`;
   const lines = [["time", ...curves.map(({ name }) => quoted(name.join(" ")))].join(",")];
-  const next = curves.map(() => 0);
-  const timeOf = (curve: number): number =>
-    curves[curve]?.samples.times[next[curve] ?? 0] ?? Infinity;
+  const iterators = curves.map(({ samples }) => samples[Symbol.iterator]());
+  const next = iterators.map((each) => take(each));
   for (;;) {
-    const time = curves.reduce((least, _, curve) => Math.min(least, timeOf(curve)), Infinity);
+    const time = next.reduce(
+      (least, sample) => Math.min(least, sample?.time ?? Infinity),
+      Infinity,
+    );
     if (time === Infinity) return `${lines.join("\r\n")}\r\n`;
-    const values = curves.map(({ samples }, curve) => {
-      if (timeOf(curve) !== time) return "";
-      const value = samples.values[next[curve] ?? 0] ?? NaN;
-      next[curve] = (next[curve] ?? 0) + 1;
-      return Number.isNaN(value) ? "" : String(value);
+    const values = iterators.map((iterator, curve) => {
+      const sample = next[curve];
+      if (sample?.time !== time) return "";
+      next[curve] = take(iterator);
+      return sample.value === undefined ? "" : numberText(sample.value);
     });
     if (values.some((value) => value !== "")) lines.push([time.toFixed(6), ...values].join(","));
   }
+}
+
+function take(samples: Iterator<Sample, unknown>): Sample | undefined {
+  const { done, value } = samples.next();
+  return done ? undefined : value;
 }

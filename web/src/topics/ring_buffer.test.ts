@@ -65,4 +65,32 @@ describe("a ring buffer", () => {
     expect(ring.valueAt(100)).toBe(9);
     expect(ring.valueAt(5)).toBeUndefined();
   });
+
+  it("has room for many samples only once there are many", () => {
+    const ring = filled(5000, 3000);
+    expect([ring.length, ring.first, ring.newest]).toEqual([3000, 0, 2999]);
+    for (let at = 3000; at < 7000; at += 1) ring.push(at, at);
+    expect([...ring.all()].map(({ value }) => value)).toEqual(
+      Array.from({ length: 5000 }, (_, at) => 2000 + at),
+    );
+  });
+
+  it("keeps integers of 64 bits, negative zero, NaN and gaps", () => {
+    const ring = new RingBuffer(4);
+    const sent = [1, 2n ** 63n - 1n, -(2n ** 63n), -0, NaN];
+    for (const value of sent) ring.push(1, value);
+    expect([...ring.all()].map(({ value }) => value)).toEqual(sent.slice(1));
+    ring.pushGap(2);
+    expect(ring.newest).toBeUndefined();
+    ring.push(3, 7n);
+    expect([ring.newest, ring.valueAt(2.5)]).toEqual([7n, undefined]);
+  });
+
+  it("keeps peaks beside numbers that cannot be drawn", () => {
+    const odd = (at: number): number => [NaN, Infinity, -Infinity][at % 3] as number;
+    const ring = filled(10_000, 9000, (at) => (at === 4321 ? 99 : at % 2 === 0 ? odd(at) : 0));
+    const { values } = ring.between(0, 10_000, 500);
+    expect([...values]).toContain(99);
+    expect([...values]).toContain(0);
+  });
 });

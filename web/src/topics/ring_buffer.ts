@@ -3,20 +3,38 @@
 /** Times in seconds and values, of the same length. */
 export interface Samples {
   readonly times: Float64Array;
+  /** NaN is a gap, or the number NaN. */
   readonly values: Float64Array;
 }
 
+/** What a message had. */
+export interface Sample {
+  readonly time: number;
+  /** Exactly as it was sent; `undefined` is a gap. */
+  readonly value: number | bigint | undefined;
+}
+
+/** Samples for which there is room at first; it doubles up to the capacity. */
+const FIRST_ROOM = 1024;
+
+/** The NaN of a gap is told from one that was sent by its place in another array. */
+const GAP = Number.NaN;
+
 export class RingBuffer {
-  readonly #times: Float64Array;
-  readonly #values: Float64Array;
+  #times: Float64Array;
+  #values: Float64Array;
+  /** What is to be added to a value to get the integer that was sent; NaN in gaps. */
+  #rests: Float64Array | undefined;
+  #room: number;
   readonly #capacity: number;
   /** How many samples were added. Those before the newest `capacity` are overwritten. */
   #count = 0;
 
   constructor(capacity: number) {
     this.#capacity = capacity;
-    this.#times = new Float64Array(capacity);
-    this.#values = new Float64Array(capacity);
+    this.#room = Math.min(capacity, FIRST_ROOM);
+    this.#times = new Float64Array(this.#room);
+    this.#values = new Float64Array(this.#room);
   }
 
   get length(): number {
@@ -27,32 +45,42 @@ export class RingBuffer {
     return this.length === 0 ? undefined : this.#time(this.#count - this.length);
   }
 
-  get newest(): number | undefined {
-    return this.length === 0 ? undefined : this.#value(this.#count - 1);
+  /** The newest value as it was sent. */
+  get newest(): number | bigint | undefined {
+    return this.length === 0 ? undefined : this.#exact(this.#count - 1);
   }
 
   /** Add a sample. Times never decrease: an earlier one is replaced by that of the last sample. */
-  push(time: number, value: number): void {
-    const last = this.#count === 0 ? -Infinity : this.#time(this.#count - 1);
-    const at = this.#count % this.#capacity;
-    this.#times[at] = Math.max(time, last);
-    this.#values[at] = value;
-    this.#count += 1;
+  push(time: number, value: number | bigint): void {
+    const rounded = Number(value);
+    this.#add(time, rounded);
+    if (typeof value === "number") return;
+    const rest = Number(value - BigInt(rounded));
+    // Whether it is an integer of 64 bits is known by -0, which no difference is.
+    this.#setRest(rest === 0 ? -0 : rest);
+  }
+
+  /** Add a gap: there was no number, or no subscription. */
+  pushGap(time: number): void {
+    this.#add(time, GAP);
+    this.#setRest(GAP);
   }
 
   clear(): void {
     this.#count = 0;
   }
 
-  /** All samples. */
-  all(): Samples {
-    return this.slice(0, this.#count);
+  /** All samples, as they were sent. */
+  *all(): Generator<Sample> {
+    for (let at = this.#count - this.length; at < this.#count; at += 1) {
+      yield { time: this.#time(at), value: this.#exact(at) };
+    }
   }
 
-  /** The newest value at a time. */
-  valueAt(time: number): number | undefined {
+  /** The newest value at a time, as it was sent. */
+  valueAt(time: number): number | bigint | undefined {
     const after = this.after(time);
-    return after === this.#count - this.length ? undefined : this.#value(after - 1);
+    return after === this.#count - this.length ? undefined : this.#exact(after - 1);
   }
 
   /**
@@ -86,6 +114,40 @@ export class RingBuffer {
     return low;
   }
 
+  #add(time: number, value: number): void {
+    const last = this.#count === 0 ? -Infinity : this.#time(this.#count - 1);
+    if (this.#count === this.#room && this.#room < this.#capacity) this.#grow();
+    const at = this.#count % this.#room;
+    this.#times[at] = Math.max(time, last);
+    this.#values[at] = value;
+    if (this.#rests !== undefined) this.#rests[at] = 0;
+    this.#count += 1;
+  }
+
+  #setRest(rest: number): void {
+    this.#rests ??= new Float64Array(this.#room);
+    this.#rests[(this.#count - 1) % this.#room] = rest;
+  }
+
+  #grow(): void {
+    this.#room = Math.min(this.#capacity, 2 * this.#room);
+    const larger = (old: Float64Array): Float64Array => {
+      const array = new Float64Array(this.#room);
+      array.set(old);
+      return array;
+    };
+    this.#times = larger(this.#times);
+    this.#values = larger(this.#values);
+    if (this.#rests !== undefined) this.#rests = larger(this.#rests);
+  }
+
+  #exact(at: number): number | bigint | undefined {
+    const value = this.#value(at);
+    const rest = this.#rests?.[at % this.#room] ?? 0;
+    if (Number.isNaN(rest)) return undefined;
+    return Object.is(rest, 0) ? value : BigInt(value) + BigInt(rest);
+  }
+
   #copy(start: number, count: number): Samples {
     const times = new Float64Array(count);
     const values = new Float64Array(count);
@@ -97,22 +159,16 @@ export class RingBuffer {
   }
 
   /**
-   * Keep the minimum and the maximum of every `size` samples.
+   * Keep the minimum and the maximum of every `size` samples, and whether there is a gap.
    *
-   * Counted from the first sample ever, so that the curve does not flicker as it moves.
+   * Counted from the first sample ever, so that the curve does not flicker as it moves. A number that
+   * cannot be drawn, such as infinity, hides no peak beside it.
    */
   #thin(start: number, end: number, size: number): Samples {
     const chosen: number[] = [];
     for (let next = start; next < end; ) {
       const stop = Math.min(end, (Math.floor(next / size) + 1) * size);
-      let least = next;
-      let greatest = next;
-      for (let at = next; at < stop; at += 1) {
-        if (this.#value(at) < this.#value(least)) least = at;
-        if (this.#value(at) > this.#value(greatest)) greatest = at;
-      }
-      chosen.push(Math.min(least, greatest));
-      if (least !== greatest) chosen.push(Math.max(least, greatest));
+      for (const at of this.#peaks(next, stop)) chosen.push(at);
       next = stop;
     }
     return {
@@ -121,11 +177,28 @@ export class RingBuffer {
     };
   }
 
+  /** The places of the least, of the greatest, and of one that is not finite, in their order. */
+  #peaks(start: number, end: number): number[] {
+    let least = -1;
+    let greatest = -1;
+    let other = -1;
+    for (let at = start; at < end; at += 1) {
+      const value = this.#value(at);
+      if (!Number.isFinite(value)) other = at;
+      else {
+        if (least < 0 || value < this.#value(least)) least = at;
+        if (greatest < 0 || value > this.#value(greatest)) greatest = at;
+      }
+    }
+    const found = new Set([least, greatest, other].filter((at) => at >= 0));
+    return [...found].sort((one, another) => one - another);
+  }
+
   #time(at: number): number {
-    return this.#times[at % this.#capacity] ?? NaN;
+    return this.#times[at % this.#room] ?? NaN;
   }
 
   #value(at: number): number {
-    return this.#values[at % this.#capacity] ?? NaN;
+    return this.#values[at % this.#room] ?? NaN;
   }
 }

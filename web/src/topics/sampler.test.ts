@@ -1,21 +1,30 @@
-import { describe, expect, it } from "vitest";
-import type { Hub, Message, SubscribeOptions } from "../hub";
+import { describe, expect, it, vi } from "vitest";
+import type { Hub, Message } from "../hub";
+import type { Wanted } from "../messages/data_client";
 import { Sampler, timeOf } from "./sampler";
 
-/** A hub that records its calls. */
+vi.mock("../messages/data_client", () => ({
+  subscribe: (fake: FakeHub, ...rest: Parameters<FakeHub["subscribe"]>) => fake.subscribe(...rest),
+}));
+
+/** A source of messages that records its calls. */
 class FakeHub {
-  receive: (message: Message) => void = () => undefined;
+  #listener: (message: Message, delivery: { time: number }) => void = () => undefined;
   reject: (why: string) => void = () => undefined;
   readonly calls: string[] = [];
 
+  /** Let a message come at a time in ms. */
+  receive(message: Message, time = 1000): void {
+    this.#listener(message, { time });
+  }
+
   subscribe(
-    topic: string,
-    options: SubscribeOptions,
-    listener: (message: Message) => void,
+    { topic, throttle = 0, queue = 1 }: Wanted,
+    listener: (message: Message, delivery: { time: number }) => void,
     onError: (why: string) => void,
   ): () => void {
-    this.calls.push(`subscribe ${topic} ${options.throttle}`);
-    this.receive = listener;
+    this.calls.push(`subscribe ${topic} ${throttle} ${queue}`);
+    this.#listener = listener;
     this.reject = onError;
     return () => this.calls.push(`unsubscribe ${topic}`);
   }
@@ -23,7 +32,7 @@ class FakeHub {
 
 function create(): { hub: FakeHub; sampler: Sampler } {
   const hub = new FakeHub();
-  return { hub, sampler: new Sampler(hub as unknown as Hub, "/n", 20, () => undefined) };
+  return { hub, sampler: new Sampler(hub as unknown as Hub, "/n", () => undefined) };
 }
 
 describe("a sampler", () => {
@@ -35,7 +44,11 @@ describe("a sampler", () => {
     hub.receive({ x: 8, list: [1, 2] });
     expect([x.samples.newest, inner.samples.newest, sampler.missing]).toEqual([8, 2, ""]);
     hub.receive({ x: 13, list: [1] });
-    expect([x.samples.newest, inner.samples.newest, sampler.missing]).toEqual([13, NaN, "list[1]"]);
+    expect([x.samples.newest, inner.samples.newest, sampler.missing]).toEqual([
+      13,
+      undefined,
+      "list[1]",
+    ]);
   });
 
   it("follows an element by its name", () => {
@@ -82,18 +95,32 @@ describe("a sampler", () => {
     sampler.start();
     sampler.start();
     hub.receive({ x: 8 });
-    sampler.throttle = 50;
-    sampler.throttle = 50;
     expect(x.samples.newest).toBe(8);
     sampler.stop();
-    expect(x.samples.newest).toBeNaN();
+    expect(x.samples.newest).toBeUndefined();
     expect(sampler.remove(x)).toBe(true);
-    expect(hub.calls).toEqual([
-      "subscribe /n 20",
-      "unsubscribe /n",
-      "subscribe /n 50",
-      "unsubscribe /n",
-    ]);
+    expect(hub.calls).toEqual(["subscribe /n 0 1000", "unsubscribe /n"]);
+  });
+
+  it.each([200, 1000])("has every sample of 30 s at %i Hz, also of a busy page", (rate) => {
+    const { hub, sampler } = create();
+    const { samples } = sampler.add("data");
+    sampler.start();
+    const count = 30 * rate;
+    const spike = (at: number): boolean => at % 203 === 0;
+    for (let at = 0; at < count; at += 1)
+      hub.receive({ data: spike(at) ? 100 : 0 }, 1e12 + (1000 * at) / rate);
+    const all = [...samples.all()];
+    expect(all.length).toBe(count);
+    expect(all.every(({ value }, at) => value === (spike(at) ? 100 : 0))).toBe(true);
+    expect(new Set(all.map(({ time }) => time)).size).toBe(count);
+    // Each spike is drawn, though the picture has fewer columns than there are samples.
+    const { times, values } = samples.between(0, Infinity, 600);
+    expect(values.length).toBeLessThan(1000);
+    expect(Math.max(...values)).toBe(100);
+    const drawn = samples.slice(samples.after(0), samples.after(Infinity));
+    expect(drawn.values.filter((value) => value === 100).length).toBe(Math.ceil(count / 203));
+    expect([...times]).toEqual([...times].sort((one, other) => one - other));
   });
 
   it("keeps the reason for a rejection", () => {

@@ -1,11 +1,16 @@
 /** Subscribes to one topic and records the numbers that are plotted. */
 import { resolve } from "../element_names";
 import type { Hub, Message } from "../hub";
+import { subscribe } from "../messages/data_client";
+import { numberAt, secondsOf } from "../messages/values";
 import { Stamps } from "../simulated_time";
-import { numberAt, own, parsePath, pathText, type Step } from "../types";
+import { own, parsePath, pathText, type Step } from "../types";
 import { RingBuffer } from "./ring_buffer";
 
-const CAPACITY = 12_000;
+/** Samples of a curve: those of 10 minutes at 1.7 kHz. */
+const CAPACITY = 2 ** 20;
+/** How many messages wait while the page is busy: it needs each of them. */
+const QUEUE = 1000;
 /** A header's time is used if it differs from the clock by no more than this, in seconds. */
 const MAX_SKEW = 5;
 
@@ -26,8 +31,11 @@ export class Curve {
     // Messages of other nodes have other elements: they leave no gap.
     if (found === undefined) return this.samples.length === 0;
     const value = numberAt(message, found.indices);
-    this.samples.push(time, value ?? NaN);
-    if (value === undefined) return true;
+    if (value === undefined) {
+      this.samples.pushGap(time);
+      return true;
+    }
+    this.samples.push(time, value);
     // From now on the curve is that of the element with this name, wherever that is.
     this.#steps = found.named;
     this.path = pathText(found.named);
@@ -45,24 +53,14 @@ export class Sampler {
   readonly #changed: () => void;
   readonly #curves = new Set<Curve>();
   readonly #stamps = new Stamps();
-  #throttle: number;
   #unsubscribe: (() => void) | undefined;
   #newest: { readonly message: Message; readonly time: number } | undefined;
 
-  /** `throttle` is the minimum time between two messages, in ms; `changed` is called for each. */
-  constructor(hub: Hub, topic: string, throttle: number, changed: () => void) {
+  /** `changed` is called for each message. */
+  constructor(hub: Hub, topic: string, changed: () => void) {
     this.#hub = hub;
     this.topic = topic;
-    this.#throttle = throttle;
     this.#changed = changed;
-  }
-
-  set throttle(throttle: number) {
-    if (throttle === this.#throttle) return;
-    this.#throttle = throttle;
-    if (this.#unsubscribe === undefined) return;
-    this.#stopSubscription();
-    this.start();
   }
 
   add(path: string): Curve {
@@ -88,10 +86,10 @@ export class Sampler {
   }
 
   start(): void {
-    this.#unsubscribe ??= this.#hub.subscribe(
-      this.topic,
-      { throttle: this.#throttle, queue: 1 },
-      (message) => this.#receive(message),
+    this.#unsubscribe ??= subscribe(
+      this.#hub,
+      { topic: this.topic, queue: QUEUE },
+      (message, { time }) => this.#receive(message, time / 1000),
       (why) => {
         this.error = why;
         this.#changed();
@@ -101,21 +99,17 @@ export class Sampler {
 
   stop(): void {
     if (this.#unsubscribe === undefined) return;
-    this.#stopSubscription();
+    this.#unsubscribe();
+    this.#unsubscribe = undefined;
     // The time without a subscription is a gap in the curve.
     for (const { samples } of this.#curves)
-      if (samples.length > 0) samples.push(Date.now() / 1000, NaN);
+      if (samples.length > 0) samples.pushGap(Date.now() / 1000);
   }
 
-  #stopSubscription(): void {
-    this.#unsubscribe?.();
-    this.#unsubscribe = undefined;
-  }
-
-  #receive(message: Message): void {
+  #receive(message: Message, arrived: number): void {
     this.error = "";
     this.missing = "";
-    const time = timeOf(message, Date.now() / 1000);
+    const time = timeOf(message, arrived);
     // A curve of two runs would be none of both.
     if (this.#stamps.hasGoneBack(stampOf(message))) {
       for (const { samples } of this.#curves) samples.clear();
@@ -131,12 +125,12 @@ export class Sampler {
 }
 
 /** The time of a message: that of its header if it is plausible, else the time of its arrival. */
-export function timeOf(message: Message, now: number): number {
+export function timeOf(message: Message, arrived: number): number {
   const stamp = stampOf(message);
-  return stamp !== undefined && Math.abs(stamp - now) <= MAX_SKEW ? stamp : now;
+  return stamp !== undefined && Math.abs(stamp - arrived) <= MAX_SKEW ? stamp : arrived;
 }
 
 /** The stamp of a message's header, in seconds. */
 function stampOf(message: Message): number | undefined {
-  return numberAt(own(message, "header"), ["stamp"]);
+  return secondsOf(own(own(message, "header"), "stamp"));
 }

@@ -113,7 +113,7 @@ export class TopicPage {
     const isUsed =
       topic !== undefined &&
       (topic.publishers.length > 0 ||
-        topic.subscriptions.some(({ node }) => node !== this.#hub.node));
+        topic.subscriptions.some(({ node }) => !this.#hub.isOwn(node)));
     return isUsed ? "" : "Nobody uses this topic yet. Publish its first message below.";
   }
 
@@ -257,7 +257,7 @@ export class TopicPage {
   }
 
   #notes(node: string, note: string): string {
-    return [node === this.#hub.node ? "this page" : "", note]
+    return [this.#hub.isOwn(node) ? "this page" : "", note]
       .filter((part) => part !== "")
       .join(", ");
   }

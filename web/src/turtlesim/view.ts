@@ -3,6 +3,8 @@ import "./turtlesim.css";
 
 import { h, replace, setText, svg } from "../dom";
 import type { Hub, Message, Publication } from "../hub";
+import { subscribe } from "../messages/data_client";
+import { bytes } from "../messages/values";
 import type { Model } from "../model";
 import type { Panel } from "../panels/panel";
 import { type MakeView, route, type View } from "../view";
@@ -156,7 +158,7 @@ class TurtlesimView implements View {
     this.#canvas.getContext("2d")?.clearRect(0, 0, PIXELS, PIXELS);
     if (picture === "") return;
     this.#stops.push(
-      this.#hub.subscribe(picture, { queue: 1 }, (message) => void this.#draw(message)),
+      subscribe(this.#hub, { topic: picture }, (message) => void this.#draw(message)),
     );
   }
 
@@ -192,8 +194,8 @@ class TurtlesimView implements View {
     const text = h("span", { class: "mono" });
     this.#turtles.append(shape);
     this.#list.append(h("li", {}, h("b", {}, name), " ", text));
-    const options = { throttle: INTERVAL, queue: 1 };
-    const stop = this.#hub.subscribe(`${base}/pose`, options, (message) => {
+    const wanted = { topic: `${base}/pose`, throttle: INTERVAL };
+    const stop = subscribe(this.#hub, wanted, (message) => {
       const pose = message as unknown as PoseMessage;
       shape.setAttribute("transform", transformOf(pose));
       setText(text, textOf(pose));
@@ -207,10 +209,10 @@ class TurtlesimView implements View {
     if (this.#isDecoding) return;
     this.#isDecoding = true;
     while (this.#next !== undefined) {
-      const bytes = Uint8Array.from(atob(String(this.#next.data)), (each) => each.charCodeAt(0));
+      const png = bytes(this.#next.data) as Uint8Array<ArrayBuffer>;
       this.#next = undefined;
       try {
-        const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+        const bitmap = await createImageBitmap(new Blob([png], { type: "image/png" }));
         this.#canvas.getContext("2d")?.drawImage(bitmap, 0, 0);
         bitmap.close();
       } catch (error) {

@@ -4,6 +4,7 @@ import "./diagnostics.css";
 import { h, reorder, replace, setAttribute, setText } from "../../dom";
 import { plural, timeOfDay } from "../../format";
 import type { Hub } from "../../hub";
+import { subscribe } from "../../messages/data_client";
 import type { Model } from "../../model";
 import type { Config, Panel } from "../panel";
 import {
@@ -18,6 +19,8 @@ import {
 
 /** Time between two updates, in ms. */
 const TICK = 250;
+/** How many messages wait: each may be about other devices. */
+const QUEUE = 1000;
 /** Longer texts are cut. */
 const MAX_TEXT = 5000;
 const MAX_VALUES = 500;
@@ -89,16 +92,16 @@ class DiagnosticsPanel implements Panel {
 
   show(): void {
     if (this.#stop !== undefined) return;
-    this.#stop = this.#hub.subscribe(
-      this.#topic,
-      {},
-      (message) => {
-        this.#tree.update(message.status as Status[], Date.now());
+    this.#stop = subscribe(
+      this.#hub,
+      { topic: this.#topic, queue: QUEUE },
+      (message, { time }) => {
+        this.#tree.update(message.status as Status[], time);
         this.#isNew = true;
       },
       (why) => {
         setText(this.#error, why);
-        this.#error.hidden = false;
+        this.#error.hidden = why === "";
       },
     );
     let before = 0;

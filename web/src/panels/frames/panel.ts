@@ -4,6 +4,8 @@ import "./frames.css";
 import { h, reorder, replace, setText } from "../../dom";
 import { hertz, plural } from "../../format";
 import type { Hub } from "../../hub";
+import { subscribe } from "../../messages/data_client";
+import { fixedText } from "../../messages/values";
 import type { Model } from "../../model";
 import { rollPitchYaw, type TransformStamped } from "../../transforms";
 import type { Config, Panel } from "../panel";
@@ -11,6 +13,8 @@ import { type Frame, Frames, MAX_FRAMES } from "./frames";
 
 /** Time between two updates, in ms. */
 const TICK = 250;
+/** How many messages wait: each may be about other frames. */
+const QUEUE = 1000;
 
 export function makePanel(
   hub: Hub,
@@ -78,16 +82,16 @@ class FramesPanel implements Panel {
   show(): void {
     if (this.#stops.length > 0) return;
     this.#stops = this.#topics.map((topic) =>
-      this.#hub.subscribe(
-        topic,
-        { headers: true },
-        ({ transforms }, { callerid = "" }) => {
-          const source = { node: callerid, isStatic: topic.endsWith("_static") };
-          this.#frames.update(transforms as TransformStamped[], source, Date.now());
+      subscribe(
+        this.#hub,
+        { topic, queue: QUEUE, headers: true },
+        ({ transforms }, { node, time }) => {
+          const source = { node, isStatic: topic.endsWith("_static") };
+          this.#frames.update(transforms as TransformStamped[], source, time);
         },
         (why) => {
           setText(this.#error, `${topic}: ${why}`);
-          this.#error.hidden = false;
+          this.#error.hidden = why === "";
         },
       ),
     );
@@ -242,7 +246,7 @@ class FramesPanel implements Panel {
           "tr",
           {},
           h("th", { scope: "row" }, label),
-          ...numbers.map((each) => h("td", {}, each.toFixed(unit === "°" ? 1 : 3))),
+          ...numbers.map((each) => h("td", {}, fixedText(each, unit === "°" ? 1 : 3))),
           numbers.length < 4 && h("td", {}, unit),
         ),
       ),

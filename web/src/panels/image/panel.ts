@@ -5,13 +5,13 @@ import { h, setAttribute, setText } from "../../dom";
 import { download } from "../../download";
 import { ago, bytes, hertz } from "../../format";
 import type { Hub } from "../../hub";
-import { dataClient } from "../../messages/data_client";
-import type { Report } from "../../messages/worker_messages";
+import { dataClient, type Send, subscribe } from "../../messages/data_client";
 import type { Model, Time } from "../../model";
 import { SimulatedTime } from "../../simulated_time";
 import { type Config, numberIn, type Panel } from "../panel";
 import type { PictureState } from "./picture";
 import type { Options } from "./pixels";
+import type { Report, Request } from "./worker_messages";
 
 /** Time between two updates of the line below the picture, in ms. */
 const TICK = 250;
@@ -45,8 +45,6 @@ const FIRST_RATES: Readonly<Record<string, number>> = {
   "sensor_msgs/Image": 1,
   "nav_msgs/OccupancyGrid": 2,
 };
-
-type Send = ReturnType<ReturnType<typeof dataClient>["open"]>;
 
 export function makePanel(
   hub: Hub,
@@ -97,7 +95,7 @@ class ImagePanel implements Panel {
   readonly #facts = h("p", { class: "soft small image-facts" });
   readonly #value = h("p", { class: "small mono image-value", role: "status" });
   #canvas: HTMLCanvasElement | undefined;
-  #send: Send | undefined;
+  #send: Send<Request> | undefined;
   #state: PictureState | undefined;
   #paused = false;
   /** undefined: as large as fits. */
@@ -110,7 +108,7 @@ class ImagePanel implements Panel {
   #timer: number | undefined;
   #clock = new SimulatedTime();
   #stopClock: (() => void) | undefined;
-  /** Whether it is visible: the definition of the type may arrive later. */
+  /** Whether it is visible. */
   #visible = false;
 
   constructor(hub: Hub, model: Model, topic: string, type: string, config?: Config) {
@@ -156,7 +154,7 @@ class ImagePanel implements Panel {
   show(): void {
     if (this.#visible) return;
     this.#visible = true;
-    void this.#open();
+    this.#open();
     this.#timer = window.setInterval(() => this.#tick(), TICK);
     this.#tick();
   }
@@ -186,26 +184,18 @@ class ImagePanel implements Panel {
     };
   }
 
-  async #open(): Promise<void> {
-    let typedefs: Awaited<ReturnType<Model["typedefs"]>>;
-    try {
-      typedefs = await this.#model.typedefs(this.#type);
-    } catch (error) {
-      this.#showFault((error as Error).message);
-      return;
-    }
-    if (!this.#visible || this.#send !== undefined) return;
+  #open(): void {
     const canvas = h("canvas", { role: "img", width: 1, height: 1, hidden: true });
     this.#canvas = canvas;
     this.#stage.append(canvas);
     const offscreen = canvas.transferControlToOffscreen();
     this.#counted = { shown: 0, at: performance.now() };
-    this.#send = dataClient(this.#hub).open(
+    this.#send = dataClient(this.#hub).open<Request, Report>(
       {
         kind: "picture",
         canvas: offscreen,
         topic: this.#topic,
-        typedefs,
+        type: this.#type,
         throttle: this.#throttle,
       },
       [offscreen],
@@ -330,14 +320,11 @@ class ImagePanel implements Panel {
   #followClock(): void {
     const clock = this.#model.graph.value?.topics.find(({ name }) => name === "/clock");
     if (this.#stopClock !== undefined || !clock?.publishers.length) return;
-    this.#stopClock = this.#hub.subscribe(
-      "/clock",
-      { throttle: CLOCK_THROTTLE, queue: 1 },
-      ({ clock }) => {
-        const { secs, nsecs } = clock as Time;
-        this.#clock.receive(secs * 1000 + nsecs / 1e6, Date.now());
-      },
-    );
+    const wanted = { topic: "/clock", throttle: CLOCK_THROTTLE };
+    this.#stopClock = subscribe(this.#hub, wanted, ({ clock }, { time }) => {
+      const { secs, nsecs } = clock as Time;
+      this.#clock.receive(secs * 1000 + nsecs / 1e6, time);
+    });
   }
 
   #whyEmpty(): string {

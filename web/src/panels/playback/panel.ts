@@ -5,6 +5,7 @@ import { clockText } from "../../bags/clock_text";
 import { h, setText } from "../../dom";
 import { dateTime } from "../../format";
 import type { Hub, Message } from "../../hub";
+import { subscribe } from "../../messages/data_client";
 import type { Model, Time } from "../../model";
 import type { Panel } from "../panel";
 
@@ -75,9 +76,9 @@ class PlaybackPanel implements Panel {
   }
 
   show(): void {
-    this.#stop ??= this.#hub.subscribe(
-      this.#topic,
-      {},
+    this.#stop ??= subscribe(
+      this.#hub,
+      { topic: this.#topic },
       (message) => this.#show(message as unknown as PlaybackState),
       (why) => this.#report(why),
     );

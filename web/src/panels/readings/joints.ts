@@ -2,6 +2,7 @@
 import { h, reorder, setText } from "../../dom";
 import { plural } from "../../format";
 import type { Hub, Message } from "../../hub";
+import { fixedText } from "../../messages/values";
 import { ParameterServer } from "../../parameters/parameters";
 import { own } from "../../types";
 import type { Joint } from "../scene/robot/urdf";
@@ -155,7 +156,7 @@ export class Joints implements Reading {
     const units = joint === undefined ? [] : (UNITS[joint.type] ?? UNITS.revolute ?? []);
     row.cells.forEach((cell, at) => {
       const value = values[at];
-      setText(cell, value === undefined ? "–" : `${value.toFixed(3)} ${units[at] ?? ""}`.trim());
+      setText(cell, value === undefined ? "–" : `${fixedText(value, 3)} ${units[at] ?? ""}`.trim());
     });
     const limits = joint !== undefined && isLimited(joint) ? joint : undefined;
     if (position !== undefined && limits === undefined) {

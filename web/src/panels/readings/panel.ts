@@ -4,6 +4,8 @@ import "./readings.css";
 import { h, replace, setAttribute, setText, svg } from "../../dom";
 import { ago } from "../../format";
 import type { Hub, Message } from "../../hub";
+import { subscribe } from "../../messages/data_client";
+import { elements, fixedText } from "../../messages/values";
 import type { Model } from "../../model";
 import { own } from "../../types";
 import type { Panel } from "../panel";
@@ -58,9 +60,9 @@ class ReadingPanel implements Panel {
 
   show(): void {
     if (this.#stop !== undefined) return;
-    this.#stop = this.#hub.subscribe(
-      this.#topic,
-      { throttle: THROTTLE, queue: 1 },
+    this.#stop = subscribe(
+      this.#hub,
+      { topic: this.#topic, throttle: THROTTLE },
       (message) => {
         this.#arrived = performance.now();
         this.#error.hidden = true;
@@ -70,7 +72,7 @@ class ReadingPanel implements Panel {
       },
       (why) => {
         setText(this.#error, why);
-        this.#error.hidden = false;
+        this.#error.hidden = why === "";
       },
     );
     this.#timer = window.setInterval(() => this.#showAge(), TICK);
@@ -115,7 +117,7 @@ function facts(rows: readonly (readonly [name: string, value: string])[]): Node[
 /** A number with its unit, or nothing. */
 function text(value: number, unit: string, digits = 2): string {
   const space = unit === "" || unit === "°" ? "" : " ";
-  return Number.isFinite(value) ? value.toFixed(digits) + space + unit : "";
+  return Number.isNaN(value) ? "" : fixedText(value, digits) + space + unit;
 }
 
 /** The artificial horizon of an IMU. */
@@ -231,7 +233,8 @@ class Battery implements Reading {
     const warning = state === "" ? "" : ` ⚠ ${state === "low" ? "low" : "nearly empty"}`;
     setText(this.#percent, isKnown ? `${(100 * part).toFixed(0)} %${warning}` : "charge unknown");
     const volts = own(message, "cell_voltage");
-    const cells = Array.isArray(volts) ? volts.filter((volt) => typeof volt === "number") : [];
+    const cells = Array.from(elements(volts) ?? []).filter((volt) => typeof volt === "number");
+    const weakest = cells.length === 0 ? Number.NaN : cells.reduce((a, b) => Math.min(a, b));
     replace(
       this.#facts,
       ...facts([
@@ -242,7 +245,7 @@ class Battery implements Reading {
         ["charge", text(numberOf(message, "charge"), "Ah")],
         ["capacity", text(numberOf(message, "capacity"), "Ah")],
         ["temperature", text(numberOf(message, "temperature"), "°C", 1)],
-        ["weakest cell", cells.length === 0 ? "" : text(Math.min(...cells), "V")],
+        ["weakest cell", text(weakest, "V")],
         ["place", String(own(message, "location") ?? "")],
       ]),
     );

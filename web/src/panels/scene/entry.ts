@@ -1,7 +1,7 @@
 /** One layer of the scene: its subscription, and its state in words. */
 import { ago } from "../../format";
 import type { Hub } from "../../hub";
-import { dataClient } from "../../messages/data_client";
+import { subscribe } from "../../messages/data_client";
 import type { Fields } from "../../messages/reader";
 import type { Model } from "../../model";
 import {
@@ -136,23 +136,10 @@ export class Entry {
     queue: number,
     receive: (message: Fields) => void,
   ): () => void {
-    const { hub, model } = this.#scene;
-    const { throttle } = this.kind;
-    let isStopped = false;
-    let end = (): void => undefined;
-    model.typedefs(type).then(
-      (typedefs) => {
-        if (isStopped) return;
-        const fail = (why: string): void => this.#fail("feed", why);
-        const options = { topic, typedefs, throttle: queue > 1 ? 0 : throttle, queue };
-        end = dataClient(hub).subscribe(options, receive, fail);
-      },
-      (error: unknown) => this.#fail("feed", (error as Error).message),
+    const throttle = queue > 1 ? 0 : this.kind.throttle;
+    return subscribe(this.#scene.hub, { topic, type, throttle, queue }, receive, (why) =>
+      this.#fail("feed", why),
     );
-    return () => {
-      isStopped = true;
-      end();
-    };
   }
 
   /** Subscribe to updates once a node publishes them: else the page would create the topic. */

@@ -1,6 +1,7 @@
 /** The scene: its layers, its frames, and when it is drawn. */
 import { h } from "../../dom";
 import type { Hub } from "../../hub";
+import { subscribe } from "../../messages/data_client";
 import type { Graph, Model } from "../../model";
 import type { Transform, TransformStamped, Vector } from "../../transforms";
 import { Camera, type Follow } from "./camera";
@@ -22,6 +23,8 @@ import { frameName, TransformBuffer } from "./tf_buffer";
 
 /** Most labels: of more, the scene shows none. */
 const MAX_LABELS = 200;
+/** How many messages of tf wait: each may be about other frames. */
+const QUEUE = 1000;
 /** After a picture that takes longer, the page has as much time for other things, in ms. */
 const FAST = 8;
 /** The camera rests if it has not moved for this time, in ms. */
@@ -124,7 +127,7 @@ export class Scene implements Surroundings {
 
   #subscribe(topic: string): () => void {
     const isStatic = topic === "/tf_static";
-    return this.hub.subscribe(topic, {}, ({ transforms }) => {
+    return subscribe(this.hub, { topic, queue: QUEUE }, ({ transforms }) => {
       this.transforms.insert(transforms as TransformStamped[], isStatic);
       this.redraw();
     });

@@ -359,7 +359,7 @@ export class Tools {
 
   #listeners(topic: string): string {
     const found = this.#model.graph.value?.topics.find(({ name }) => name === topic);
-    const others = found?.subscriptions.filter(({ node }) => node !== this.#hub.node) ?? [];
+    const others = found?.subscriptions.filter(({ node }) => !this.#hub.isOwn(node)) ?? [];
     return others.length === 0 ? " · no node subscribes to it" : "";
   }
 

@@ -223,7 +223,7 @@ class TeleopPanel implements Panel {
   #showOthers(): void {
     const topic = this.#model.graph.value?.topics.find(({ name }) => name === this.#topic);
     // Echo below is no robot.
-    const isOther = (node: string): boolean => node !== this.#hub.node;
+    const isOther = (node: string): boolean => !this.#hub.isOwn(node);
     const others = (topic?.publishers ?? []).map(({ node }) => node).filter(isOther);
     const listeners = (topic?.subscriptions ?? []).filter(({ node }) => isOther(node)).length;
     setText(

@@ -1,5 +1,6 @@
 /** What a camera sees: sensor_msgs/CameraInfo as a pyramid, in its optical frame. */
 import type { Fields } from "../../../messages/reader";
+import { floats } from "../../../messages/values";
 import { applied, type Vector } from "../../../transforms";
 import { parseColor } from "../colors";
 import {
@@ -11,7 +12,6 @@ import {
   type Problems,
   type View,
 } from "../layer";
-import { floats } from "../message";
 import { renderer, Vertices } from "../renderer";
 
 export class CameraInfo implements Layer {

@@ -1,5 +1,6 @@
 /** Laser scans as points. */
 import type { Fields } from "../../../messages/reader";
+import { floats } from "../../../messages/values";
 import type { Vector } from "../../../transforms";
 import { parseColor, percentiles } from "../colors";
 import {
@@ -13,7 +14,6 @@ import {
   type Problems,
   type View,
 } from "../layer";
-import { floats } from "../message";
 import { corners, nearestPoint } from "../picking";
 import { type Paint, renderer, Vertices } from "../renderer";
 

@@ -1,6 +1,7 @@
 /** Maps: nav_msgs/OccupancyGrid, and the map_msgs/OccupancyGridUpdate that change parts of them. */
 import type { Fields } from "../../../messages/reader";
 import { checkGrid } from "../../../messages/sizes";
+import { bytes } from "../../../messages/values";
 import {
   applied,
   inverse,
@@ -21,7 +22,6 @@ import {
   type Problems,
   type View,
 } from "../layer";
-import { bytes } from "../message";
 import { Cells, renderer } from "../renderer";
 
 const UNKNOWN = 255;

@@ -1,6 +1,7 @@
 /** Point clouds: sensor_msgs/PointCloud2, whose bytes are drawn as they are, and PointCloud. */
 import type { Fields } from "../../../messages/reader";
 import { sizeOfCloud } from "../../../messages/sizes";
+import { bytes, floats } from "../../../messages/values";
 import { applied, type Transform, type Vector } from "../../../transforms";
 import { type Palette, parseColor, percentiles } from "../colors";
 import {
@@ -16,7 +17,6 @@ import {
   type View,
 } from "../layer";
 import { matrixOf } from "../matrix";
-import { bytes, floats } from "../message";
 import { corners, nearestPoint } from "../picking";
 import { type NumberType, type Paint, renderer, Vertices } from "../renderer";
 

@@ -1,6 +1,7 @@
 /** Poses as arrows or axes, with their trail and their covariance. */
 import { plural } from "../../../format";
 import type { Fields } from "../../../messages/reader";
+import { floats } from "../../../messages/values";
 import { Stamps } from "../../../simulated_time";
 import {
   applied,
@@ -24,7 +25,7 @@ import {
   type Problems,
   type View,
 } from "../layer";
-import { floats, type Pose } from "../message";
+import type { Pose } from "../message";
 import { nearestPoint } from "../picking";
 import { renderer, Vertices } from "../renderer";
 import { Arrows, Axes } from "./arrows";

@@ -1,12 +1,12 @@
 /** The robot of a description in URDF, whose links are where tf or its joints have them. */
 import { h, replace, setName, setText } from "../../../dom";
 import { plural } from "../../../format";
-import { dataClient } from "../../../messages/data_client";
+import { subscribe } from "../../../messages/data_client";
+import { floats } from "../../../messages/values";
 import type { Graph, TopicInfo } from "../../../model";
 import { applied, multiplied, type Transform, type Vector } from "../../../transforms";
 import type { Color } from "../colors";
 import type { Hit, Layer, LayerContext, Places, Pointer, Problems, View } from "../layer";
-import { floats } from "../message";
 import { nearestPoint } from "../picking";
 import { Meshes } from "../robot/mesh_client";
 import {
@@ -119,14 +119,14 @@ export class RobotModel implements Layer {
   /** Subscribe to the topics that there are now. */
   #follow(graph: Graph | null): void {
     if (graph === null || !this.#isActive) return;
-    const { hub, model, topic, settings } = this.#context;
+    const { hub, topic, settings } = this.#context;
     const published = (name: string, type: string): TopicInfo | undefined =>
       graph.topics.find(
         (each) => each.name === name && each.type === type && each.publishers.length > 0,
       );
     if (published(topic, STRING) !== undefined && this.#topics.description === "") {
       this.#topics.description = topic;
-      this.#ends.push(hub.subscribe(topic, {}, ({ data }) => this.#describe(String(data))));
+      this.#ends.push(subscribe(hub, { topic }, ({ data }) => this.#describe(String(data))));
     } else if (this.#topics.description === "") {
       // What has changed the graph may have set another description.
       this.#timer ??= window.setTimeout(() => void this.#readParameter(), DELAY);
@@ -135,23 +135,12 @@ export class RobotModel implements Layer {
     const joints = String(settings.joints) || beside;
     if (published(joints, JOINT_STATE) === undefined || this.#topics.joints === joints) return;
     this.#topics.joints = joints;
-    const options = { topic: joints, throttle: THROTTLE, queue: QUEUE };
-    let isEnded = false;
-    let end = (): void => {
-      isEnded = true;
-    };
-    this.#ends.push(() => end());
-    model.typedefs(JOINT_STATE).then((typedefs) => {
-      if (isEnded) return;
-      end = dataClient(hub).subscribe(
-        { ...options, typedefs },
-        ({ name, position }) => {
-          // After another topic was chosen, the old one counts no more.
-          if (this.#topics.joints === joints) this.#move(name as string[], floats(position));
-        },
-        (why) => console.debug(why),
-      );
-    }, console.debug);
+    const wanted = { topic: joints, type: JOINT_STATE, throttle: THROTTLE, queue: QUEUE };
+    const end = subscribe(hub, wanted, ({ name, position }) => {
+      // After another topic was chosen, the old one counts no more.
+      if (this.#topics.joints === joints) this.#move(name as string[], floats(position));
+    });
+    this.#ends.push(end);
   }
 
   #move(names: readonly string[], positions: ArrayLike<number>): void {
