@@ -6,10 +6,12 @@ import { openRelay } from "./messages/relay";
 import type { Request as MessageRequest } from "./messages/worker_messages";
 import { openPicture } from "./panels/image/remote_picture";
 import type { Request as PictureRequest } from "./panels/image/worker_messages";
+import type { Request as CloudRequest } from "./panels/scene/cloud_messages";
+import { openCloud } from "./panels/scene/remote_cloud";
 
 declare const self: DedicatedWorkerGlobalScope;
 
-type Request = MessageRequest | PictureRequest;
+type Request = MessageRequest | PictureRequest | CloudRequest;
 type Numbered = Extract<Request, { id: number }>;
 
 /** What the page has opened, by its ids: each takes its further requests. */
@@ -29,6 +31,9 @@ self.onmessage = ({ data }: MessageEvent<Request>): void => {
       return;
     case "picture":
       opened.set(data.id, openPicture(feed, data, post) as (request: Numbered) => void);
+      return;
+    case "cloud":
+      opened.set(data.id, openCloud(feed, data, post) as (request: Numbered) => void);
       return;
   }
   opened.get(data.id)?.(data);

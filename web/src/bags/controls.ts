@@ -92,9 +92,13 @@ function recordingControl(hub: Hub, model: Model): HTMLElement {
     button.disabled = false;
   };
 
-  subscribe(hub, { topic: `${RECORDER}/state` }, (message) =>
-    show(message as unknown as RecordingState),
-  );
+  subscribe(hub, { topic: `${RECORDER}/state` }, (message) => {
+    // These have 64 bits.
+    const [messages, bytes, dropped] = ["messages", "bytes", "dropped"].map((name) =>
+      Number(message[name]),
+    );
+    show({ ...message, messages, bytes, dropped } as unknown as RecordingState);
+  });
   model.graph.watch((graph) => {
     box.hidden = !canRecord(graph);
   });

@@ -90,9 +90,9 @@ export function subscribe(
   const send = dataClient(hub).open<Sent, Report>(request, [], (report) => {
     if (report.kind === "fault") fail(report.why);
     if (report.kind === "ready") ready();
-    if (report.kind !== "messages") return;
+    if (report.kind !== "message") return;
     try {
-      for (const delivery of report.batch) receive(delivery.message, delivery);
+      receive(report.delivery.message, report.delivery);
     } finally {
       send({ kind: "taken" });
     }

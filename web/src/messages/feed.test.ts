@@ -69,8 +69,8 @@ class Receiver implements Subscriber {
   readonly deliveries: Delivery[] = [];
   readonly faults: string[] = [];
 
-  receive(batch: readonly Delivery[]): void | Promise<void> {
-    this.deliveries.push(...batch);
+  receive(delivery: Delivery): void | Promise<void> {
+    this.deliveries.push(delivery);
   }
 
   get messages(): Fields[] {
@@ -129,8 +129,8 @@ describe("Feed", () => {
     const feed = connected();
     const bytes = { type: "x/Bytes", definition: "uint8[] data" };
     const taken: Uint8Array[] = [];
-    const receive = ([first]: readonly Delivery[]): void => {
-      const bytes = first?.message.data as Uint8Array;
+    const receive = ({ message }: Delivery): void => {
+      const bytes = message.data as Uint8Array;
       taken.push(structuredClone(bytes, { transfer: [bytes.buffer as ArrayBuffer] }));
     };
     const options = { topic: "/a", throttle: 0, fail: receiver.fail.bind(receiver), receive };
@@ -154,13 +154,11 @@ describe("Feed", () => {
   it("has all messages of a queue, in order, however slowly they are processed", async () => {
     receiver.queue = 1000;
     receiver.throttle = 0;
-    const batches: number[] = [];
     const receive = receiver.receive.bind(receiver);
-    let go = (): void => undefined;
-    receiver.receive = (batch) => {
-      batches.push(batch.length);
-      void receive(batch);
-      return new Promise((done) => (go = done));
+    const done: (() => void)[] = [];
+    receiver.receive = (delivery) => {
+      void receive(delivery);
+      return new Promise((resolve) => done.push(resolve));
     };
     connected().subscribe(receiver);
     const socket = FakeSocket.newest;
@@ -168,14 +166,14 @@ describe("Feed", () => {
     const id = socket.sent[0]?.id;
     socket.receive({ op: "subscribed", id, topic: "/a", topic_id: 7, ...INT8, credit: 500 });
     for (let at = 0; at < 120; at += 1) socket.receiveNumber(7, at);
-    go();
     await settled();
-    expect(batches).toEqual([1, 119]);
     expect(receiver.messages.map(({ data }) => data)).toEqual([...Array(120).keys()]);
-    go();
+    const counts = () =>
+      socket.sent.filter(({ op }) => op === "acknowledge").map(({ count }) => count);
+    expect(counts()).toEqual([]);
+    for (const each of done) each();
     await settled();
-    const counts = socket.sent.filter(({ op }) => op === "acknowledge").map(({ count }) => count);
-    expect(counts).toEqual([1, 119]);
+    expect(counts()).toEqual([120]);
   });
 
   it("gives the newest message to those who want no queue, beside one who wants all", async () => {

@@ -58,12 +58,12 @@ export interface Delivery {
 
 export interface Subscriber extends Subscription {
   /**
-   * Take messages, the oldest first; only one if the queue is 1.
+   * Take a message.
    *
-   * The next ones come once the promise is resolved, so that messages become fewer, and not older,
-   * if they are processed slowly.
+   * No more than the queue's length come before their promises are resolved, so that messages become
+   * fewer, and not older, if they are processed slowly.
    */
-  receive(batch: readonly Delivery[]): void | Promise<void>;
+  receive(delivery: Delivery): void | Promise<void>;
   /** Take the reason why there are no messages; an empty text if there are again. */
   fail(why: string): void;
   /** The hub has subscribed: what is published from now on comes. */
@@ -141,7 +141,7 @@ export class Feed {
     const inbox = new Inbox<Delivery>(
       queue,
       throttle,
-      (batch) => subscriber.receive(batch),
+      (delivery) => subscriber.receive(delivery),
       (why) => subscriber.fail(why),
     );
     const state = { reader: undefined, topicId: undefined, isJson: false, isLost: false };
@@ -322,7 +322,7 @@ export class Feed {
         return { message, size, time, node };
       };
       // The hub throttles to the shortest time; throttling to that again would delay messages.
-      return entry.inbox.offer({ read }, entry.subscriber.throttle > shortest);
+      return entry.inbox.offer(read, entry.subscriber.throttle > shortest);
     });
   }
 

@@ -1,38 +1,34 @@
 /** The messages of one subscriber that wait until it has processed those before. */
 
 /** A message that is read when it is its turn: those that are skipped cost nothing. */
-export interface Unread<T> {
-  read(): T;
-}
+type Read<T> = () => T;
 
 interface Waiting<T> {
-  readonly unread: Unread<T>;
+  readonly read: Read<T>;
   done(): void;
 }
-
-/** Messages that are given to a subscriber at once, at most. */
-const MAX_BATCH = 200;
 
 export class Inbox<T> {
   readonly #queue: number;
   readonly #throttle: number;
-  readonly #receive: (batch: readonly T[]) => void | Promise<void>;
+  readonly #receive: (message: T) => void | Promise<void>;
   readonly #fail: (why: string) => void;
   #waiting: Waiting<T>[] = [];
-  #isBusy = false;
+  /** How many messages are being processed. */
+  #busy = 0;
   #isClosed = false;
-  /** When the next messages are due, by `performance.now()`. */
+  /** When the next message is due, by `performance.now()`. */
   #due = -Infinity;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
   /**
-   * `queue` messages wait, and of more the newest; `throttle` is the least time between two calls of
-   * `receive`, in ms. The next call comes once its promise is resolved.
+   * `queue` messages are processed at a time, so that the order of several topics is kept, and as
+   * many wait; of more, the oldest are skipped. `throttle` is the least time between two of them.
    */
   constructor(
     queue: number,
     throttle: number,
-    receive: (batch: readonly T[]) => void | Promise<void>,
+    receive: (message: T) => void | Promise<void>,
     fail: (why: string) => void,
   ) {
     this.#queue = queue;
@@ -42,14 +38,14 @@ export class Inbox<T> {
   }
 
   /** Take a message; resolves once it is processed, or skipped. */
-  offer(unread: Unread<T>, isThrottled: boolean): Promise<void> {
+  offer(read: Read<T>, isThrottled: boolean): Promise<void> {
     return new Promise((done) => {
       if (this.#isClosed) {
         done();
         return;
       }
       if (this.#waiting.length >= this.#queue) this.#waiting.shift()?.done();
-      this.#waiting.push({ unread, done });
+      this.#waiting.push({ read, done });
       this.#proceed(isThrottled);
     });
   }
@@ -62,7 +58,9 @@ export class Inbox<T> {
   }
 
   #proceed(isThrottled: boolean): void {
-    if (this.#isBusy || this.#timer !== undefined || this.#waiting.length === 0) return;
+    if (this.#busy >= this.#queue || this.#timer !== undefined) return;
+    const next = this.#waiting[0];
+    if (next === undefined) return;
     const delay = this.#due - performance.now();
     if (isThrottled && delay > 0) {
       this.#timer = setTimeout(() => {
@@ -72,29 +70,19 @@ export class Inbox<T> {
       return;
     }
     this.#due = performance.now() + this.#throttle;
-    void this.#process(this.#waiting.splice(0, MAX_BATCH), isThrottled);
+    this.#waiting.shift();
+    void this.#process(next, isThrottled);
   }
 
-  async #process(taken: readonly Waiting<T>[], isThrottled: boolean): Promise<void> {
-    this.#isBusy = true;
+  async #process({ read, done }: Waiting<T>, isThrottled: boolean): Promise<void> {
+    this.#busy += 1;
     try {
-      const batch = taken.flatMap(({ unread }) => this.#read(unread));
-      if (batch.length > 0) await this.#receive(batch);
+      await this.#receive(read());
     } catch (error) {
       this.#fail((error as Error).message);
     }
-    this.#isBusy = false;
-    for (const { done } of taken) done();
+    this.#busy -= 1;
+    done();
     this.#proceed(isThrottled);
-  }
-
-  /** Read a message; none if it is invalid, which must not hold back the others. */
-  #read(unread: Unread<T>): T[] {
-    try {
-      return [unread.read()];
-    } catch (error) {
-      this.#fail((error as Error).message);
-      return [];
-    }
   }
 }

@@ -1,4 +1,4 @@
-/** Passes the messages of a subscription on to the page, in batches; it runs in the worker. */
+/** Passes the messages of a subscription on to the page; it runs in the worker. */
 import type { Delivery, Feed } from "./feed";
 import type { Report, Request } from "./worker_messages";
 
@@ -8,28 +8,30 @@ export function openRelay(
   { kind: _, id, ...subscription }: Request & { kind: "messages" },
   post: (report: Report, transfer?: Transferable[]) => void,
 ): (request: Request) => void {
-  let done = (): void => undefined;
+  /** Those of the messages that the page has not taken yet. */
+  let done: (() => void)[] = [];
   const end = feed.subscribe({
     ...subscription,
-    receive: (batch) =>
+    receive: (delivery) =>
       new Promise((resolve) => {
-        done = resolve;
-        post({ kind: "messages", id, batch }, buffersOf(batch));
+        done.push(resolve);
+        post({ kind: "message", id, delivery }, buffersOf(delivery));
       }),
     fail: (why) => post({ kind: "fault", id, why }),
     ready: () => post({ kind: "ready", id }),
   });
   return ({ kind }) => {
-    if (kind === "close") end();
+    if (kind === "taken") done.shift()?.();
+    if (kind !== "close") return;
+    end();
     // The hub waits for nothing that nobody takes.
-    done();
+    for (const each of done) each();
+    done = [];
   };
 }
 
-/** The memory of the arrays in messages, which goes to the page with them. */
-function buffersOf(batch: readonly Delivery[]): ArrayBuffer[] {
-  const arrays = batch.flatMap(({ message }) =>
-    Object.values(message).filter((each) => ArrayBuffer.isView(each)),
-  );
+/** The memory of the arrays in a message, which goes to the page with it. */
+function buffersOf({ message }: Delivery): ArrayBuffer[] {
+  const arrays = Object.values(message).filter((each) => ArrayBuffer.isView(each));
   return [...new Set(arrays.map(({ buffer }) => buffer as ArrayBuffer))];
 }

@@ -5,14 +5,14 @@ export type Request =
   | { kind: "connect"; url: string; token: string }
   /** Disconnect until the next `connect`: the page has logged out. */
   | { kind: "disconnect" }
-  /** Subscribe; messages come in batches: the next one after `taken`. */
+  /** Subscribe; each message is answered by `taken`, in their order. */
   | ({ kind: "messages"; id: number } & Subscription)
   | { kind: "taken"; id: number }
   | { kind: "close"; id: number };
 
 export type Report =
-  /** The arrays of the messages are the page's own. */
-  | { kind: "messages"; id: number; batch: readonly Delivery[] }
+  /** The arrays of the message are the page's own. */
+  | { kind: "message"; id: number; delivery: Delivery }
   /** The hub has subscribed. */
   | { kind: "ready"; id: number }
   | { kind: "fault"; id: number; why: string };

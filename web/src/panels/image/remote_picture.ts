@@ -17,9 +17,7 @@ export function openPicture(
       type,
       throttle: least,
       queue: 1,
-      receive: async (batch) => {
-        for (const { message, size } of batch) await picture.receive(message, size);
-      },
+      receive: ({ message, size }) => picture.receive(message, size),
       fail,
     });
   let stop = subscribe(throttle);

@@ -3,6 +3,7 @@ import type { Hub } from "../../hub";
 import type { Model } from "../../model";
 import { IDENTITY } from "../../transforms";
 import { Camera } from "./camera";
+import { pack } from "./cloud";
 import { Entry } from "./entry";
 import { LAYER_KINDS } from "./kinds";
 import {
@@ -95,7 +96,9 @@ function message(type: string, frame_id: string, secs: number): Record<string, u
       ranges: [1],
       intensities: [],
     },
-    "sensor_msgs/PointCloud": { points: [zero], channels: [] },
+    "sensor_msgs/PointCloud": {
+      packed: pack({ points: [zero], channels: [] }, { color: "auto", field: "" }, 9),
+    },
     "geometry_msgs/PoseStamped": { pose },
     "geometry_msgs/PointStamped": { point: zero },
     "geometry_msgs/TwistStamped": { twist: { linear: zero, angular: zero } },

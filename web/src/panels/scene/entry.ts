@@ -137,8 +137,13 @@ export class Entry {
     receive: (message: Fields) => void,
   ): () => void {
     const throttle = queue > 1 ? 0 : this.kind.throttle;
-    return subscribe(this.#scene.hub, { topic, type, throttle, queue }, receive, (why) =>
-      this.#fail("feed", why),
+    const wanted = { topic, type, throttle, queue };
+    const fail = (why: string): void => this.#fail("feed", why);
+    // Updates are of another topic.
+    const own = topic === this.topic ? this.layer?.subscribe : undefined;
+    return (
+      own?.call(this.layer, wanted, receive, fail) ??
+      subscribe(this.#scene.hub, wanted, receive, fail)
     );
   }
 

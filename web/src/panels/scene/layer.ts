@@ -1,5 +1,6 @@
 /** What a layer of the scene is: it takes the messages of a topic, and draws them. */
 import type { Hub } from "../../hub";
+import type { Wanted } from "../../messages/data_client";
 import type { Fields } from "../../messages/reader";
 import type { Graph, Model } from "../../model";
 import type { Transform, Vector } from "../../transforms";
@@ -70,6 +71,12 @@ export interface LayerContext {
 }
 
 export interface Layer {
+  /** Subscribe in place of the scene, to messages that the worker prepares; return how to end that. */
+  subscribe?(
+    wanted: Wanted,
+    receive: (message: Fields) => void,
+    fail: (why: string) => void,
+  ): () => void;
   /** Take a message; throw an `Error` that says what is wrong with it. `now` is in ms since 1970. */
   receive?(message: Fields, now: number): void;
   /** Take a message of the kind's `updates`, none of which is skipped. */

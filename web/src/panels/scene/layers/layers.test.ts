@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import type { Fields } from "../../../messages/reader";
+import { packCloud } from "../cloud";
 import { PALETTES, paletteBytes, parseColor, percentiles } from "../colors";
 import { scanPoints } from "./laser_scan";
-import { packCloud } from "./point_cloud";
 import { ellipse } from "./poses";
 
 type Field = readonly [name: string, offset: number, datatype: number];

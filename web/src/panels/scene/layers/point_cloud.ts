@@ -1,8 +1,10 @@
-/** Point clouds: sensor_msgs/PointCloud2, whose bytes are drawn as they are, and PointCloud. */
+/** Point clouds: sensor_msgs/PointCloud2 and PointCloud, which the worker prepares. */
+import { dataClient, type Send, type Wanted } from "../../../messages/data_client";
+import type { Delivery } from "../../../messages/feed";
 import type { Fields } from "../../../messages/reader";
-import { sizeOfCloud } from "../../../messages/sizes";
-import { bytes, floats } from "../../../messages/values";
 import { applied, type Transform, type Vector } from "../../../transforms";
+import { DATATYPES, numberReader, type Packed } from "../cloud";
+import type { Options, Report, Request } from "../cloud_messages";
 import { type Palette, parseColor, percentiles } from "../colors";
 import {
   firstProblems,
@@ -13,236 +15,16 @@ import {
   type Places,
   type Pointer,
   type Problems,
-  type Settings,
   type View,
 } from "../layer";
 import { matrixOf } from "../matrix";
 import { corners, nearestPoint } from "../picking";
-import { type NumberType, type Paint, renderer, Vertices } from "../renderer";
+import { type Paint, renderer, Vertices } from "../renderer";
 
 /** Clouds that are kept at most, however long they stay. */
 const MAX_CLOUDS = 100;
 /** The part of a new range of colours in the shown one, so that colours do not flicker. */
 const SMOOTHING = 0.3;
-/** Bytes from one point to the next that WebGL allows. */
-const MAX_STRIDE = 255;
-
-/** Points as WebGL takes them. */
-export interface Packed {
-  readonly data: Uint8Array;
-  readonly count: number;
-  readonly stride: number;
-  /** Before the first point's x, y and z, which are float32. */
-  readonly offset: number;
-  /** Where the colours come from. */
-  readonly paint:
-    | { readonly kind: "flat" | "z" }
-    | { readonly kind: "bgr"; readonly offset: number }
-    | { readonly kind: "number"; readonly offset: number; readonly type: NumberType };
-  /** The field of the colours. */
-  readonly field: string;
-  /** Points of the message, of which every this many are drawn. */
-  readonly total: number;
-  readonly every: number;
-  /** Whether the others are left out already. */
-  readonly isThinned: boolean;
-  /** What is wrong with the message, though there are points. */
-  readonly fault: string;
-}
-
-/** What a field of sensor_msgs/PointField is, by its `datatype`: 1 to 8. */
-const DATATYPES = [
-  "",
-  "int8",
-  "uint8",
-  "int16",
-  "uint16",
-  "int32",
-  "uint32",
-  "float32",
-  "float64",
-] as const;
-const SIZES = [0, 1, 1, 2, 2, 4, 4, 4, 8] as const;
-
-interface PointField {
-  readonly name: string;
-  readonly offset: number;
-  readonly datatype: number;
-}
-
-/** The choice of colours: a mode, and the name of a field. */
-type Coloring = Pick<Settings, "color" | "field">;
-
-/** The field of the colours; `undefined` for z and flat ones. */
-function colorField(
-  fields: readonly PointField[],
-  { color, field }: Coloring,
-): PointField | undefined {
-  const named = (...names: unknown[]): PointField | undefined =>
-    fields.find(({ name }) => names.includes(name));
-  switch (color) {
-    case "auto":
-      return named("rgb", "rgba") ?? named("intensity", "i");
-    case "rgb":
-      return named("rgb", "rgba");
-    case "field":
-      return named(field);
-    default:
-      return undefined;
-  }
-}
-
-/**
- * Prepare a sensor_msgs/PointCloud2: its own bytes if WebGL takes them, else others.
- *
- * WebGL wants numbers of 32 bits at multiples of 4 bytes, in the order of the processor's bytes.
- * `most` points are kept. Throws an `Error` that says what is wrong with the message.
- */
-export function packCloud(message: Fields, coloring: Coloring, most: number): Packed {
-  const { width, height, point_step: step, row_step: row } = message as Record<string, number>;
-  const fields = message.fields as readonly PointField[];
-  const [columns, rows, size] = [width ?? 0, height ?? 0, step ?? 0];
-  const [x, y, z] = ["x", "y", "z"].map((axis) => {
-    const field = fields.find(({ name }) => name === axis);
-    if (field === undefined) {
-      throw new Error(`no field ${axis}: there are ${fields.map(({ name }) => name).join(", ")}`);
-    }
-    return field;
-  }) as [PointField, PointField, PointField];
-  for (const { name, offset, datatype } of [x, y, z]) {
-    if (datatype !== 7 && datatype !== 8) {
-      throw new Error(`field ${name} must be float32 or float64, got ${typeName(datatype)}`);
-    }
-    if (offset + (SIZES[datatype] ?? 0) > size) {
-      throw new Error(`field ${name} is at byte ${offset}, but points have ${size} bytes`);
-    }
-  }
-  const data = bytes(message.data);
-  const { rowSize, total, ...found } = sizeOfCloud(columns, rows, row ?? 0, size, data.length);
-  let { fault } = found;
-  const color = colorField(fields, coloring);
-  const inside = color === undefined || color.offset + (SIZES[color.datatype] ?? 99) <= size;
-  const field = color !== undefined && inside ? color : undefined;
-  if (coloring.color === "rgb" && field === undefined) fault ||= "no field rgb or rgba";
-  if (coloring.color === "field" && field === undefined) {
-    fault ||= `no field ${coloring.field}: there are ${fields.map(({ name }) => name).join(", ")}`;
-  }
-  const isRgb = field !== undefined && (field.name === "rgb" || field.name === "rgba");
-  const every = Math.max(1, Math.ceil(total / most));
-  const isPlain =
-    message.is_bigendian !== true &&
-    rowSize === columns * size &&
-    [x, y, z].every(({ datatype }) => datatype === 7) &&
-    y.offset === x.offset + 4 &&
-    z.offset === x.offset + 8 &&
-    size % 4 === 0 &&
-    x.offset % 4 === 0 &&
-    size * every <= MAX_STRIDE &&
-    (field === undefined ||
-      (field.datatype !== 8 && field.offset % (SIZES[field.datatype] ?? 1) === 0));
-  const common = { field: field?.name ?? "", total, every, fault };
-  const plainPaint = (): Packed["paint"] => {
-    if (field === undefined) return { kind: coloring.color === "flat" ? "flat" : "z" };
-    if (isRgb) return { kind: "bgr", offset: field.offset };
-    return { kind: "number", offset: field.offset, type: DATATYPES[field.datatype] as NumberType };
-  };
-  if (isPlain) {
-    const paint = plainPaint();
-    return {
-      data,
-      count: total,
-      stride: size,
-      offset: x.offset,
-      paint,
-      isThinned: false,
-      ...common,
-    };
-  }
-  const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
-  const little = message.is_bigendian !== true;
-  const count = Math.ceil(total / every);
-  const out = new Float32Array(count * 4);
-  const outBytes = new Uint8Array(out.buffer);
-  const readers = [x, y, z].map(({ datatype }) => numberReader(view, datatype, little));
-  const readColor = field === undefined ? undefined : numberReader(view, field.datatype, little);
-  for (let index = 0; index < count; index += 1) {
-    const point = index * every;
-    const at = Math.floor(point / columns) * rowSize + (point % columns) * size;
-    const to = index * 4;
-    out[to] = readers[0]?.(at + x.offset) ?? 0;
-    out[to + 1] = readers[1]?.(at + y.offset) ?? 0;
-    out[to + 2] = readers[2]?.(at + z.offset) ?? 0;
-    if (field === undefined) continue;
-    if (isRgb) {
-      const from = at + field.offset;
-      for (let byte = 0; byte < 3; byte += 1) {
-        outBytes[to * 4 + 12 + byte] = data[little ? from + byte : from + 3 - byte] ?? 0;
-      }
-    } else {
-      out[to + 3] = readColor?.(at + field.offset) ?? 0;
-    }
-  }
-  const plain = plainPaint();
-  const paint: Packed["paint"] =
-    plain.kind === "number"
-      ? { kind: "number", offset: 12, type: "float32" }
-      : plain.kind === "bgr"
-        ? { kind: "bgr", offset: 12 }
-        : plain;
-  return { data: outBytes, count, stride: 16, offset: 0, paint, isThinned: true, ...common };
-}
-
-function typeName(datatype: number): string {
-  return DATATYPES[datatype] || `datatype ${datatype}`;
-}
-
-function numberReader(view: DataView, datatype: number, little: boolean): (at: number) => number {
-  switch (datatype) {
-    case 1:
-      return (at) => view.getInt8(at);
-    case 2:
-      return (at) => view.getUint8(at);
-    case 3:
-      return (at) => view.getInt16(at, little);
-    case 4:
-      return (at) => view.getUint16(at, little);
-    case 5:
-      return (at) => view.getInt32(at, little);
-    case 6:
-      return (at) => view.getUint32(at, little);
-    case 7:
-      return (at) => view.getFloat32(at, little);
-    default:
-      return (at) => view.getFloat64(at, little);
-  }
-}
-
-/** Prepare a sensor_msgs/PointCloud, as a PointCloud2 would be. */
-function packOldCloud(message: Fields, coloring: Coloring, most: number): Packed {
-  const points = message.points as readonly Vector[];
-  const channels = message.channels as readonly { name: string; values: unknown }[];
-  const fields = channels.map(({ name }) => ({ name, offset: 0, datatype: 7 }));
-  const field = colorField(fields, coloring)?.name ?? "";
-  const values = floats(channels.find(({ name }) => name === field)?.values);
-  const every = Math.max(1, Math.ceil(points.length / most));
-  const count = Math.ceil(points.length / every);
-  const out = new Float32Array(count * 4);
-  for (let index = 0; index < count; index += 1) {
-    const { x, y, z } = points[index * every] as Vector;
-    out.set([x, y, z, values[index * every] ?? Number.NaN], index * 4);
-  }
-  const isRgb = field === "rgb" || field === "rgba";
-  const paint: Packed["paint"] =
-    field === ""
-      ? { kind: coloring.color === "flat" ? "flat" : "z" }
-      : isRgb
-        ? { kind: "bgr", offset: 12 }
-        : { kind: "number", offset: 12, type: "float32" };
-  const data = new Uint8Array(out.buffer);
-  const layout = { data, count, stride: 16, offset: 0, paint, field };
-  return { ...layout, total: points.length, every, isThinned: true, fault: "" };
-}
-
 /** One message. */
 interface Cloud {
   readonly header: Header;
@@ -256,41 +38,89 @@ interface Cloud {
 export class PointCloud implements Layer {
   readonly #context: LayerContext;
   #clouds: Cloud[] = [];
-  #newest: Fields | undefined;
   /** The shown range of colours, which follows that of the messages. */
   #range: readonly [number, number] | undefined;
+
+  #send: Send<Request> | undefined;
+  /** The options that the worker has. */
+  #sent = "";
 
   constructor(context: LayerContext) {
     this.#context = context;
   }
 
-  receive(message: Fields, now: number): void {
-    const { settings } = this.#context;
-    const decay = Number(settings.decay) * 1000;
-    const pack = "points" in message ? packOldCloud : packCloud;
+  subscribe(
+    { topic, type, throttle = 0 }: Wanted,
+    receive: (message: Fields, delivery: Delivery) => void,
+    fail: (why: string) => void,
+  ): () => void {
+    const options = this.#options();
+    const request = { kind: "cloud", topic, type: type ?? "", throttle, options } as const;
+    const client = dataClient(this.#context.hub);
+    const send = client.open<Request, Report>(request, [], (report) => {
+      if (report.kind === "fault") {
+        fail(report.why);
+        return;
+      }
+      const { message, isAgain, ...delivery } = report;
+      try {
+        if (isAgain) this.#replace(message.packed);
+        else receive(message, { ...delivery, message });
+      } finally {
+        send({ kind: "taken" });
+      }
+    });
+    this.#send = send;
+    return () => {
+      this.#send = undefined;
+      send({ kind: "close" });
+    };
+  }
+
+  /** Take a cloud that the worker has prepared. */
+  receive({ header, packed }: Fields, now: number): void {
+    const decay = Number(this.#context.settings.decay) * 1000;
     const kept = this.#clouds.filter(({ arrived }) => arrived > now - decay).slice(1 - MAX_CLOUDS);
-    const shown = Math.max(1, kept.length + 1);
-    const packed = pack(message, settings as Coloring, Math.ceil(renderer.maxPoints / shown));
     const old = this.#clouds.filter((each) => !kept.includes(each));
     // The memory of one that ends is that of the next.
     const vertices = old.pop()?.vertices ?? new Vertices();
     for (const cloud of old) cloud.vertices.close();
-    vertices.set(packed.data);
-    const header = message.header as Header;
-    this.#clouds = [...kept, { header, packed, vertices, arrived: now, range: undefined }];
-    this.#newest = message;
+    const cloud = { header: header as Header, packed: packed as Packed, vertices };
+    vertices.set(cloud.packed.data);
+    this.#clouds = [...kept, { ...cloud, arrived: now, range: undefined }];
+    this.#sendOptions(false);
   }
 
   update(): void {
-    // Other colours may need other bytes.
-    const last = this.#clouds.at(-1);
-    if (last === undefined || this.#newest === undefined) return;
     this.#range = undefined;
     for (const cloud of this.#clouds) cloud.range = undefined;
-    const newest = this.#newest;
-    this.#clouds = this.#clouds.filter((each) => each !== last);
-    last.vertices.close();
-    this.receive(newest, last.arrived);
+    // Other colours may need other bytes.
+    this.#sendOptions(true);
+  }
+
+  /** What the worker has to know. */
+  #options(): Options {
+    const { color, field } = this.#context.settings;
+    const most = Math.ceil(renderer.maxPoints / Math.max(1, this.#clouds.length));
+    return { color, field, most };
+  }
+
+  /** Send other options to the worker; `isAgain`: it prepares the newest cloud again. */
+  #sendOptions(isAgain: boolean): void {
+    const options = this.#options();
+    const text = JSON.stringify(options);
+    if (text === this.#sent && !isAgain) return;
+    this.#sent = text;
+    this.#send?.({ kind: "options", options, isAgain });
+  }
+
+  /** Replace the newest cloud by one in other colours. */
+  #replace(packed: Packed): void {
+    const last = this.#clouds.at(-1);
+    if (last === undefined) return;
+    last.vertices.set(packed.data);
+    this.#clouds = [...this.#clouds.slice(0, -1), { ...last, packed, range: undefined }];
+    this.#context.redraw();
   }
 
   draw(view: View): void {
