@@ -51,7 +51,7 @@ DIGEST = ".sources.sha256"
 """The file in the built page with the digest of its sources."""
 LICENSES = "licenses.txt"
 """The file in the built page with the licenses of the packages in it."""
-NOT_SOURCES = {"node_modules", "biome.json"}
+NOT_SOURCES = {"node_modules", "biome.json", "lint"}
 
 
 PACKAGE = Path("fibws")

@@ -1,4 +1,5 @@
 /** The Console tab: the messages that nodes log, newest at the bottom. */
+import { append } from "../lists";
 import "./console.css";
 
 import { copyButton } from "../copy_button";
@@ -185,7 +186,7 @@ export class ConsoleView implements View {
   #append(entries: Entry[]): void {
     if (entries.length === 0) return;
     this.#rows.append(...entries.map(row));
-    this.#shown.push(...entries);
+    append(this.#shown, entries);
     const excess = this.#shown.length - MAX_ENTRIES;
     if (excess > 0) {
       this.#shown.splice(0, excess);

@@ -1,6 +1,7 @@
 /** Lays out boxes and edges in layers, by dagre. It has no side effects and runs in the worker. */
 
 import { layout as dagreLayout, Graph } from "@dagrejs/dagre";
+import { greatest } from "../lists";
 import { edgePath, layersOf, spreadLabels } from "./edge_paths";
 import {
   around,
@@ -205,7 +206,10 @@ function componentLayout(component: Component, down: boolean): Layout {
     const ends = [boxes.get(from) as Box, boxes.get(to) as Box] as const;
     links.set(id, edgePath(points, { x, y }, ends, layers));
   }
-  const height = Math.max(0, ...component.links.map((link) => (down ? link.width : link.height)));
+  const height = greatest(
+    component.links.map((link) => (down ? link.width : link.height)),
+    0,
+  );
   spreadLabels([...links.values()], layers, height + 2);
   return fitted({ boxes, links, groups: groupsOf(component, boxes), down });
 }
@@ -263,7 +267,10 @@ function pack(layouts: readonly Layout[], canvas: Size, down: boolean): Layout {
       sum + (width + BETWEEN_COMPONENTS) * (height + BETWEEN_COMPONENTS),
     0,
   );
-  const widest = Math.max(0, ...layouts.map(({ bounds }) => bounds.width));
+  const widest = greatest(
+    layouts.map(({ bounds }) => bounds.width),
+    0,
+  );
   const ideal = Math.sqrt((area * canvas.width) / canvas.height);
   const [usual = inRows([], 0), ...others] = ROW_WIDTHS.map((factor) =>
     inRows(sorted, Math.max(widest, factor * ideal)),

@@ -1,6 +1,8 @@
 /** The SVG shapes of elements and edges: sizes, outlines, labels. */
+
 import { svg } from "../dom";
 import { bandwidth, hertz, whole } from "../format";
+import { greatest } from "../lists";
 import type { Rates } from "../model";
 import type { Box, EdgePath, Point, Size } from "./layout_types";
 import type { Edge, Kind, Element as PictureElement } from "./picture";
@@ -73,7 +75,7 @@ function filled([first = "", ...others]: readonly string[], limit: number): stri
 export function sizeOf(element: PictureElement, measure: Measure): Size {
   const lines = linesOf(element.label);
   const font = element.kind === "node" ? "node" : "name";
-  const name = Math.max(...lines.map((each) => measure(each, font)));
+  const name = greatest(lines.map((each) => measure(each, font)));
   const type = measure(shortened(element.second), "type");
   const widest = Math.max(name, type);
   const more = LINE * (lines.length - 1);

@@ -143,7 +143,8 @@ describe.runIf(file)("every type of the hub", () => {
 function plain(value: unknown): unknown {
   if (typeof value === "bigint")
     return Number.isSafeInteger(Number(value)) ? Number(value) : String(value);
-  if (value instanceof Uint8Array) return btoa(String.fromCharCode(...value));
+  if (value instanceof Uint8Array)
+    return btoa(Array.from(value, (each) => String.fromCharCode(each)).join(""));
   const list = elements(value);
   if (list !== undefined) return Array.from(list, plain);
   if (typeof value !== "object" || value === null) return value;

@@ -98,7 +98,7 @@ function jpegSize(view: DataView): [number, number] | undefined {
 
 function webpSize(view: DataView): [number, number] | undefined {
   const three = (at: number) => view.getUint16(at, true) + 65536 * view.getUint8(at + 2);
-  const kind = String.fromCharCode(...[12, 13, 14, 15].map((at) => view.getUint8(at)));
+  const kind = [12, 13, 14, 15].map((at) => String.fromCharCode(view.getUint8(at))).join("");
   if (kind === "VP8X") return [three(24) + 1, three(27) + 1];
   if (kind === "VP8 ")
     return [view.getUint16(26, true) & 0x3fff, view.getUint16(28, true) & 0x3fff];

@@ -4,7 +4,9 @@
  * The axes are on a canvas of their own, below that of the curves: the labels of the time axis are
  * relative to now, so that only the curves move.
  */
+
 import { h } from "../dom";
+import { greatest, least } from "../lists";
 import {
   type Axis,
   agoText,
@@ -166,8 +168,7 @@ export class Chart {
     });
     const extents = curves.map((values) => this.#extent(values));
     const heights = extents.map(([low, high]) => high - low).filter((height) => height > 0);
-    this.hasFlatCurve =
-      !logarithmic && !separate && Math.max(...heights) > FLAT * Math.min(...heights);
+    this.hasFlatCurve = !logarithmic && !separate && greatest(heights) > FLAT * least(heights);
     this.isOffLogarithm = logarithmic && curves.some((each) => each.some((value) => value <= 0));
     const parts = Math.max(2, Math.floor((this.#height - TIME_AXIS) / LABEL_HEIGHT));
     const axisFor = (extent: Extent): Axis =>
@@ -217,7 +218,7 @@ export class Chart {
       const labels = axis.ticks.map(axisText);
       const widths = labels.map((label) => context.measureText(label).width);
       // In steps, so that the curves rarely get another width.
-      const width = Math.ceil((Math.max(...widths) + 2 * GAP) / 8) * 8;
+      const width = Math.ceil((greatest(widths) + 2 * GAP) / 8) * 8;
       if (at > 0 && left + width > MAX_AXES * this.#width) break;
       left += width;
       const heightOf = this.#heightOf(axis.extent);

@@ -1,7 +1,9 @@
 /** The plot below the list of topics, with curves of any topics. */
+
 import { h, replace, setText } from "../dom";
 import { download } from "../download";
 import type { Hub } from "../hub";
+import { least } from "../lists";
 import type { Model } from "../model";
 import { clock, spanFor } from "./axes";
 import { Chart } from "./chart";
@@ -327,7 +329,10 @@ export class Plot {
   /** The length of the time axis in seconds: it grows with the curves up to the chosen range. */
   get #span(): number {
     const now = this.#pausedAt ?? Date.now() / 1000;
-    const first = Math.min(now, ...this.#rows.map(({ curve }) => curve.samples.first ?? now));
+    const first = least(
+      this.#rows.map(({ curve }) => curve.samples.first ?? now),
+      now,
+    );
     return spanFor(now - first, Number(this.#range.value));
   }
 

@@ -1,5 +1,6 @@
 import { describe, expect, it, vi } from "vitest";
 import type { Hub, Message } from "../hub";
+import { greatest } from "../lists";
 import type { Wanted } from "../messages/data_client";
 import { Sampler, timeOf } from "./sampler";
 
@@ -117,7 +118,7 @@ describe("a sampler", () => {
     // Each spike is drawn, though the picture has fewer columns than there are samples.
     const { times, values } = samples.between(0, Infinity, 600);
     expect(values.length).toBeLessThan(1000);
-    expect(Math.max(...values)).toBe(100);
+    expect(greatest(values)).toBe(100);
     const drawn = samples.slice(samples.after(0), samples.after(Infinity));
     expect(drawn.values.filter((value) => value === 100).length).toBe(Math.ceil(count / 203));
     expect([...times]).toEqual([...times].sort((one, other) => one - other));

@@ -43,7 +43,9 @@ function chunks(bytes: Uint8Array, view: DataView): Uint8Array<ArrayBuffer>[] {
   const found: Uint8Array<ArrayBuffer>[] = [];
   for (let at = SIGNATURE.length; at + 12 <= bytes.length; ) {
     const length = view.getUint32(at);
-    const kind = String.fromCharCode(...bytes.subarray(at + 4, at + 8));
+    const kind = Array.from(bytes.subarray(at + 4, at + 8), (each) =>
+      String.fromCharCode(each),
+    ).join("");
     if (kind === "IDAT") found.push(bytes.slice(at + 8, at + 8 + length));
     at += 12 + length;
   }

@@ -1,4 +1,5 @@
 /** Shows small readings: joints as bars, the attitude of an IMU, a battery, and a position with its track. */
+import { greatest, least } from "../../lists";
 import "./readings.css";
 
 import { h, replace, setAttribute, setText, svg } from "../../dom";
@@ -234,7 +235,7 @@ class Battery implements Reading {
     setText(this.#percent, isKnown ? `${(100 * part).toFixed(0)} %${warning}` : "charge unknown");
     const volts = own(message, "cell_voltage");
     const cells = Array.from(elements(volts) ?? []).filter((volt) => typeof volt === "number");
-    const weakest = cells.length === 0 ? Number.NaN : cells.reduce((a, b) => Math.min(a, b));
+    const weakest = cells.length === 0 ? Number.NaN : least(cells);
     replace(
       this.#facts,
       ...facts([
@@ -324,8 +325,8 @@ class Position implements Reading {
 
   #draw(): void {
     const all = (at: 0 | 1): number[] => this.#track.map((place) => place[at]);
-    const [west, east] = [Math.min(...all(0)), Math.max(...all(0))];
-    const [south, north] = [Math.min(...all(1)), Math.max(...all(1))];
+    const [west, east] = [least(all(0)), greatest(all(0))];
+    const [south, north] = [least(all(1)), greatest(all(1))];
     const span = Math.max(east - west, north - south, 5);
     const scale = 80 / span;
     const x = (place: number): string => (50 + (place - (west + east) / 2) * scale).toFixed(1);

@@ -1,4 +1,5 @@
 /** The panel of the scene: the picture, the list of its layers, and its tools. */
+import { append } from "../../lists";
 import "./scene.css";
 
 import { h, replace, setAttribute, setText } from "../../dom";
@@ -322,7 +323,7 @@ class ScenePanel implements Panel, GestureTarget {
     const { fixedFrame } = this.#scene;
     const robot = this.#robotText();
     const lines = [`Fixed frame: ${fixedFrame}`, ...(robot === "" ? [] : [robot])];
-    lines.push(...this.#list.texts());
+    append(lines, this.#list.texts());
     setAttribute(this.#scene.canvas, "aria-label", `Scene. ${lines.join(". ")}`);
     if (!this.#text.open) return;
     replace(this.#lines, ...lines.map((line) => h("li", {}, line)));

@@ -1,6 +1,8 @@
 /** The scene: its layers, its frames, and when it is drawn. */
+
 import { h } from "../../dom";
 import type { Hub } from "../../hub";
+import { greatest, least } from "../../lists";
 import { subscribe } from "../../messages/data_client";
 import type { Graph, Model } from "../../model";
 import type { Transform, TransformStamped, Vector } from "../../transforms";
@@ -382,7 +384,7 @@ export class Scene implements Surroundings {
     } else {
       const [x, y, z] = (["x", "y", "z"] as const).map((axis) => {
         const values = points.map((each) => each[axis]);
-        return [Math.min(...values), Math.max(...values)] as const;
+        return [least(values), greatest(values)] as const;
       }) as [readonly [number, number], readonly [number, number], readonly [number, number]];
       const middle = ([a, b]: readonly [number, number]): number => (a + b) / 2;
       const radius = Math.hypot(x[1] - x[0], y[1] - y[0], z[1] - z[0]) / 2;

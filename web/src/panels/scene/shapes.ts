@@ -1,5 +1,7 @@
 /** Triangles of simple solids, each of which fits into a box of 1 m. */
 
+import { append } from "../../lists";
+
 /**
  * An arrow reaches from 0 to 1 along x: its shaft is as thick as 1, its head as 2, as in RViz.
  * Cylinders and cones stand on z; all others are about the origin.
@@ -68,7 +70,7 @@ function box(out: number[]): void {
         place[(axis + 1) % 3] = a / 2;
         place[(axis + 2) % 3] = b / 2;
         normal[axis] = side;
-        out.push(...place, ...normal);
+        append(out, [...place, ...normal]);
       }
     }
   }

@@ -1,4 +1,5 @@
 /** Solids that move each on its own, drawn together: one call for all of a shape. */
+import { append } from "../../lists";
 import { IDENTITY, multiplied, type Transform, type Vector } from "../../transforms";
 import type { Color } from "./colors";
 import { renderer, Vertices } from "./renderer";
@@ -43,7 +44,7 @@ export class SolidBatch {
     const { x, y, z } = this.#anchor;
     const { x: qx, y: qy, z: qz, w } = rotation;
     const place = [translation.x - x, translation.y - y, translation.z - z];
-    group.numbers.push(...place, qx, qy, qz, w, size.x, size.y, size.z, ...color);
+    append(group.numbers, [...place, qx, qy, qz, w, size.x, size.y, size.z, ...color]);
   }
 
   draw(): void {

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { greatest } from "../../../lists";
 import type { Fields } from "../../../messages/reader";
 import { packCloud } from "../cloud";
 import { PALETTES, paletteBytes, parseColor, percentiles } from "../colors";
@@ -190,7 +191,7 @@ describe("colours", () => {
     const bytes = paletteBytes();
     const strongest = (value: number): number => {
       const color = [...bytes.subarray(value * 4, value * 4 + 3)];
-      return color.indexOf(Math.max(...color));
+      return color.indexOf(greatest(color));
     };
     expect([10, 128, 250].map(strongest)).toEqual([2, 1, 0]);
   });

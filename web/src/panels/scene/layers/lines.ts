@@ -1,5 +1,7 @@
 /** Paths, polygons and cells of grids: nav_msgs/Path, geometry_msgs/PolygonStamped, nav_msgs/GridCells. */
+
 import { plural } from "../../../format";
+import { append } from "../../../lists";
 import type { Fields } from "../../../messages/reader";
 import type { Vector } from "../../../transforms";
 import { parseColor } from "../colors";
@@ -45,7 +47,7 @@ export class Lines implements Layer {
         ? `${plural(points.length, "pose")}, ${length(points).toFixed(1)} m`
         : plural(points.length, "corner");
     // A polygon ends where it begins.
-    if (polygon !== undefined) numbers.push(...numbers.slice(0, 3));
+    if (polygon !== undefined) append(numbers, numbers.slice(0, 3));
     this.#numbers = Float32Array.from(numbers);
     this.#vertices.set(this.#numbers);
     this.update();

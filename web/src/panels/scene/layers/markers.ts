@@ -1,6 +1,8 @@
 /** Markers: visualization_msgs/Marker, MarkerArray, and interactive ones, which cannot be moved. */
+
 import { h, replace } from "../../../dom";
 import { plural } from "../../../format";
+import { least } from "../../../lists";
 import type { Fields } from "../../../messages/reader";
 import {
   applied,
@@ -499,7 +501,13 @@ function triangles(marker: Marker, color: Color): Partial<Drawn> {
   }
   const vertices = new Vertices(numbers);
   // The colours are those of the corners.
-  const alpha = colors.length > 0 ? Math.min(1, ...colors.map(({ a }) => a)) : color[3];
+  const alpha =
+    colors.length > 0
+      ? least(
+          colors.map(({ a }) => a),
+          1,
+        )
+      : color[3];
   const white: Color = [1, 1, 1, alpha < 1 ? 0.999 : 1];
   const mesh = { vertices, count, color: white, hasColors: true };
   const places = new Float32Array(count * 3);

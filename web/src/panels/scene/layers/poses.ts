@@ -1,5 +1,7 @@
 /** Poses as arrows or axes, with their trail and their covariance. */
+
 import { plural } from "../../../format";
+import { append } from "../../../lists";
 import type { Fields } from "../../../messages/reader";
 import { floats } from "../../../messages/values";
 import { Stamps } from "../../../simulated_time";
@@ -210,7 +212,7 @@ export function fan(radius: number, from: number, to: number): Float32Array {
       const angle = from + ((to - from) * at) / FAN_STEPS;
       return [radius * Math.cos(angle), radius * Math.sin(angle), 0, 0, 0, 1];
     };
-    numbers.push(0, 0, 0, 0, 0, 1, ...corner(step), ...corner(step + 1));
+    append(numbers, [0, 0, 0, 0, 0, 1, ...corner(step), ...corner(step + 1)]);
   }
   return Float32Array.from(numbers);
 }

@@ -4,6 +4,7 @@
  * `<up_axis>` is ignored, as by RViz: robots are modelled with that in mind. Textures, skins and
  * animations are left out.
  */
+import { greatest } from "../../../lists";
 import type { Color } from "../colors";
 import { type Matrix, product } from "../matrix";
 import { MeshBuilder, type MeshData, type Point } from "./mesh";
@@ -135,7 +136,12 @@ class Reader {
     color: Color | undefined,
   ): void {
     const inputs = element.all("input");
-    const step = 1 + Math.max(0, ...inputs.map((each) => Number(each.get("offset") ?? 0)));
+    const step =
+      1 +
+      greatest(
+        inputs.map((each) => Number(each.get("offset") ?? 0)),
+        0,
+      );
     const input = (semantic: string, among: readonly XmlElement[]): XmlElement | undefined =>
       among.find((each) => each.get("semantic") === semantic);
     const vertex = input("VERTEX", inputs);
@@ -186,7 +192,12 @@ class Reader {
 function indicesOf(element: XmlElement): number[][] | undefined {
   const all = element.all("p").map(numbersOf);
   const inputs = element.all("input");
-  const step = 1 + Math.max(0, ...inputs.map((each) => Number(each.get("offset") ?? 0)));
+  const step =
+    1 +
+    greatest(
+      inputs.map((each) => Number(each.get("offset") ?? 0)),
+      0,
+    );
   switch (element.name) {
     case "triangles":
       return all.flatMap((each) => pieces(each, () => 3 * step));

@@ -3,6 +3,7 @@
  *
  * Source: http://wiki.ros.org/urdf/XML.
  */
+import { append } from "../../../lists";
 import {
   IDENTITY,
   multiplied,
@@ -183,7 +184,7 @@ function downFrom(root: string, joints: readonly Joint[]): Joint[] {
     else others.push(joint);
   }
   const found = [...(below.get(root) ?? [])];
-  for (const { child } of found) found.push(...(below.get(child) ?? []));
+  for (const { child } of found) append(found, below.get(child) ?? []);
   return found;
 }
 
