@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 
 import type { Graph, TopicInfo } from "../model";
-import { KINDS } from "../panels/panel";
+import { KINDS } from "../panels/kinds";
 import { autoLayout } from "./auto";
 import { type Layout, placesOf } from "./layout";
 

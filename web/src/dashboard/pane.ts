@@ -2,8 +2,9 @@
 import { h, replace, setText, svg } from "../dom";
 import type { Graph } from "../model";
 import type { Config, Panel } from "../panels/panel";
+import type { Context } from "./context";
 import type { Pane, Side } from "./layout";
-import { type Context, VIEWS, type ViewKind, viewNamed } from "./views";
+import { VIEWS, type ViewKind, viewNamed } from "./views";
 
 /** From as many names on, those of a view are folded. */
 const FOLDED = 9;

@@ -8,7 +8,7 @@ import { ServicePage } from "../services/service_page";
 import { Echo } from "../topics/echo";
 import { Plot } from "../topics/plot";
 import { Types } from "../types";
-import type { Context } from "./views";
+import type { Context } from "./context";
 
 /** How many topics and fields the lists of a plot offer. */
 const MAX_OFFERS = 500;

@@ -8,6 +8,7 @@ import type { Graph, Model } from "../model";
 import { curvesText } from "../topics/plot_state";
 import type { MakeView, View } from "../view";
 import { autoLayout } from "./auto";
+import type { Context } from "./context";
 import {
   add,
   type Bar,
@@ -29,7 +30,6 @@ import { type Changes, PaneView } from "./pane";
 import type { PlotPanel } from "./pieces";
 import { LayoutStore } from "./store";
 import { Tools } from "./tools";
-import type { Context } from "./views";
 
 export const makeView: MakeView = (hub, model) => new DashboardView(hub, model);
 

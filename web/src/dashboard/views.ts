@@ -1,16 +1,9 @@
 /** What a pane of the dashboard can show: panels of topics, and pieces of other tabs. */
 import { isHidden } from "../hidden_names";
-import type { Hub } from "../hub";
-import type { Graph, Model } from "../model";
-import { type Config, KINDS, type Panel } from "../panels/panel";
-
-/** What a view needs to make its panel. */
-export interface Context {
-  readonly hub: Hub;
-  readonly model: Model;
-  /** Plot a number beside the other panes. */
-  plot(topic: string, path: string): void;
-}
+import type { Graph } from "../model";
+import { KINDS } from "../panels/kinds";
+import type { Config, Panel } from "../panels/panel";
+import type { Context } from "./context";
 
 export interface ViewKind {
   /** Its name in layouts. */

@@ -6,7 +6,7 @@ import type { ActionInfo, ConflictInfo, Graph, TopicInfo } from "../model";
 import { flowKey } from "../rates";
 import { conflictText, isOtherType, NO_MESSAGES, TopicUsers } from "./conflicts";
 import { namespaces } from "./namespaces";
-import type { GraphOptions } from "./toolbar";
+import type { GraphOptions } from "./options";
 
 export type Kind = "node" | "topic" | "service" | "action";
 

@@ -1,24 +1,8 @@
 /** The toolbar of the graph, and the options that it sets. */
 import { h, svg } from "../dom";
 import { Filter, FilterInput } from "../filter";
+import type { GraphOptions } from "./options";
 import type { Kind } from "./picture";
-
-/** What the graph shows. */
-export interface GraphOptions {
-  /** Topics as elements of their own, or as labels of the edges between nodes. */
-  topics: boolean;
-  services: boolean;
-  actions: boolean;
-  deadEnds: boolean;
-  /** Nodes and topics without messages. */
-  quiet: boolean;
-  debug: boolean;
-  /** null: only if there is more than one. */
-  namespaces: boolean | null;
-  /** The types of topics, services and actions; null: only in small graphs. */
-  types: boolean | null;
-  filter: Filter;
-}
 
 export const DEFAULTS: GraphOptions = {
   topics: true,

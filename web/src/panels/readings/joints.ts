@@ -6,7 +6,7 @@ import { fixedText } from "../../messages/values";
 import { ParameterServer } from "../../parameters/parameters";
 import { own } from "../../types";
 import type { Joint } from "../scene/robot/urdf";
-import type { Reading } from "./panel";
+import type { Reading } from "./reading";
 
 /** How many joints are shown. */
 const MAX_JOINTS = 200;

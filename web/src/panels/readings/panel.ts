@@ -11,6 +11,8 @@ import type { Model } from "../../model";
 import { own } from "../../types";
 import type { Panel } from "../panel";
 import { Joints } from "./joints";
+import type { Reading } from "./reading";
+import { READING_TYPES } from "./types";
 
 /** Minimum time between two messages, in ms. */
 const THROTTLE = 100;
@@ -19,17 +21,11 @@ const TICK = 1000;
 /** A reading is old after this time, in ms. */
 const STALE = 5000;
 
-/** Shows the newest message of one type. */
-export interface Reading {
-  readonly element: HTMLElement;
-  show(message: Message): void;
-}
-
 const READINGS: Readonly<Record<string, (hub: Hub, topic: string) => Reading>> = {
-  "sensor_msgs/JointState": (hub, topic) => new Joints(hub, topic),
-  "sensor_msgs/Imu": () => new Attitude(),
-  "sensor_msgs/BatteryState": () => new Battery(),
-  "sensor_msgs/NavSatFix": () => new Position(),
+  [READING_TYPES.joints]: (hub, topic) => new Joints(hub, topic),
+  [READING_TYPES.attitude]: () => new Attitude(),
+  [READING_TYPES.battery]: () => new Battery(),
+  [READING_TYPES.position]: () => new Position(),
 };
 
 export function makePanel(hub: Hub, model: Model, topic: string, type: string): Panel {

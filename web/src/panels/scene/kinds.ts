@@ -3,6 +3,7 @@ import type { Layer, LayerContext, LayerKind, Setting } from "./layer";
 import { Frames } from "./layers/frames";
 import { LaserScan } from "./layers/laser_scan";
 import { OccupancyGrid } from "./layers/occupancy_grid";
+import { LAYER_TYPES } from "./types";
 
 const color = (value: string): Setting => ({ name: "color", label: "Colour", value });
 
@@ -25,7 +26,7 @@ const size = (value: number): Setting => ({
 
 const OCCUPANCY_GRID: LayerKind = {
   label: "Map",
-  types: ["nav_msgs/OccupancyGrid"],
+  types: LAYER_TYPES.map,
   throttle: 50,
   isFirst: true,
   isContext: true,
@@ -39,7 +40,7 @@ const OCCUPANCY_GRID: LayerKind = {
 
 const LASER_SCAN: LayerKind = {
   label: "Laser scan",
-  types: ["sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan"],
+  types: LAYER_TYPES.laserScan,
   throttle: 20,
   isStream: true,
   isFirst: true,
@@ -55,7 +56,7 @@ const LASER_SCAN: LayerKind = {
 
 const POINT_CLOUD: LayerKind = {
   label: "Point cloud",
-  types: ["sensor_msgs/PointCloud2", "sensor_msgs/PointCloud"],
+  types: LAYER_TYPES.pointCloud,
   throttle: 30,
   isStream: true,
   isFirst: true,
@@ -80,7 +81,7 @@ const POINT_CLOUD: LayerKind = {
 
 const FRAMES: LayerKind = {
   label: "Frames (tf)",
-  types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
+  types: LAYER_TYPES.frames,
   throttle: 0,
   isOwn: true,
   isFirst: true,
@@ -99,7 +100,7 @@ const FRAMES: LayerKind = {
 
 const ODOMETRY: LayerKind = {
   label: "Odometry",
-  types: ["nav_msgs/Odometry"],
+  types: LAYER_TYPES.odometry,
   throttle: 30,
   isStream: true,
   isFirst: true,
@@ -115,7 +116,7 @@ const ODOMETRY: LayerKind = {
 
 const POSE: LayerKind = {
   label: "Pose",
-  types: ["geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped"],
+  types: LAYER_TYPES.pose,
   throttle: 30,
   isEvent: true,
   isFirst: true,
@@ -131,7 +132,7 @@ const POSE: LayerKind = {
 
 const POSE_ARRAY: LayerKind = {
   label: "Poses",
-  types: ["geometry_msgs/PoseArray"],
+  types: LAYER_TYPES.poses,
   throttle: 50,
   isEvent: true,
   isFirst: true,
@@ -141,7 +142,7 @@ const POSE_ARRAY: LayerKind = {
 
 const PATH: LayerKind = {
   label: "Path",
-  types: ["nav_msgs/Path"],
+  types: LAYER_TYPES.path,
   throttle: 50,
   isFirst: true,
   settings: [color("#2fa84f"), width, { name: "arrows", label: "Arrows", value: false }],
@@ -150,7 +151,7 @@ const PATH: LayerKind = {
 
 const POLYGON: LayerKind = {
   label: "Polygon",
-  types: ["geometry_msgs/PolygonStamped"],
+  types: LAYER_TYPES.polygon,
   throttle: 50,
   isFirst: true,
   settings: [color("#2fa84f"), width],
@@ -159,7 +160,7 @@ const POLYGON: LayerKind = {
 
 const GRID_CELLS: LayerKind = {
   label: "Grid cells",
-  types: ["nav_msgs/GridCells"],
+  types: LAYER_TYPES.gridCells,
   throttle: 50,
   settings: [
     color("#e58a2f"),
@@ -170,7 +171,7 @@ const GRID_CELLS: LayerKind = {
 
 const POINT: LayerKind = {
   label: "Point",
-  types: ["geometry_msgs/PointStamped"],
+  types: LAYER_TYPES.point,
   throttle: 30,
   isEvent: true,
   isFirst: true,
@@ -183,7 +184,7 @@ const POINT: LayerKind = {
 
 const RANGE: LayerKind = {
   label: "Range",
-  types: ["sensor_msgs/Range"],
+  types: LAYER_TYPES.range,
   throttle: 30,
   isStream: true,
   isFirst: true,
@@ -193,7 +194,7 @@ const RANGE: LayerKind = {
 
 const VECTORS: LayerKind = {
   label: "Twist or wrench",
-  types: ["geometry_msgs/TwistStamped", "geometry_msgs/WrenchStamped"],
+  types: LAYER_TYPES.arrows,
   throttle: 30,
   settings: [
     color("#2fa84f"),
@@ -211,7 +212,7 @@ const MARKER_QUEUE = 200;
 
 const MARKER: LayerKind = {
   label: "Markers",
-  types: ["visualization_msgs/Marker", "visualization_msgs/MarkerArray"],
+  types: LAYER_TYPES.markers,
   throttle: 0,
   queue: MARKER_QUEUE,
   isFirst: true,
@@ -221,7 +222,7 @@ const MARKER: LayerKind = {
 
 const INTERACTIVE_MARKERS: LayerKind = {
   label: "Interactive markers",
-  types: ["visualization_msgs/InteractiveMarkerInit"],
+  types: LAYER_TYPES.interactiveMarkers,
   throttle: 0,
   queue: MARKER_QUEUE,
   updates: (topic) => ({
@@ -237,7 +238,7 @@ const DESCRIPTION = "/robot_description";
 
 const ROBOT_MODEL: LayerKind = {
   label: "Robot model",
-  types: ["std_msgs/String"],
+  types: LAYER_TYPES.robot,
   throttle: 0,
   isOwn: true,
   isFirst: true,
@@ -262,7 +263,7 @@ const ROBOT_MODEL: LayerKind = {
 
 const CAMERA_INFO: LayerKind = {
   label: "Camera's view",
-  types: ["sensor_msgs/CameraInfo"],
+  types: LAYER_TYPES.camera,
   throttle: 100,
   settings: [
     color("#8a6fd1"),

@@ -1,0 +1,93 @@
+/** The panels that there are, and the types of the topics that they are for. */
+import { PLAYBACK } from "../bags/names";
+import type { PanelModule } from "./panel";
+import { READING_TYPES } from "./readings/types";
+import { SCENE_TYPES } from "./scene/types";
+
+export interface Kind {
+  /** The heading of its section. */
+  readonly label: string;
+  readonly types: readonly string[];
+  /** Whether it is shown instead of Echo: the numbers are many, and nobody reads them. */
+  readonly replacesEcho: boolean;
+  load(): Promise<PanelModule>;
+}
+
+export const KINDS: readonly Kind[] = [
+  {
+    label: "Picture",
+    types: ["sensor_msgs/Image", "sensor_msgs/CompressedImage"],
+    replacesEcho: true,
+    load: () => import("./image/panel"),
+  },
+  {
+    label: "Map",
+    types: ["nav_msgs/OccupancyGrid"],
+    replacesEcho: true,
+    load: () => import("./image/panel"),
+  },
+  {
+    label: "Diagnostics",
+    types: ["diagnostic_msgs/DiagnosticArray"],
+    replacesEcho: true,
+    load: () => import("./diagnostics/panel"),
+  },
+  {
+    label: "Frames",
+    types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
+    replacesEcho: true,
+    load: () => import("./frames/panel"),
+  },
+  {
+    label: "Playback",
+    types: [PLAYBACK],
+    replacesEcho: true,
+    load: () => import("./playback/panel"),
+  },
+  {
+    label: "Drive",
+    types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
+    replacesEcho: false,
+    load: () => import("./teleop/panel"),
+  },
+  {
+    label: "Joints",
+    types: [READING_TYPES.joints],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
+    label: "Attitude",
+    types: [READING_TYPES.attitude],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
+    label: "Battery",
+    types: [READING_TYPES.battery],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
+    label: "Position",
+    types: [READING_TYPES.position],
+    replacesEcho: false,
+    load: () => import("./readings/panel"),
+  },
+  {
+    label: "Scene",
+    types: SCENE_TYPES,
+    replacesEcho: true,
+    load: () => import("./scene/panel"),
+  },
+];
+
+/** The kinds of panels for a type. */
+export function kindsFor(type: string): readonly Kind[] {
+  return KINDS.filter(({ types }) => types.includes(type));
+}
+
+/** The first kind of panel for a type, if it has one. */
+export function kindFor(type: string): Kind | undefined {
+  return KINDS.find(({ types }) => types.includes(type));
+}
