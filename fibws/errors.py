@@ -18,6 +18,7 @@ FibwsError
 │   ├── TypeConflict           a node's second type of a topic, or not that of the hub's own
 │   ├── DefinitionMismatch     a client knows a type by another definition
 │   ├── UnknownDefinition      messages cannot be serialized, as their fields are unknown
+│   ├── NotSerialized          client and hub know the type of a call or a goal by other definitions
 │   ├── UnknownPublisher       a binary frame of a publisher that is not advertised
 │   ├── NotAllowed             the hub's policy forbids it
 │   ├── AuthenticationError    a client's token or certificate is missing, wrong or expired

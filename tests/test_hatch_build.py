@@ -172,7 +172,8 @@ class TestDigest:
         assert len(digests) == 5
 
     @pytest.mark.parametrize(
-        "name", ["node_modules/a.js", "src/a.test.ts", ".vite/cache.js", "biome.json", "lint/a.grit"]
+        "name",
+        ["node_modules/a.js", "src/a.test.ts", ".vite/cache.js", "biome.json", "lint/a.grit"],
     )
     def test_digest_ignores_tests_caches_and_tool_settings(self, page: Page, name: str) -> None:
         digest = page.digest()

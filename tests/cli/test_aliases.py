@@ -119,7 +119,7 @@ def test_error_without_a_hub_names_roscore() -> None:
     done = enter("rostopic", "list")
     assert (done.returncode, done.stdout) == (1, "")
     assert NO_HUB in done.stderr
-    assert done.stderr.endswith(" roscore\n")
+    assert done.stderr.endswith(" roscore --port 1\n")
 
 
 def test_rostopic_accepts_the_arguments_of_a_node(hub: HubThread) -> None:

@@ -24,12 +24,12 @@ def test_setup_without_problems(run: Run) -> None:
     result = run("doctor")
     assert result.exit_code == 0, result.output
     *lines, empty, last = result.output.splitlines()
-    assert empty == "" and "fine" in last and "14" in last
+    assert empty == "" and "fine" in last and "15" in last
     checks = [line[11:22].rstrip() for line in lines if line[0] != " "]
     assert checks == [
         *("python", "packages", "terminal", "environment"),
         *("hub", "version", "token", "round trip", "clock"),
-        *("graph", "types", "ends", "names", "clients"),
+        *("graph", "types", "conflicts", "ends", "names", "clients"),
     ]
 
 

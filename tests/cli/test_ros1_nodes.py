@@ -9,6 +9,7 @@ import pytest
 from fake_ros1_node import REFUSED, FakeRos1Node
 from hub_in_thread import HubThread, Publish, Run
 
+from fibws.client.hub_client import HubClient
 from fibws.hub import Settings
 
 CONFLICT = "publishes sensor_msgs/Image, the topic is std_msgs/Int32"
@@ -99,11 +100,12 @@ def test_cleanup_needs_no_consent_with_yes(run: Run, gone: FakeRos1Node) -> None
 
 
 def test_node_that_answers_cannot_be_unregistered(
-    run: Run, camera: FakeRos1Node, publish: Publish
+    run: Run, hub: HubThread, camera: FakeRos1Node, publish: Publish
 ) -> None:
     client = publish("/other", "std_msgs/Int32")
     run("node", "ping", "-c", "1", "/camera")
-    for node in ("/camera", client.node, "/nobody"):
-        response = client.call("/rosapi/unregister_node", {"node": node})
-        assert not response["success"] and node in response["message"]
+    with HubClient("caller", hub.url) as caller:
+        for node in ("/camera", client.node, "/nobody"):
+            response = caller.call("/rosapi/unregister_node", {"node": node})
+            assert not response["success"] and node in response["message"]
     assert "/camera" in run("node", "list").output

@@ -297,8 +297,8 @@ def test_refusal_of_a_plain_rosbridge_server_is_an_error() -> None:
 @pytest.mark.parametrize(
     ("frame", "fault"),
     [
-        (b"", "kind must be 1 or 2, got None"),
-        (b"\x03", "kind must be 1 or 2, got 3"),
+        (b"", "kind must be 1, 2 or 3, got None"),
+        (b"\x04", "kind must be 1, 2 or 3, got 4"),
         (b"\x01\0", "2 bytes are too few"),
     ],
 )

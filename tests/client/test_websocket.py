@@ -81,7 +81,7 @@ def test_missing_hub_error_says_how_to_start_one() -> None:
             r"not a hub \(HTTP 200: Robots\); check the address's path, .*slash.* Upgrade$",
         ),
         (b"SSH-2.0-OpenSSH\r\n", "the server is not a hub"),
-        (b"\x15\x03\x03\x00\x02\x02\x46", "expects TLS; use wss://"),
+        (b"\x15\x03\x03\x00\x02\x02\x46", r"expects TLS\); use wss://"),
         (b"", "cannot be reached"),
     ],
 )

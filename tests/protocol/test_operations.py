@@ -129,6 +129,7 @@ FROM_HUB: list[Request | Reply] = [
     Png(data="iVBORw0KGgo="),
     Status(level="error", msg="no"),
     Status(id=5, level="warning", msg="hm"),
+    Status(level="error", msg="no", operation="publish:/chatter:3"),
     Status(id=5, level="error", msg="no", code="not_allowed"),
     Subscribed(topic="/a", topic_id=1, type="a/B", md5sum="0" * 32, definition="int32 data"),
     Subscribed(id="x", topic="/a", topic_id=1, type="a/B", md5sum="0" * 32),

@@ -85,11 +85,17 @@ async def test_invalid_transform_is_logged_once_per_frame(
 
 
 @pytest.mark.parametrize("topic", ["/tf", "/tf_static"])
-async def test_topic_of_another_type_is_an_error(node: fibws.Node, topic: str) -> None:
-    await node.advertise(topic, String)
-    with pytest.raises(fibws.OperationRejected, match=topic):
-        async with asyncio.timeout(PATIENCE):
-            await TransformListener(node, Buffer()).run()
+async def test_publisher_of_another_type_keeps_no_transforms_out(
+    hub: Hub, publish: Publish, topic: str
+) -> None:
+    async with fibws.Node("wrong", hub=hub.url) as wrong, fibws.Node("robot", hub=hub.url) as node:
+        await wrong.advertise(topic, String)
+        known = Known(node)
+        running = asyncio.create_task(known.listener.run())
+        await node.graph.nodes()  # The hub has its subscriptions by then.
+        await publish(("base", "map", 1), static=topic == "/tf_static")
+        await known.lookup("map", "base")
+        running.cancel()
 
 
 async def test_listener_ends_with_its_node(hub: Hub) -> None:

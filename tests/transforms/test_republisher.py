@@ -19,7 +19,6 @@ from fibws.hub import Hub
 from fibws.interfaces import Action
 from fibws.msg.actionlib_msgs import GoalID, GoalStatusArray
 from fibws.msg.rosgraph_msgs import Log
-from fibws.msg.std_msgs import String
 from fibws.msg.tf2_web_republisher import (
     TFArray,
     TFSubscriptionActionFeedback,
@@ -180,13 +179,6 @@ async def test_second_subscriber_receives_all_transforms(
         arrays = second.subscribe(name, TFArray)
         while ("base", "map", 1) not in await next_places(arrays):
             pass
-
-
-async def test_refused_topic_fails_the_call(node: fibws.Node) -> None:
-    node.subscribe(f"{ACTION}/tf_repub_0", String)
-    with pytest.raises(fibws.ServiceError, match=f"Tried to register topic {ACTION}/tf_repub_0"):
-        await open_topic(node, "map", thresholds=0)
-    assert await open_topic(node, "map", thresholds=0) == f"{ACTION}/tf_repub_1"
 
 
 @pytest.mark.long

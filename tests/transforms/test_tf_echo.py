@@ -10,7 +10,6 @@ from running_programs import Start
 
 import fibws
 from fibws.hub import Hub
-from fibws.msg.std_msgs import Int32
 from fibws.tf.history import Sample
 from fibws.tf.tf_echo import Moment, command, text_of
 from fibws.tf.transform import Transform
@@ -79,13 +78,3 @@ def test_wrong_argument_is_an_error(arguments: str, fault: str) -> None:
     result = CliRunner().invoke(command, arguments.split())
     assert result.exit_code == 2
     assert fault in result.stderr
-
-
-async def test_wrong_type_of_the_topic_is_an_error(
-    hub: Hub, start: Start, node: fibws.Node
-) -> None:
-    await node.advertise("/tf", Int32)
-    program = await start(ECHO, "a", "b", "--hub", hub.url)
-    code, _, err = await program.end()
-    assert code == 1
-    assert "/tf" in err

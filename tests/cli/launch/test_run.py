@@ -255,7 +255,7 @@ async def test_hub_that_cannot_start_is_an_error_of_one_line(start: Start, robot
     )
     code, _, err = await program.end()
     assert code == 1
-    assert "--max-calls" in err
+    assert "FIBWS_MAX_CALLS" in err
     assert err.count("\n") == 1
 
 
