@@ -126,8 +126,8 @@ def complaints() -> Complaints:
 async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> AsyncIterator[OpenPage]:
     """Return a function that opens a hub's page: ``await open_page(hub, "#/topics", width=360)``.
 
-    It returns once the page is connected, or has another ``state``. ``prepare`` is JavaScript that
-    runs before the page's own, ``address`` is the page's address if it is not the hub's own. With
+    It returns once the page is connected and gets messages, or has another ``state``. ``prepare``
+    is JavaScript that runs before the page's own, ``address`` is the page's address if it is not the hub's own. With
     ``has_clock``, ``page.clock.run_for`` lets time pass in the page without waiting. Other keywords
     are those of playwright's ``new_context``, such as ``color_scheme="dark"``. The fixture ``hub``
     is requested so that it outlives all pages.
@@ -156,7 +156,8 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
             await page.clock.install()
         await page.add_init_script(prepare)
         await page.goto(f"{address or web_address(hub)}/{route}")
-        await page.wait_for_selector(f"#hub[data-state={state}]")
+        messages = "[data-messages=open]" if state == "open" else ""
+        await page.wait_for_selector(f"#hub[data-state={state}]{messages}")
         return page
 
     yield open_page

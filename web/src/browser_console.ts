@@ -8,11 +8,8 @@ import { roslibScript } from "./script_urls";
 export const EXAMPLE = `const fibonacci = new ROSLIB.Topic({ros, name: "/fibonacci", messageType: "std_msgs/Int32"});
 fibonacci.subscribe((message) => console.log("I heard", message.data));`;
 
-/** Time between two attempts to connect, or to load roslib, in ms. */
+/** Time between two attempts to connect, in ms. */
 const RETRY = 2000;
-/** Time from the first view until roslib is loaded, in ms: the view draws meanwhile. */
-const DELAY = 1000;
-
 declare global {
   interface Window {
     /** A connection for the console, which opens when it is first used. */
@@ -21,12 +18,12 @@ declare global {
 }
 
 /**
- * Define `ros`, and load `ROSLIB` some time after the first view is shown.
+ * Define `ros` and `ROSLIB`, which is loaded when one of them is first used: few people ever do.
  *
  * `ros` is a node of its own: the page's node is hidden in the graph, but users want to see the
  * subscriptions that they make in the console.
  */
-export function offerConsole(url: string, firstView: Promise<void>): void {
+export function offerConsole(url: string): void {
   let ros: Ros | undefined;
   Object.defineProperty(window, "ros", {
     configurable: true,
@@ -39,35 +36,32 @@ export function offerConsole(url: string, firstView: Promise<void>): void {
   Object.defineProperty(window, "ROSLIB", {
     configurable: true,
     get: () => {
-      throw new Error("roslib is still being loaded; try again in a moment");
+      loadRoslib();
+      throw new Error("roslib is being loaded; run this again in a moment");
     },
     // What the script does.
     set: (value: unknown) => {
       Object.defineProperty(window, "ROSLIB", { value, configurable: true, writable: true });
     },
   });
-  void firstView.then(() => setTimeout(() => whenIdle(loadRoslib), DELAY));
+  console.info(`Type ROSLIB to load roslib here, and a connection, ros. Then try:\n\n${EXAMPLE}\n`);
 }
 
-function loadRoslib(): void {
+let isLoading = false;
+
+/** Load roslib, if it is not: somebody reads how to use it, or does. */
+export function loadRoslib(): void {
+  if (isLoading) return;
+  isLoading = true;
   const script = document.createElement("script");
-  script.addEventListener("load", () => {
-    console.info(`ROSLIB and a connection, ros, are available here. Try:\n\n${EXAMPLE}\n`);
-  });
+  script.addEventListener("load", () => console.info("ROSLIB and ros are ready."));
   script.addEventListener("error", () => {
-    // The hub is down: it may be back later.
+    // The hub is down: it may be back when somebody tries again.
     script.remove();
-    setTimeout(loadRoslib, RETRY);
+    isLoading = false;
   });
   script.src = roslibScript as string;
   document.head.append(script);
-}
-
-/** Run something when the browser has nothing urgent to do. */
-function whenIdle(run: () => void): void {
-  // Safari has no idle callbacks.
-  if ("requestIdleCallback" in window) window.requestIdleCallback(run, { timeout: 2000 });
-  else run();
 }
 
 function connected(url: string): Ros {

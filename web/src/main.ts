@@ -1,5 +1,5 @@
 /** The page's entry: connects to the hub and shows the view of the chosen tab. */
-import { offerConsole } from "./browser_console";
+import { loadRoslib, offerConsole } from "./browser_console";
 import { connectionProblem } from "./connection_problem";
 import { h, replace } from "./dom";
 import { isHidden } from "./hidden_names";
@@ -36,6 +36,7 @@ function start(address: string): void {
       h("h2", { id: "welcome" }, "This hub is empty"),
       welcome(url),
     ),
+    loadRoslib,
   );
   /** Whether the hub has no nodes and topics besides its own and those of pages. */
   let isEmpty = false;
@@ -83,7 +84,8 @@ function start(address: string): void {
     isEmpty = [...graph.nodes, ...graph.topics].every(({ name }) => isHidden(name));
     if (isEmpty !== wasEmpty) void navigate();
   });
-  offerConsole(url, navigate());
+  offerConsole(url);
+  void navigate();
 }
 
 /** The hub's address: that of this page, unless `?hub=robot:9090` names another. */
@@ -109,6 +111,6 @@ function errorView(tab: Tab, why: string): View {
   return staticView(h("section", { class: "empty", role: "alert" }, text));
 }
 
-function staticView(element: HTMLElement): View {
-  return { element, show: () => undefined, hide: () => undefined };
+function staticView(element: HTMLElement, show = (): void => undefined): View {
+  return { element, show, hide: () => undefined };
 }

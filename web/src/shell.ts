@@ -2,6 +2,7 @@
 import "./shell.css";
 
 import { PLAYBACK, RECORDER } from "./bags/names";
+import type { Log } from "./console/log";
 import { h, replace, setText, svg } from "./dom";
 import { hertz } from "./format";
 import { applicationLink, FOXGLOVE } from "./foxglove";
@@ -53,7 +54,7 @@ export class Shell {
   readonly #bags = h("div", { id: "bags" });
 
   constructor(hub: Hub, model: Model, login: Login) {
-    replace(document.body, this.#header(hub, login), this.stage);
+    replace(document.body, this.#header(hub, model.log, login), this.stage);
     this.#badge(model);
     this.#showBags(hub, model);
     model.graph.watch((graph) => this.#showCounts(graph));
@@ -76,7 +77,7 @@ export class Shell {
     document.title = `${label} · fibws hub`;
   }
 
-  #header(hub: Hub, login: Login): HTMLElement {
+  #header(hub: Hub, log: Log, login: Login): HTMLElement {
     const count = (noun: string, number: HTMLElement) => h("div", {}, h("dt", {}, noun), number);
     return h(
       "header",
@@ -87,7 +88,7 @@ export class Shell {
         "Skip to content",
       ),
       h("h1", {}, logo(), "fibws"),
-      connectionState(hub),
+      connectionState(hub, log),
       h(
         "dl",
         { id: "counts" },
@@ -194,7 +195,7 @@ function showCount(
 }
 
 /** The hub's address, and the state of the connection: as a mark and in words. */
-function connectionState(hub: Hub): HTMLElement {
+function connectionState(hub: Hub, log: Log): HTMLElement {
   const text = h("span", { id: "state", role: "status" });
   const button = h(
     "button",
@@ -215,6 +216,9 @@ function connectionState(hub: Hub): HTMLElement {
     // Without another token the hub would refuse the page again.
     button.hidden = !hub.ended.value || hub.denied.value !== "";
   };
+  log.isSettled.watch((isSettled) => {
+    box.dataset.messages = isSettled ? "open" : "closed";
+  });
   hub.denied.watch(update);
   hub.state.watch(update);
   hub.reason.watch(update);

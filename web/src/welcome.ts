@@ -1,7 +1,7 @@
 /** First steps: shown for an empty hub, and as help. */
 import "./welcome.css";
 
-import { EXAMPLE } from "./browser_console";
+import { EXAMPLE, loadRoslib } from "./browser_console";
 import { copyable } from "./copy_button";
 import { h } from "./dom";
 import { applicationLink, FOXGLOVE, LICHTBLICK } from "./foxglove";
@@ -82,6 +82,7 @@ export function welcome(url: string): HTMLElement {
 
 /** Show the first steps in a dialog. */
 export function showHelp(url: string): void {
+  loadRoslib();
   const dialog = h(
     "dialog",
     { class: "help", "aria-label": "Help" },

@@ -73,11 +73,14 @@ export const WARN = 4;
 export class Log {
   /** The number of the newest entry; set at most once per frame. */
   readonly newest: Signal<number>;
+  /** Whether the hub has subscribed, or refused that. */
+  readonly isSettled: Signal<boolean>;
   /** Warnings and errors since the console was last visible. */
   readonly unseen: Signal<number>;
 
   readonly #newest = new Source(0);
   readonly #unseen = new Source(0);
+  readonly #isSettled = new Source(false);
   #entries: Entry[] = [];
   #count = 0;
   #warnings = 0;
@@ -87,7 +90,15 @@ export class Log {
   constructor(hub: Hub) {
     this.newest = this.#newest;
     this.unseen = this.#unseen;
-    subscribe(hub, { topic: "/rosout_agg", queue: QUEUE }, (message) => this.add(message));
+    this.isSettled = this.#isSettled;
+    subscribe(
+      hub,
+      { topic: "/rosout_agg", queue: QUEUE },
+      (message) => this.add(message),
+      // An empty text says that the connection is back.
+      (why) => this.#isSettled.set(why !== "" && hub.state.value === "open"),
+      () => this.#isSettled.set(true),
+    );
   }
 
   /** The entries after a number, oldest first. */
