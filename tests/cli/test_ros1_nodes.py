@@ -100,12 +100,11 @@ def test_cleanup_needs_no_consent_with_yes(run: Run, gone: FakeRos1Node) -> None
 
 
 def test_node_that_answers_cannot_be_unregistered(
-    run: Run, hub: HubThread, camera: FakeRos1Node, publish: Publish
+    run: Run, hub: HubThread, camera: FakeRos1Node
 ) -> None:
-    client = publish("/other", "std_msgs/Int32")
     run("node", "ping", "-c", "1", "/camera")
     with HubClient("caller", hub.url) as caller:
-        for node in ("/camera", client.node, "/nobody"):
+        for node in ("/camera", "/caller", "/nobody"):
             response = caller.call("/rosapi/unregister_node", {"node": node})
             assert not response["success"] and node in response["message"]
     assert "/camera" in run("node", "list").output

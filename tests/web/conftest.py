@@ -127,9 +127,10 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
     """Return a function that opens a hub's page: ``await open_page(hub, "#/topics", width=360)``.
 
     It returns once the page is connected and gets messages, or has another ``state``. ``prepare``
-    is JavaScript that runs before the page's own, ``address`` is the page's address if it is not the hub's own. With
-    ``has_clock``, ``page.clock.run_for`` lets time pass in the page without waiting. Other keywords
-    are those of playwright's ``new_context``, such as ``color_scheme="dark"``. The fixture ``hub``
+    is JavaScript that runs before the page's own, ``address`` is the page's address if it is not
+    the hub's own. With ``has_clock``, ``page.clock.run_for`` lets time pass in the page without
+    waiting. Other keywords are those of playwright's ``new_context``, such as
+    ``color_scheme="dark"``. The fixture ``hub``
     is requested so that it outlives all pages.
     """
     if not (BUILT / "index.html").exists() and not os.environ.get("CI"):
