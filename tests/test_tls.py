@@ -20,6 +20,7 @@ from client.servers import redirecting_server
 from conftest import StartHub
 from cryptography.hazmat.primitives import serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
+from hub_reload import reloaded
 from node.conftest import Lines
 
 import fibws
@@ -156,7 +157,7 @@ async def test_other_name_is_explained(
     monkeypatch.setenv(tls.CA, str(authority.file))
     url = hub.url
     authority.issue("robot.example")
-    hub.reload()
+    await reloaded(hub)
     assert "name that is in it" in await why(program, url)
 
 
@@ -166,7 +167,7 @@ async def test_expired_certificate_is_explained(
 ) -> None:
     monkeypatch.setenv(tls.CA, str(authority.file))
     authority.issue(expires=datetime.now(UTC) - timedelta(days=1))
-    hub.reload()
+    await reloaded(hub)
     text = await why(program, hub.url)
     assert "expired" in text and "renew" in text
 

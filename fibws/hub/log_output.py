@@ -14,7 +14,7 @@ from fibws.hub.log_text import printable, shortened
 
 logger = logging.getLogger("fibws.hub")
 
-TEXT_FORMAT = "[%(levelname)s] [%(created)f]: %(message)s"
+TEXT_FORMAT = "[{}] [{:f}]: {}"
 LEVELS = {
     logging.DEBUG: "debug",
     logging.INFO: "info",
@@ -30,14 +30,12 @@ class TextFormatter(logging.Formatter):
     Messages have texts of clients and nodes in them: one with a line break would forge a line.
     """
 
-    def __init__(self) -> None:
-        super().__init__(TEXT_FORMAT)
-
     def formatMessage(self, record: logging.LogRecord) -> str:
         """Return the line; other libraries' messages may have several."""
         if record.name.startswith("fibws"):
             record.message = printable(record.message)
-        return super().formatMessage(record)
+        level = "WARN" if record.levelno == logging.WARNING else record.levelname  # as in ROS
+        return TEXT_FORMAT.format(level, record.created, record.message)
 
 
 class JsonFormatter(logging.Formatter):
@@ -75,7 +73,6 @@ def configure(log_format: str) -> None:
         log_format: ``text`` or ``json``. With ``json``, exceptions that nothing catches and
             Python's warnings are objects, too.
     """
-    logging.addLevelName(logging.WARNING, "WARN")  # as ROS calls it
     handler = logging.StreamHandler()
     if log_format == "json":
         handler.setFormatter(JsonFormatter())

@@ -15,6 +15,7 @@ from urllib.parse import quote
 import jwt
 import pytest
 from conftest import StartHub
+from hub_reload import reloaded
 from websockets.asyncio.client import connect
 from websockets.datastructures import Headers
 
@@ -337,7 +338,7 @@ async def test_will_does_not_outlive_the_right_to_publish(hub: Hub, tokens: Path
             await client.send_operation("set_will", topic="/x", msg={"data": 1})
             await client.is_processed()
             rewrite(tokens, FILE.replace('publish = ["/x"]', 'publish = ["/z"]'))
-            hub.reload()
+            await reloaded(hub)
             assert "publish" in (await client.receive())["msg"]
         await until(lambda: "/ann" not in nodes(hub))
         await listener.is_processed()
@@ -467,7 +468,7 @@ async def test_revoked_token_ends_its_sessions(hub: Hub, tokens: Path) -> None:
     async with connected(hub.port, Cookie=cookie) as tab:
         await tab.is_processed()
         rewrite(tokens, entry("bob", ""))
-        hub.reload()
+        await reloaded(hub)
         assert (await tab.is_closed())[0] == 4401
     async with connected(hub.port, Cookie=cookie) as tab:
         assert await tab.is_closed() == (4401, "unknown token")

@@ -11,6 +11,7 @@ from pathlib import Path
 import jwt as web_tokens
 import pytest
 from client.servers import redirecting_server
+from hub_reload import reloaded
 from unsigned_token import unsigned
 from websockets.asyncio.server import ServerConnection, serve
 
@@ -231,7 +232,7 @@ EVERYTHING = Rights({right: ("/**",) for right in RIGHTS})
 async def test_real_hub_lets_in_a_node_with_a_token(token_hub: tuple[Hub, TokenFile]) -> None:
     hub, file = token_hub
     token = file.add("robot1", EVERYTHING)
-    hub.reload()
+    await reloaded(hub)
     async with fibws.Node("talker", hub=hub.url, token=token) as node:
         numbers = node.subscribe("numbers", Int32)
         await node.flush()
@@ -255,7 +256,7 @@ async def test_real_hub_refuses_a_name_of_another_principal(
 ) -> None:
     hub, file = token_hub
     first, second = file.add("first", EVERYTHING), file.add("second", EVERYTHING)
-    hub.reload()
+    await reloaded(hub)
     async with fibws.Node("talker", hub=hub.url, token=first) as node:
         with pytest.raises(fibws.MissingRight, match="/talker"):
             async with fibws.Node("talker", hub=hub.url, token=second):
@@ -266,7 +267,7 @@ async def test_real_hub_refuses_a_name_of_another_principal(
 async def test_missing_right_is_named(token_hub: tuple[Hub, TokenFile]) -> None:
     hub, file = token_hub
     token = file.add("looker", Rights({"subscribe": ("/**",)}))
-    hub.reload()
+    await reloaded(hub)
     async with fibws.Node("looker", hub=hub.url, token=token) as node:
         with pytest.raises(fibws.OperationRejected, match=r"publish.*/numbers") as caught:
             await node.advertise("numbers", Int32)
@@ -278,10 +279,10 @@ async def test_revoked_token_ends_a_node_of_a_real_hub(
 ) -> None:
     hub, file = token_hub
     token = file.add("robot1", EVERYTHING)
-    hub.reload()
+    await reloaded(hub)
     async with fibws.Node("talker", hub=hub.url, token=token) as node:
         file.revoke("robot1")
-        hub.reload()
+        await reloaded(hub)
         with pytest.raises(fibws.NotAuthorized, match="unknown token"):
             await node.spin()
 

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+from hub_reload import reloaded
 from playwright.async_api import Page, expect
 
 import fibws
@@ -89,7 +90,7 @@ async def test_revoked_token_asks_for_another(token_hub: TokenHub, open_page: Op
     await log_in(page, token_hub.dashboard)
     await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
     token_hub.file.revoke("dashboard")
-    token_hub.hub.reload()
+    await reloaded(token_hub.hub)
     await expect(page.locator("#login-problem")).to_contain_text("unknown token")
     await log_in(page, token_hub.robot)
     await expect(page.locator("#account")).to_contain_text("robot")

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from hub_reload import reloaded
 from patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
@@ -302,7 +303,7 @@ async def test_reload_takes_back_what_is_no_longer_allowed(start: Hubs) -> None:
             assert await statuses(ann, operation) == []
         ann_only = f'[tokens.ann]\nsha256 = "{digest_of("one")}"\nallow = '
         start.path.write_text(ann_only + '{publish = ["/ann/**"], node = ["/ann*"]}')
-        hub.reload()
+        await reloaded(hub)
         texts = [json.loads(await ann.recv())["msg"] for _ in range(3)]
         for fact in ("publish for /a", "subscribe for /c", "provide for /add"):
             assert any(fact in text for text in texts)
@@ -313,7 +314,7 @@ async def test_reload_takes_back_what_is_no_longer_allowed(start: Hubs) -> None:
         start.path.write_text(
             f'[tokens.ann]\nsha256 = "{digest_of("one")}"\nallow = {{node = ["/x"]}}'
         )
-        hub.reload()
+        await reloaded(hub)
         assert (await closing(ann))[0] == 4403
 
 
@@ -328,7 +329,7 @@ async def test_reload_under_traffic_loses_nothing(start: Hubs) -> None:
                 start.path.write_text(
                     f'{FILE}[tokens.n{number}]\nsha256 = "{digest_of(str(number))}"'
                 )
-                hub.reload()
+                await reloaded(hub)
         received = [json.loads(await ann.recv())["msg"]["data"] for _ in range(300)]
         assert received == [*range(300)]
 
@@ -339,7 +340,7 @@ async def test_failed_reload_changes_nothing(start: Hubs) -> None:
         assert await nodes(ann)
         start.path.write_text("[tokens")
         with pytest.raises(ValueError, match=r"tokens\.toml"):
-            hub.reload()
+            await reloaded(hub)
         assert await nodes(ann)
     async with entered(hub, **bearer("two")) as bob:
         assert await nodes(bob)

@@ -10,6 +10,7 @@ import pytest
 from certificates import Authority
 from certificates import authority as authority
 from conftest import StartHub
+from hub_reload import reloaded
 from patience import PATIENCE
 
 import fibws
@@ -109,7 +110,7 @@ async def test_refused_hub_joins_once_the_other_one_knows_its_token(
     async with asyncio.timeout(PATIENCE):
         await is_waiting.wait()
         later.replace(path)
-        cloud.reload()
+        await reloaded(cloud)
         is_over.set()
         await until(lambda: cloud.federation.peers and robot.federation.peers, cloud, robot)
     (seconds,) = waited
@@ -204,10 +205,10 @@ async def test_section_join_counts_as_soon_as_it_is_reloaded(
     async with fibws.Node("viewer", hub=cloud.url) as viewer:
         await viewer.advertise("/cmd_vel", String)
         await until(lambda: has("/cmd_vel"), robot)
-        robot.reload()
+        await reloaded(robot)
         assert has("/cmd_vel"), "nothing has changed"
         write(section.format("/other"))
-        robot.reload()
+        await reloaded(robot)
         await until(lambda: not has("/cmd_vel"), robot)
         await viewer.advertise("/other", String)
         await until(lambda: has("/other"), robot)
@@ -241,10 +242,10 @@ async def test_section_zenoh_counts_as_soon_as_it_is_reloaded(join: Join, path: 
         await scan.publish(data="before")
         scans = aiter(viewer.subscribe("/scan", String))
         assert (await anext(scans)).data == "before"
-        robot.reload()
+        await reloaded(robot)
         assert has("/cmd_vel"), "nothing has changed"
         write(section.format("/other"))
-        robot.reload()
+        await reloaded(robot)
         await until(lambda: not has("/cmd_vel"), robot)
         await viewer.advertise("/other", String)
         await until(lambda: has("/other"), robot)
@@ -255,12 +256,12 @@ async def test_section_zenoh_counts_as_soon_as_it_is_reloaded(join: Join, path: 
             while (await anext(scans)).data != "after":
                 pass
         write('[zenoh]\nallow = {subscribe = ["/scan"]}\n')
-        robot.reload()
+        await reloaded(robot)
         await until(
             lambda: not robot.federation.peers and "/driver" not in cloud.graph.nodes, robot, cloud
         )
         write(section.format("/other"))
-        robot.reload()
+        await reloaded(robot)
         await until(lambda: has("/other") and "/driver" in cloud.graph.nodes, robot, cloud)
 
 

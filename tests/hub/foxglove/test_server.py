@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from conftest import StartHub
+from hub_reload import reloaded
 from websockets.exceptions import ConnectionClosed
 
 from fibws.bags import open_writer
@@ -274,7 +275,7 @@ async def test_tokens_and_rights(start_hub: StartHub, tmp_path: Path) -> None:
             assert topic in (await ann.find("status"))["message"]
         assert set(ann.channels) == {"/open"}
         file.write_text(entry("boss", "admin = true"), "utf-8")
-        hub.reload()
+        await reloaded(hub)
         with pytest.raises(ConnectionClosed) as closed:
             await ann.is_processed()
         assert closed.value.rcvd is not None

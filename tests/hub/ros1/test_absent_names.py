@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from conftest import StartHub
+from hub_reload import reloaded
 
 import fibws
 from fibws.access.rights import Rights
@@ -72,7 +73,7 @@ async def peer_of(start_hub: StartHub, path: Path, *, is_there: bool) -> AsyncIt
 async def hidden_node(hub: Hub, path: Path) -> AsyncIterator[None]:
     """Add a node of another principal, and what it uses."""
     token = TokenFile(path).add("owner", Rights(admin=True))
-    hub.reload()
+    await reloaded(hub)
     async with fibws.Node("arm", namespace="/hid", hub=hub.url, token=token) as node:
         await node.advertise("topic", Int32, latch=True)
         node.subscribe("cmd", Int32)

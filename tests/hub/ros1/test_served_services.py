@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from conftest import StartHub
+from hub_reload import reloaded
 
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
@@ -276,7 +277,7 @@ async def test_calls_end_with_the_right_to_them(start_hub: StartHub, tmp_path: P
         client.send(REQUEST)
         clients.append((client, await server.calls.get()))
     path.write_text(path.read_text("utf-8").replace('"/add", ', ""), "utf-8")
-    hub.reload()
+    await reloaded(hub)
     (add_client, call), (other_client, other_call) = clients
     is_ok, text = await add_client.answer()
     assert (is_ok, b"the call was ended" in text) == (False, True)

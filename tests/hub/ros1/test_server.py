@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from conftest import StartHub
+from hub_reload import reloaded
 from random_inputs import times
 
 from fibws.access.rights import Rights
@@ -121,7 +122,7 @@ async def test_rights_of_ros1_nodes_are_those_of_the_file_of_tokens(
                 detached.set()
 
         hub.graph.watch_topics(changed)
-        hub.reload()
+        await reloaded(hub)
         async with asyncio.timeout(60):
             await detached.wait()
         assert "/talker" in hub.graph.topics["/other/count"].sources

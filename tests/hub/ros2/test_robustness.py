@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 import zenoh
 from conftest import StartHub
+from hub_reload import reloaded
 from patience import PATIENCE
 
 import fibws
@@ -241,7 +242,7 @@ async def test_rights_can_change_while_nodes_are_there(
         await until(lambda: sources(hub, "/a"), hub)
         assert not sources(hub, "/b")
         path.write_text(path.read_text().replace('publish = ["/a"]', 'publish = ["/b"]'))
-        hub.reload()
+        await reloaded(hub)
         await until(lambda: sources(hub, "/b") and not sources(hub, "/a"), hub)
         assert ros2_nodes(hub) == {"/talker"}
 
@@ -270,7 +271,7 @@ async def test_calls_end_with_the_right_to_them(
         async with asyncio.timeout(PATIENCE):
             await called.wait()
         path.write_text(path.read_text().replace('call = ["/slow"]', 'call = ["/none"]'))
-        hub.reload()
+        await reloaded(hub)
         reply = await call
         assert reply is not None
         assert reply.err is not None

@@ -11,6 +11,7 @@ from typing import Any
 import cbor2
 import pytest
 from conftest import StartHub
+from hub_reload import reloaded
 
 from fibws.access.token_file import digest_of
 from fibws.hub import Hub
@@ -344,11 +345,11 @@ async def test_limits_are_reloaded(no_sweeps: None, start_hub: StartHub, tmp_pat
     async with connected(hub.port, "/?token=two&node=/flooder") as bob:
         assert connection(hub)._quotas.meter is None
         path.write_text(f"{TOKENS}limits = {{messages_per_second = 1}}\n", "utf-8")
-        hub.reload()
+        await reloaded(hub)
         await bob.send(frame(PING, b"x") * MANY)
         await until(lambda: connection(hub).limited)
         path.write_text(TOKENS, "utf-8")
-        hub.reload()
+        await reloaded(hub)
         dropped = connection(hub).limited
         await bob.send_operation("call_service", service="/rosapi/get_time", id="call")
         assert (await until_response(bob, "call"))["result"]

@@ -22,6 +22,7 @@ from cryptography.hazmat.primitives.serialization import (
     NoEncryption,
     PrivateFormat,
 )
+from hub_reload import reloaded
 from websockets.asyncio.client import connect
 
 import fibws
@@ -212,7 +213,7 @@ async def test_reload_adds_new_addresses(
 ) -> None:
     hub = await start_hub(self_signed=True)
     monkeypatch.setattr("fibws.hub.server.machine_addresses", lambda: ["203.0.113.9"])
-    hub.reload()
+    await reloaded(hub)
     context = ssl.create_default_context(cafile=self_signed.files().authority)
     async with connect(hub.url, ssl=context) as client:
         certificate = client.transport.get_extra_info("ssl_object").getpeercert()

@@ -16,6 +16,7 @@ import pytest
 from certificates import Authority, add_password
 from certificates import authority as authority
 from conftest import StartHub
+from hub_reload import reloaded
 from patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidMessage
@@ -288,7 +289,7 @@ class TestReload:
                 await old.send(operation("publish", topic="/t", msg={"data": number}))
                 if number % 20 == 10:
                     authority.issue(common_name=f"hub {number}")
-                    hub.reload()
+                    await reloaded(hub)
                     async with connect(hub.url, ssl=trusted) as new:
                         names.append(common_name(new))
             async with asyncio.timeout(PATIENCE):
@@ -302,7 +303,7 @@ class TestReload:
     ) -> None:
         (tmp_path / "hub.key").write_text("nonsense")
         with pytest.raises(HubError, match=r"hub\.key"):
-            hub.reload()
+            await reloaded(hub)
         async with connect(hub.url, ssl=authority.client()) as client:
             assert common_name(client) == "hub"
 
@@ -318,7 +319,7 @@ class TestReload:
         self, hub: Hub, authority: Authority, caplog: pytest.LogCaptureFixture
     ) -> None:
         authority.issue(expires=datetime.now(UTC) - timedelta(days=1))
-        hub.reload()
+        await reloaded(hub)
         assert "expired" in caplog.text and "hub.pem" in caplog.text
 
     async def test_removed_authority_of_clients_is_no_longer_accepted(
@@ -333,9 +334,7 @@ class TestReload:
             (tmp_path / "other").mkdir()
             known.write_bytes(Authority(tmp_path / "other").file.read_bytes())
             changed = "authorities of client certificates changed"
-            reloaded: asyncio.Future[list[str]] = asyncio.get_running_loop().create_future()
-            assert hub.reload(reloaded.set_result) == [changed]
-            assert await reloaded == [changed, "1 client closed"]
+            assert await reloaded(hub) == [changed, "1 client closed"]
             with pytest.raises((OSError, InvalidMessage)):
                 await connect(hub.url, ssl=context)
             # Others of the new authority's, too, are to connect again: 1012 says so.
