@@ -1,44 +1,60 @@
 /// <reference lib="webworker" />
 // Receives all messages that the page shows, and prepares images and clouds, off the main thread.
+// Most visits have neither: their code is loaded when they are first opened.
 
 import { Feed } from "./messages/feed";
 import { openRelay } from "./messages/relay";
 import type { Request as MessageRequest } from "./messages/worker_messages";
-import { openPicture } from "./panels/image/remote_picture";
 import type { Request as PictureRequest } from "./panels/image/worker_messages";
 import type { Request as CloudRequest } from "./panels/scene/cloud_messages";
-import { openCloud } from "./panels/scene/remote_cloud";
 
 declare const self: DedicatedWorkerGlobalScope;
 
 type Request = MessageRequest | PictureRequest | CloudRequest;
 type Numbered = Extract<Request, { id: number }>;
 
-/** What the page has opened, by its ids: each takes its further requests. */
-const opened = new Map<number, (request: Numbered) => void>();
+type Handle = (request: Numbered) => void;
+
+/** What the page has opened, by its ids: each takes its further requests, once its code is loaded. */
+const opened = new Map<number, Promise<Handle>>();
 const feed = new Feed();
 
 self.onmessage = ({ data }: MessageEvent<Request>): void => {
-  switch (data.kind) {
-    case "connect":
-      feed.connect(data.url, data.token);
-      return;
-    case "disconnect":
-      feed.close();
-      return;
-    case "messages":
-      opened.set(data.id, openRelay(feed, data, post) as (request: Numbered) => void);
-      return;
-    case "picture":
-      opened.set(data.id, openPicture(feed, data, post) as (request: Numbered) => void);
-      return;
-    case "cloud":
-      opened.set(data.id, openCloud(feed, data, post) as (request: Numbered) => void);
-      return;
-  }
-  opened.get(data.id)?.(data);
-  if (data.kind === "close") opened.delete(data.id);
+  if (data.kind === "connect") feed.connect(data.url, data.token);
+  else if (data.kind === "disconnect") feed.close();
+  else receive(data);
 };
+
+function receive(request: Numbered): void {
+  const { id } = request;
+  const handle = open(request);
+  if (handle !== undefined) {
+    opened.set(id, handle as Promise<Handle>);
+    handle.catch((error: unknown) => post({ kind: "fault", id, why: (error as Error).message }));
+    return;
+  }
+  // If the code was not loaded, the page knows.
+  opened.get(id)?.then((next) => next(request), console.debug);
+  if (request.kind === "close") opened.delete(id);
+}
+
+/** Open what a request asks for; `undefined` if it is about something that is open. */
+function open(request: Numbered): Promise<(request: never) => void> | undefined {
+  switch (request.kind) {
+    case "messages":
+      return Promise.resolve(openRelay(feed, request, post));
+    case "picture":
+      return import("./panels/image/remote_picture").then(({ openPicture }) =>
+        openPicture(feed, request, post),
+      );
+    case "cloud":
+      return import("./panels/scene/remote_cloud").then(({ openCloud }) =>
+        openCloud(feed, request, post),
+      );
+    default:
+      return undefined;
+  }
+}
 
 function post(report: object, transfer: Transferable[] = []): void {
   self.postMessage(report, transfer);
