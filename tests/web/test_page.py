@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import gzip
 import json
 import re
 from pathlib import Path
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 import pytest
 from playwright.async_api import Browser, Error, Page, Route, expect
@@ -17,7 +18,7 @@ from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import Int32
 from fibws.srv.fibws_msgs import KillNode
 
-from .conftest import STRANGER, Complaints, OpenPage, until, web_address
+from .conftest import BUILT, STRANGER, Complaints, OpenPage, until, web_address
 
 README = Path(__file__).parents[2] / "README.md"
 SNIPPET = re.compile(r"```js\n(const hub = new WebSocket.*?)```", re.DOTALL)
@@ -154,6 +155,22 @@ async def test_browser_console_shows_an_example_once(
     example = re.search(r"(const \w+ = new ROSLIB\.Topic.*\n.*;)", text)
     assert example is not None
     assert await paste(page, example[1], hub) == "I heard 8"
+
+
+async def test_first_visit_of_the_graph_is_small(browser: Browser, hub: Hub) -> None:
+    page = await browser.new_page()
+    names: set[str] = set()
+    page.on("request", lambda request: names.add(urlsplit(request.url).path.lstrip("/")))
+    async with fibws.Node("robot", hub=hub.url):
+        await page.goto(web_address(hub))
+        await page.get_by_label(re.compile("^node /robot")).first.wait_for()
+    files = [BUILT / (name or "index.html") for name in names]
+    sizes = {
+        file.name: len(gzip.compress(file.read_bytes(), 6)) for file in files if file.is_file()
+    }
+    assert any(name.startswith("data.worker") for name in sizes)
+    assert sum(sizes.values()) <= 60 * 1024, sizes
+    await page.close()
 
 
 @pytest.mark.parametrize("name", ["ROSLIB", "ros"])
