@@ -100,7 +100,7 @@ describe("a sampler", () => {
     sampler.stop();
     expect(x.samples.newest).toBeUndefined();
     expect(sampler.remove(x)).toBe(true);
-    expect(hub.calls).toEqual(["subscribe /n 0 1000", "unsubscribe /n"]);
+    expect(hub.calls).toEqual(["subscribe /n 0 10000", "unsubscribe /n"]);
   });
 
   it.each([200, 1000])("has every sample of 30 s at %i Hz, also of a busy page", (rate) => {

@@ -10,7 +10,7 @@ import { RingBuffer } from "./ring_buffer";
 /** Samples of a curve: those of 10 minutes at 1.7 kHz. */
 const CAPACITY = 2 ** 20;
 /** How many messages wait while the page is busy: it needs each of them. */
-const QUEUE = 1000;
+const QUEUE = 10_000;
 /** A header's time is used if it differs from the clock by no more than this, in seconds. */
 const MAX_SKEW = 5;
 
