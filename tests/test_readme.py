@@ -249,11 +249,14 @@ async def test_cells_of_the_notebook_run_one_after_the_other() -> None:
 
 OTHERS = {
     *("cat", "cd", "chmod", "eval", "export", "kill", "mkdir", "source", "umask", "until"),
-    *("chgrp", "curl", "docker", "git", "groupadd", "journalctl", "kubectl", "systemctl"),
+    *("chgrp", "curl", "docker", "git", "groupadd", "install", "journalctl", "kubectl"),
+    "systemctl",
     *("mkdocs", "mypy", "nox", "npm", "pip", "pre-commit", "ruff"),  # of developers
     "ros2",  # of ROS 2
 }
 """Programs that are not fibws's."""
+INSTALLED = "/opt/fibws/bin/"
+"""Where docs/operations.md installs fibws."""
 MODULES = {"bench", "pip", "pytest", "venv"}
 """Modules that are run and are not fibws's."""
 
@@ -264,6 +267,7 @@ def commands(page: str) -> Iterator[list[str]]:
     In a block with prompts, other lines are what the commands print.
     """
     for block in re.findall(r"^```console[^\n]*\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
+        block = re.sub(r"<< ?'?(\w+)'?\n.*?^\1$", "", block, flags=re.MULTILINE | re.DOTALL)
         lines = block.replace("\\\n", " ").splitlines()
         if prompted := [line[2:] for line in lines if line.startswith("$ ")]:
             lines = prompted
@@ -273,6 +277,8 @@ def commands(page: str) -> Iterator[list[str]]:
                 words = shlex.split(re.sub(r" &$| > \S+$", "", part), comments=True)
                 while words and re.match(r"\w+=", words[0]):  # A variable of this command.
                     words.pop(0)
+                if words:
+                    words[0] = words[0].removeprefix(INSTALLED).replace("python3", "python")
                 yield words
                 for inner in re.findall(r"[<$]\(([^()]*)\)", part):
                     yield shlex.split(inner)
