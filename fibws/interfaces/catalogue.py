@@ -11,7 +11,7 @@ from fibws.errors import InvalidTypeName, UnknownPackage, UnknownType
 from fibws.interfaces import builtin, full_text, md5sum
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.folders import STANDARD as STANDARD
-from fibws.interfaces.folders import Folders, Kind
+from fibws.interfaces.folders import Folders, Kind, standard_folders
 from fibws.interfaces.resolver import Resolver, Size
 
 _TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w{0,99})", re.ASCII)
@@ -135,7 +135,7 @@ class Interfaces(Definitions):
     """
 
     def __init__(self, folders: Iterable[Path] = ()) -> None:
-        self._folders = Folders()
+        self._folders = standard_folders()
         super().__init__()
         for folder in folders:
             self.add_folder(folder)
@@ -146,6 +146,8 @@ class Interfaces(Definitions):
         Raises:
             InterfaceError: there is no such folder.
         """
+        if self._folders is standard_folders():
+            self._folders = Folders()
         if self._folders.add(folder):
             self._clear()
 

@@ -6,7 +6,7 @@ Packages have ROS's layout, ``<package>/msg/Type.msg``.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -123,7 +123,12 @@ class Folders:
 
     def __init__(self) -> None:
         self._folders = [STANDARD]
+        self._forget()
+
+    def _forget(self) -> None:
         self._packages: dict[str, Package] = {}
+        self._messages: dict[str, MessageDefinition] = {}
+        self._services: dict[str, ServiceDefinition] = {}
         self._actions: dict[str, ActionDefinition] = {}
         self._idl_files: dict[Path, IdlFile] = {}
 
@@ -138,9 +143,7 @@ class Folders:
         if not folder.is_dir():
             raise InterfaceError(f"{folder}: folder of definitions not found")
         self._folders.append(folder)
-        self._packages = {}
-        self._actions = {}
-        self._idl_files = {}
+        self._forget()
         return True
 
     def find_message(self, name: str) -> MessageDefinition | None:
@@ -149,6 +152,14 @@ class Folders:
         Raises:
             DefinitionError: the definition is wrong.
         """
+        if name not in self._messages:
+            message = self._parse_message(name)
+            if message is None:
+                return None
+            self._messages[name] = message
+        return self._messages[name]
+
+    def _parse_message(self, name: str) -> MessageDefinition | None:
         package, _, short = name.partition("/")
         for suffix in ACTION_SUFFIXES:
             base = short.removesuffix(suffix)
@@ -164,12 +175,18 @@ class Folders:
 
     def find_service(self, name: str) -> ServiceDefinition | None:
         """The service of that name, or None; as `find_message`."""
-        found = self._read(name, "srv")
-        if isinstance(found, IdlFile):
-            return found.service(*name.split("/"))
-        if found is None:
-            return None
-        return parser.parse_service(*found.text, ros2=found.is_ros2s)
+        if name not in self._services:
+            found = self._read(name, "srv")
+            if isinstance(found, IdlFile):
+                service = found.service(*name.split("/"))
+            elif found is not None:
+                service = parser.parse_service(*found.text, ros2=found.is_ros2s)
+            else:
+                service = None
+            if service is None:
+                return None
+            self._services[name] = service
+        return self._services[name]
 
     def find_action(self, name: str) -> ActionDefinition | None:
         """The action of that name, or None; as `find_message`."""
@@ -290,3 +307,9 @@ class Folders:
     def _files(self, kind: Kind, package: str) -> dict[str, Path]:
         found = self.packages().get(package)
         return found.files(kind) if found else {}
+
+
+@cache
+def standard_folders() -> Folders:
+    """The standard packages alone: they do not change, so all hubs of a process may share them."""
+    return Folders()

@@ -61,6 +61,10 @@ class Crowd:
         """Send something, unless the client was closed; see that the bound holds after it."""
         with suppress(OSError):
             await client.send(*data)
+        await self.measure()
+
+    async def measure(self) -> None:
+        """See that the bound holds, once the hub has handled what was sent."""
         await self._robot.is_processed()
         account = self.hub._account
         assert account.total() <= LIMIT, account.held()
@@ -152,6 +156,8 @@ async def files(crowd: Crowd) -> None:
         await crowd.send(
             client, request + b"Host: localhost\r\nAuthorization: Bearer pages\r\n\r\n"
         )
+        await client._until(b"\r\n\r\n")  # A thread has read the file.
+        await crowd.measure()
 
 
 async def strangers(crowd: Crowd) -> None:

@@ -503,6 +503,8 @@ class Types:
         return self._own_codecs(lambda definitions: definitions.service_md5(name)).service(name)
 
     def _own_codecs(self, md5: Callable[[Definitions], str]) -> Codecs:
+        if self._own is self._installed:
+            return self._own
         try:
             if md5(self._installed.definitions) == md5(self._own.definitions):
                 return self._installed
