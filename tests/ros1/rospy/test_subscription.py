@@ -105,15 +105,21 @@ async def test_publisher_of_another_type_is_logged_and_keeps_nothing_out() -> No
     async with running_hub() as programs, fibws.Node("node", hub=programs.hub.url) as node:
         await (await node.advertise("chatter", "std_msgs/Int32")).publish(5)
         program = await programs.start("""
+            import sys
+
             import rospy
             from rosgraph_msgs.msg import Log
             from std_msgs.msg import String
 
+            def write(text):  # At once: print writes a line's end apart, and there are two threads.
+                sys.stdout.write(text + "\\n")
+                sys.stdout.flush()
+
             rospy.init_node("listener")
-            log = rospy.Subscriber("rosout", Log, lambda line: print(line.msg, flush=True))
+            log = rospy.Subscriber("rosout", Log, lambda line: write(line.msg))
             while not log.get_num_connections():
                 rospy.sleep(0.01)
-            rospy.Subscriber("chatter", String, lambda message: print(message.data, flush=True))
+            rospy.Subscriber("chatter", String, lambda message: write(message.data))
             rospy.spin()
         """)
         warning = "subscribe: /chatter has type std_msgs/Int32 (published by /node)"
