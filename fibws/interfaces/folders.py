@@ -5,10 +5,10 @@ Packages have ROS's layout, ``<package>/msg/Type.msg``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache, partial
 from pathlib import Path
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias, TypeVar
 
 from fibws.errors import InterfaceError, UnknownPackage, UnknownType
 from fibws.interfaces import parser
@@ -21,6 +21,7 @@ from fibws.interfaces.definition import (
 from fibws.interfaces.idl import IdlFile
 from fibws.suggestions import nearest
 
+D = TypeVar("D", MessageDefinition, ServiceDefinition, ActionDefinition)
 Kind: TypeAlias = Literal["msg", "srv", "action"]
 KINDS: tuple[Kind, ...] = ("msg", "srv", "action")
 
@@ -152,12 +153,15 @@ class Folders:
         Raises:
             DefinitionError: the definition is wrong.
         """
-        if name not in self._messages:
-            message = self._parse_message(name)
-            if message is None:
-                return None
-            self._messages[name] = message
-        return self._messages[name]
+        return _kept(self._messages, name, self._parse_message)
+
+    def find_service(self, name: str) -> ServiceDefinition | None:
+        """The service of that name, or None; as `find_message`."""
+        return _kept(self._services, name, self._parse_service)
+
+    def find_action(self, name: str) -> ActionDefinition | None:
+        """The action of that name, or None; as `find_message`."""
+        return _kept(self._actions, name, self._parse_action)
 
     def _parse_message(self, name: str) -> MessageDefinition | None:
         package, _, short = name.partition("/")
@@ -173,35 +177,17 @@ class Folders:
             return message
         return self._find_beside(name)
 
-    def find_service(self, name: str) -> ServiceDefinition | None:
-        """The service of that name, or None; as `find_message`."""
-        if name not in self._services:
-            found = self._read(name, "srv")
-            if isinstance(found, IdlFile):
-                service = found.service(*name.split("/"))
-            elif found is not None:
-                service = parser.parse_service(*found.text, ros2=found.is_ros2s)
-            else:
-                service = None
-            if service is None:
-                return None
-            self._services[name] = service
-        return self._services[name]
+    def _parse_service(self, name: str) -> ServiceDefinition | None:
+        found = self._read(name, "srv")
+        if isinstance(found, IdlFile):
+            return found.service(*name.split("/"))
+        return parser.parse_service(*found.text, ros2=found.is_ros2s) if found else None
 
-    def find_action(self, name: str) -> ActionDefinition | None:
-        """The action of that name, or None; as `find_message`."""
-        if name not in self._actions:
-            found = self._read(name, "action")
-            if isinstance(found, IdlFile):
-                action = found.action(*name.split("/"))
-            elif found is not None:
-                action = parser.parse_action(*found.text, ros2=found.is_ros2s)
-            else:
-                action = None
-            if action is None:
-                return None
-            self._actions[name] = action
-        return self._actions[name]
+    def _parse_action(self, name: str) -> ActionDefinition | None:
+        found = self._read(name, "action")
+        if isinstance(found, IdlFile):
+            return found.action(*name.split("/"))
+        return parser.parse_action(*found.text, ros2=found.is_ros2s) if found else None
 
     def packages(self) -> dict[str, Package]:
         """The packages by name."""
@@ -307,6 +293,14 @@ class Folders:
     def _files(self, kind: Kind, package: str) -> dict[str, Path]:
         found = self.packages().get(package)
         return found.files(kind) if found else {}
+
+
+def _kept(known: dict[str, D], name: str, parse: Callable[[str], D | None]) -> D | None:
+    """Return what is known by a name, or is parsed for it and then known; None if there is none."""
+    found = known.get(name) or parse(name)
+    if found is not None:
+        known[name] = found
+    return found
 
 
 @cache
