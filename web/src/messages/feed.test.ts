@@ -276,7 +276,7 @@ describe("Feed", () => {
     expect(receiver.deliveries).toMatchObject([{ node: "/robot", message: { data: 5 } }]);
   });
 
-  it("reports messages that it cannot read, and goes on", () => {
+  it("reports messages that it cannot read, and goes on", async () => {
     connected().subscribe(receiver);
     const socket = FakeSocket.newest;
     socket.open();
@@ -296,6 +296,7 @@ describe("Feed", () => {
     expect(receiver.faults[1]).toBe("the topic has the type std_msgs/String now");
     socket.receiveNumber(9, 1, 0, 0, 0, 65);
     socket.receiveNumber(7, 2);
+    await settled();
     expect(receiver.messages).toEqual([{ data: 1 }, { data: 2 }]);
     socket.receive({ op: "status", id, level: "error", msg: "not allowed" });
     expect(receiver.faults[2]).toBe("not allowed");
