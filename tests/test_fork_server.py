@@ -106,6 +106,7 @@ async def test_programs_run_side_by_side_and_take_signals() -> None:
             await program.communicate()
 
 
+@pytest.mark.long
 def test_programs_end_with_their_server() -> None:
     server = fork_server._Server()
     request = fork_server._request(["-c", "import signal; signal.pause()"], None, None)

@@ -81,6 +81,7 @@ def test_workflow_is_valid(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.long
 def test_steps_of_the_workflow_run(tmp_path: Path) -> None:
     workflow = yaml.safe_load(block("A hub in a CI job", "yaml"))
     lines = [step["run"] for step in workflow["jobs"]["tests"]["steps"] if "run" in step]

@@ -364,6 +364,7 @@ async def test_rospy_script_connects_with_tls(
     await hears_the_talker(hub, authority, *command, **variables)
 
 
+@pytest.mark.long
 async def test_launched_nodes_have_the_certificates_of_an_option(
     hub: Hub, authority: Authority, tmp_path: Path
 ) -> None:

@@ -78,6 +78,7 @@ def test_bash_completes_commands_and_topics(bash: Terminal, publish: Publish) ->
 TWIST = "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
 
 
+@pytest.mark.long
 def test_bash_inserts_a_message_to_be_edited(bash: Terminal) -> None:
     bash.wait_for("> ")
     bash.type('eval "$(fibws completion bash)"; echo rea""dy\n')
@@ -112,6 +113,7 @@ def test_bash_takes_brackets_as_they_are(environment: dict[str, str], option: st
 
 
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
+@pytest.mark.long
 def test_zsh_inserts_a_message_to_be_edited(environment: dict[str, str]) -> None:
     shell = Terminal("zsh", "-f", "-i", PS1="> ", **environment)
     try:

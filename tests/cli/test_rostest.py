@@ -143,6 +143,7 @@ def test_test_that_cannot_run_is_a_failure_with_exit_code_1(
     assert " * FAILURES: 1\n" in done.stdout
 
 
+@pytest.mark.long
 def test_standard_error_of_a_test_is_shown(run_tests: RunTests) -> None:
     assert "[moves] wrong\n" in run_tests(test_tag("silent")).stderr
 
@@ -154,6 +155,7 @@ def test_test_that_takes_too_long_is_ended_with_an_error(run_tests: RunTests) ->
     assert " * ERRORS: 1\n" in done.stdout
 
 
+@pytest.mark.long
 def test_end_of_a_required_node_ends_the_test_with_an_error(run_tests: RunTests) -> None:
     node = '<node pkg="robot" type="silent" name="arm" required="true"/>'
     done = run_tests(node + test_tag("waiter"))
@@ -184,6 +186,7 @@ def test_failed_test_is_run_again_as_often_as_retry_says(robot: Path, run_tests:
     assert (robot.parents[1] / "runs").read_text() == "run\n" * 3
 
 
+@pytest.mark.long
 def test_tests_of_one_name_are_a_failure(run_tests: RunTests) -> None:
     same = test_tag("writer", args=f"&quot;{GOOD}&quot; 0", attributes='name="a"')
     done = run_tests(same + same.replace('name="a"', 'name="b"'))
@@ -217,6 +220,7 @@ def test_running_hub_is_used_and_cleared(
         assert speed in (results(robot, "rostest-test_robot.xml").findtext("system-out") or "")
 
 
+@pytest.mark.long
 def test_results_are_where_the_options_say(robot: Path, run_tests: RunTests) -> None:
     folder = robot.parents[1] / "results"
     options = ["--package", "other", "--pkgdir", str(robot.parent), "--results-filename", "all.xml"]

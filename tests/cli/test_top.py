@@ -134,6 +134,7 @@ def test_dumb_terminal_gets_plain_text(terminal: Take) -> None:
 
 
 @on_terminals
+@pytest.mark.long
 def test_colours_can_be_disabled(terminal: Take) -> None:
     top = terminal(TERM="xterm", NO_COLOR="1")
     top.wait_for("/chatter")

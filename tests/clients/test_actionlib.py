@@ -23,6 +23,7 @@ def test_action_sends_feedback_and_a_result(seen: Any) -> None:
     }
 
 
+@pytest.mark.long
 def test_goal_can_be_cancelled(seen: Any) -> None:
     assert seen == {
         "feedback": [{"sequence": [0, 1]}],

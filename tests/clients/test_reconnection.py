@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from .casts import playing
 
 pytestmark = playing("reconnection")
 
 
+@pytest.mark.long
 def test_client_reconnects_when_the_hub_returns(seen: Any) -> None:
     assert seen == [{"data": "before"}, {"data": "after"}]

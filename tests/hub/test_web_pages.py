@@ -186,6 +186,7 @@ async def test_connections_that_the_video_server_refuses_are_logged_once(
     assert caplog.text.count("the limit of 0 is reached") == 1
 
 
+@pytest.mark.long
 def test_all_listening_ports_are_tested_here() -> None:
     package = Path(fibws.__file__).parent
     listening = {

@@ -228,6 +228,7 @@ def test_invalid_bytes_are_refused_and_the_field_is_named(
 
 @examples(2)
 @given(st.sampled_from(TYPES), st.data())
+@pytest.mark.long
 def test_check_accepts_what_can_be_deserialized(type_: str, data: st.DataObject) -> None:
     """Random bytes, and bytes of messages that are changed, cut or extended."""
     serializer = SERIALIZERS.of(type_)

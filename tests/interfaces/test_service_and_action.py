@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 PROGRAM = """
@@ -64,6 +66,7 @@ call(service_class("std_srvs/Empty"), AddTwoIntsRequest())
 """
 
 
+@pytest.mark.long
 def test_service_and_action_list_their_messages(tmp_path: Path) -> None:
     script = tmp_path / "program.py"
     script.write_text(PROGRAM, "utf-8")

@@ -176,6 +176,7 @@ async def test_unmodified_tf_tutorial_lets_one_turtle_follow_another(
             break
 
 
+@pytest.mark.long
 async def test_launch_file_starts_it(hub: Hub, start: Start, tmp_path: Path) -> None:
     path = tmp_path / "turtles.launch"
     path.write_text('<launch><node pkg="turtlesim" type="turtlesim_node" name="sim"/></launch>')

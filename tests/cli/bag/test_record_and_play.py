@@ -560,6 +560,7 @@ def test_playback_is_controlled_by_services(hub: HubThread, bag: Path) -> None:
     assert player.returncode == 0
 
 
+@pytest.mark.long
 def test_keys_control_the_playback(hub: HubThread, tmp_path: Path, client: HubClient) -> None:
     bag = write(tmp_path / "a.bag", (0, int32("/n", 0)), (1000, int32("/n", 1)))
     received: list[int] = []

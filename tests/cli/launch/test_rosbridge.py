@@ -43,6 +43,7 @@ def http_server() -> Iterator[str]:
         thread.join(60)
 
 
+@pytest.mark.long
 def test_own_hub_listens_on_the_port_of_the_launch_file(
     launch: Launch, robot: Path, port: int
 ) -> None:
@@ -90,6 +91,7 @@ def test_port_option_comes_before_the_port_of_the_launch_file(
     assert f"port {port} is ignored" in result.stderr
 
 
+@pytest.mark.long
 def test_other_server_at_the_default_port_does_not_matter(
     launch: Launch,
     robot: Path,

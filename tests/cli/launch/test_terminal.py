@@ -119,6 +119,7 @@ def test_node_may_use_the_whole_screen(begin: Begin) -> None:
     assert terminal.modes() == before
 
 
+@pytest.mark.long
 def test_terminal_is_restored_after_a_node_that_crashed(begin: Begin) -> None:
     terminal = begin(CRASHING, 'output="screen"')
     terminal.wait_for("process has died")
@@ -128,6 +129,7 @@ def test_terminal_is_restored_after_a_node_that_crashed(begin: Begin) -> None:
     assert "\r\n\x1b[31m[n-1] process has died" in terminal.output
 
 
+@pytest.mark.long
 def test_background_job_is_not_stopped_by_the_terminal(begin: Begin) -> None:
     # A change of the terminal's settings would stop it, and `wait` would return 128 + SIGTTOU.
     terminal = begin(CRASHING, 'output="screen"', shell="set -m; {} & wait $!; echo ended: $?.")

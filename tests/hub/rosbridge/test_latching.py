@@ -90,6 +90,7 @@ def test_latched_message_is_forgotten_with_its_publisher(end: str) -> None:
     assert other.receive() == []
 
 
+@pytest.mark.long
 def test_repeated_subscribes_do_not_fill_the_memory() -> None:
     hub = FakeHub()
     talker, listener = hub.client(), hub.client()

@@ -181,6 +181,7 @@ async def test_refusals_have_a_code(limited: Hub) -> None:
     ],
     ids=["CBOR", "JSON in a binary frame", "fragments", "text", "long text"],
 )
+@pytest.mark.long
 async def test_every_kind_of_message_counts(limited: Hub, message: bytes) -> None:
     async with connected(limited.port, "/?node=/flooder") as flooder:
         await flooder.advertises("/t")

@@ -7,6 +7,7 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from ports import port as port
 from running_programs import Program
 
@@ -67,6 +68,7 @@ async def test_goals_can_be_accepted_in_callbacks() -> None:
     assert "when a new goal is not available" in server.err[0]
 
 
+@pytest.mark.long
 async def test_ctrl_c_ends_a_server_during_a_goal(hub: Hub, start_script: StartScript) -> None:
     server = await start_script("fibonacci_server.py")
     assert "ready" in await server.line()

@@ -192,6 +192,7 @@ def test_what_cannot_be_launched_is_an_error(monkeypatch: pytest.MonkeyPatch) ->
         roslaunch.ROSLaunch().start()
 
 
+@pytest.mark.long
 def test_end_of_the_script_ends_its_nodes_and_its_hub(tmp_path: Path, port: int) -> None:
     script = tmp_path / "launcher.py"
     script.write_text(
