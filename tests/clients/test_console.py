@@ -25,7 +25,7 @@ MISTAKES = (
     ("publish", "requires a string for field data"),
     ("publish", "Expected a JSON object"),
     ("advertise", "/chatter with type std_msgs/Int32", "std_msgs/String"),
-    ("subscribe", "/chatter with type std_msgs/Int32", "std_msgs/String"),
+    ("/chatter has type std_msgs/String", "no messages pass from or to type std_msgs/Int32"),
     ("std_msg/String", "did you mean std_msgs/String?"),
     ("advertise", "Sting", "did you mean std_msgs/String?"),
     ("advertise", "'/a name' is not a legal name"),

@@ -205,7 +205,8 @@ async def test_debug_shows_names_of_the_hub_and_of_this_page(hub: Hub, open_page
         await expect(element(page, "topic", "/rosout")).to_have_count(0)
         await page.get_by_role("checkbox", name="Debug").check()
         await expect(element(page, "topic", "/rosout")).to_be_visible()
-        await expect(page.locator('.graph .element[data-id^="node /page_"]')).to_have_count(1)
+        # One node calls and publishes, the other one receives.
+        await expect(page.locator('.graph .element[data-id^="node /page_"]')).to_have_count(2)
         await page.get_by_role("checkbox", name="Debug").uncheck()
         await expect(element(page, "topic", "/rosout")).to_have_count(0)
 

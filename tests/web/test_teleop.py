@@ -311,7 +311,7 @@ async def test_nothing_is_held_after_a_lost_connection(
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     await drive(page, robot)
-    (name,) = [each for each in hub.graph.nodes if each.startswith("/page_")]
+    (name,) = [*hub.graph.topics["/cmd_vel"].publishers]
     await robot.node.call("/rosapi/kill_node", "fibws_msgs/KillNode", {"node": name})
     while await robot.next() != ZERO:
         pass

@@ -6,9 +6,11 @@ function field(type: string, array = -1): { name: string; type: string; array: n
 }
 
 describe("the text of a value", () => {
-  it("is exact", () => {
+  it("is exact or marked as rounded", () => {
     expect(leafText(0.1, field("float64"))).toEqual(["0.1", "number", ""]);
     expect(leafText(2n ** 53n + 1n, field("int64"))[0]).toBe("9007199254740993");
+    expect(leafText(2 ** 53, field("int64"))[0]).toBe("≈ 9007199254740992");
+    expect(leafText(2 ** 53, field("float64"))[0]).toBe("9007199254740992");
     expect(leafText(-Infinity, field("float32"))[0]).toBe("-inf");
     expect(leafText(-0, field("float32"))[0]).toBe("-0");
     expect(leafText(1e300, field("float64"))[0]).toBe("1e+300");

@@ -378,6 +378,13 @@ export function leafText(
     const rest = whole(value.length - MAX_CHARACTERS);
     return [`"${value.slice(0, MAX_CHARACTERS)}" … ${rest} more characters`, "string", ""];
   }
+  if (typeof value === "number" && isRounded(value, field)) {
+    return [
+      `≈ ${BigInt(value)}`,
+      "number",
+      "JSON has integers exactly only up to 2^53 here: the last digits may differ",
+    ];
+  }
   if (typeof value === "number" || typeof value === "bigint") {
     return [numberText(value), Number.isNaN(value) ? "word" : "number", ""];
   }
@@ -387,6 +394,13 @@ export function leafText(
     return [text, "time", `${secs} s and ${nsecs} ns`];
   }
   return [String(value), "word", ""];
+}
+
+/** Whether a number was an integer in JSON, of which a browser may have lost the last digits. */
+function isRounded(value: number, field: Field | undefined): boolean {
+  const isInteger =
+    field === undefined ? Number.isInteger(value) : kindOf(field.type) === "integer";
+  return isInteger && !Number.isSafeInteger(value);
 }
 
 /** The first bytes of an array, or of base64 text. */

@@ -89,9 +89,9 @@ def test_files_of_a_split_have_all_messages_once(
         for topic in ("/map", "/blob"):
             wait_for_subscriber(hub.url, topic)
         publish_blobs(client)
+        while sum(map(count, parts(tmp_path))) < BLOBS:
+            assert recording.process.poll() is None
         if end == signal.SIGKILL:
-            while sum(map(count, parts(tmp_path))) < BLOBS:
-                assert recording.process.poll() is None
             recording.process.kill()
             recording.process.wait(PATIENCE)
             [active] = tmp_path.glob("*.active")
