@@ -140,9 +140,10 @@ def add_option(parser: pytest.Parser) -> None:
 
 
 def select_tests(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """When recording, keep the tests that have answers, each module's on one worker."""
+    """When recording, keep all tests that have answers, each module's on one worker."""
     if not config.getoption("--record-ros"):
         return
+    config.option.markexpr = ""  # The answers of those that are left out otherwise would be lost.
     asking = [item for item in items if "answers" in getattr(item, "fixturenames", ())]
     for item in asking:
         item.add_marker(pytest.mark.xdist_group(str(answer_file(item.path))))
