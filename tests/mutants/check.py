@@ -113,6 +113,7 @@ class Tree:
         environment = {**os.environ, "PYTHONPATH": str(self._folder)}
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         options = ["-q", "-x", "-n0", "-pno:cacheprovider", f"--timeout={TEST_TIMEOUT}"]
+        options += ["-m", "not slow"]  # Long ones, which run in `.ci/all` alone, guard as well.
         command = [os.path.abspath(sys.executable), "-m", "pytest", *options, *tests]
         try:
             return subprocess.run(
