@@ -255,7 +255,7 @@ async def test_section_zenoh_counts_as_soon_as_it_is_reloaded(join: Join, path: 
         async with asyncio.timeout(PATIENCE):
             while (await anext(scans)).data != "after":
                 pass
-        write('[zenoh]\nallow = {subscribe = ["/scan"]}\n')
+        write('[zenoh]\nallow = {subscribe = ["/scan"], node = ["/nobody"]}\n')
         await reloaded(robot)
         await until(
             lambda: not robot.federation.peers and "/driver" not in cloud.graph.nodes, robot, cloud
