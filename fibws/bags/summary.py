@@ -272,7 +272,7 @@ def value_text(summary: dict[str, Any], key: str) -> str:
     """Return the value of a key of `as_dict`, such as ``topics[0].type``, as rosbag prints it.
 
     Raises:
-        UnknownKey: there is none.
+        UnknownKey: the summary has no such key.
     """
     value: Any = summary
     for name in key.replace("[", ".[").split("."):

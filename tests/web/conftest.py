@@ -130,8 +130,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
     is JavaScript that runs before the page's own, ``address`` is the page's address if it is not
     the hub's own. With ``has_clock``, ``page.clock.run_for`` lets time pass in the page without
     waiting. Other keywords are those of playwright's ``new_context``, such as
-    ``color_scheme="dark"``. The fixture ``hub``
-    is requested so that it outlives all pages.
+    ``color_scheme="dark"``. The fixture ``hub`` is requested so that it outlives all pages.
     """
     if not (BUILT / "index.html").exists() and not os.environ.get("CI"):
         pytest.skip("the page is not built: npm ci && npm run build, in web/")
