@@ -14,7 +14,6 @@ from bench.machine import on_load_cpu
 from bench.measure import Plan, Repeated, microseconds
 from bench.report import Report
 from bench.servers import Server, running
-from fibws.hub.delivery.deferred import DeferredFrame
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Topic
 from fibws.hub.graph.types import Types
@@ -157,14 +156,9 @@ def _encoding_costs(plan: Plan) -> dict[Kind, Repeated]:
 def _encoder(types: Types, kind: Kind) -> Callable[[], object]:
     message_type = types.message(kind.type)
     message = message_type.validate(kind.msg)
-    encode = Encoding(kind.compression).for_topic(Topic(kind.topic), kind.topic, print)
+    encode = Encoding(kind.compression).for_topic(Topic(kind.topic), kind.topic)
 
-    def make_frame() -> None:
-        frame = encode(Publication(message_type, "/bench", b"{}", time.time_ns(), message))
-        if isinstance(frame, DeferredFrame):
-            frame.make()
-
-    return make_frame
+    return lambda: encode(Publication(message_type, "/bench", b"{}", time.time_ns(), message))
 
 
 def _costs(server: Server, plan: Plan, report: Report) -> dict[Kind, Costs]:

@@ -259,7 +259,9 @@ class Hub:
     def _answer_requests(self) -> None:
         """Prepare for clients and HTTP requests, which come once the server serves."""
         loop = asyncio.get_running_loop()
-        rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
+        rosbridge = Rosbridge(
+            self.graph, loop, self.settings, self._threads, self._own.refusals.report
+        )
         self.endpoints = endpoints = Endpoints(rosbridge.open)
         endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         endpoints.add(
@@ -314,7 +316,6 @@ class Hub:
         requests.add_route("/metrics", metrics.respond)
         flusher = Flusher(
             loop.call_soon,
-            self._threads,
             allowance=self._account.allowance,
             max_unwritten=_max_unwritten(self.settings),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import deque
 from collections.abc import Callable, Iterator, Sized
 from heapq import heappop, heappush
 from itertools import count
@@ -11,8 +12,8 @@ from typing import Any
 import cbor2
 
 from fibws.access.rights import Principal
-from fibws.hub.delivery.deferred import DeferredFrame
 from fibws.hub.delivery.send_queue import Bytes, Flusher, Frame, LargeFrame, SendQueue
+from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.rosbridge.session import Rosbridge, Session
@@ -93,12 +94,26 @@ class FakeClock:
         return sum(not timer.cancelled for _, _, timer in self._timers)
 
 
+class InlineWorkers:
+    """`Workers` that work at once."""
+
+    def __init__(self) -> None:
+        self._jobs: deque[tuple[Callable[[], object], Callable[[], object]]] = deque()
+        self._is_busy = False
+
+    def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
+        """Call ``work`` and then ``done``; if within another job, behind that."""
+        self._jobs.append((work, done))
+        if not self._is_busy:
+            self._is_busy = True
+            while self._jobs:
+                for each in self._jobs.popleft():
+                    each()
+            self._is_busy = False
+
+
 def frames(data: Frame) -> Iterator[tuple[int, bytes]]:
     """Split unmasked WebSocket frames, each a whole message, into first bytes and payloads."""
-    if isinstance(data, DeferredFrame):
-        assert data.make()
-        assert data.data is not None
-        data = data.data
     if isinstance(data, LargeFrame):
         data = b"".join((data.head, data.body))
     while data:
@@ -134,6 +149,7 @@ class FakeHub:
         policy: Policy | None = None,
         clock: FakeClock | None = None,
         interfaces: Interfaces = STANDARD,
+        workers: Workers | None = None,
         **settings: Any,
     ) -> None:
         self.settings = Settings(**settings)
@@ -145,7 +161,9 @@ class FakeHub:
             strict_types=self.settings.strict_types,
             policy=policy,
         )
-        self.rosbridge = Rosbridge(self.graph, self.clock, self.settings)
+        self.rosbridge = Rosbridge(
+            self.graph, self.clock, self.settings, workers or InlineWorkers()
+        )
 
     def client(
         self,

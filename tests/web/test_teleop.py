@@ -263,6 +263,8 @@ async def test_robot_stops_when_the_page_stands_still(
     while await robot.next() != ZERO:
         pass
     await debugger.detach()
+    # Chromium drops the events of keys until the page goes on.
+    await page.evaluate("new Promise(requestAnimationFrame)")
     await page.keyboard.up("w")
     await robot.rest(page)
 

@@ -15,7 +15,6 @@ from itertools import chain
 from typing import Any, TypeAlias
 
 from fibws.hub.delivery.byte_allowance import ByteAllowance
-from fibws.hub.delivery.deferred import DeferredFrame, DeferredFrames, InlineWorkers, Workers
 from fibws.protocol.frame_queue import EMPTY, FrameQueue, Lane
 
 logger = logging.getLogger("fibws.hub")
@@ -53,13 +52,11 @@ class LargeFrame:
         return self._size
 
 
-MadeFrame: TypeAlias = bytes | LargeFrame
+Frame: TypeAlias = bytes | LargeFrame
 """A WebSocket frame, ready to be written."""
-Frame: TypeAlias = MadeFrame | DeferredFrame
-"""A frame that is ready, or is made when a client reads it."""
 
 
-def frame_of(head: bytes, body: Bytes) -> MadeFrame:
+def frame_of(head: bytes, body: Bytes) -> Frame:
     """Return a frame made of two pieces: joined, unless the second one is large."""
     return LargeFrame(head, body) if len(body) >= LARGE else b"".join((head, body))
 
@@ -76,7 +73,6 @@ class SendQueue:
 
     __slots__ = (
         "_broken",
-        "_deferred",
         "_fresh",
         "_kept",
         "_replies",
@@ -106,7 +102,7 @@ class SendQueue:
     ) -> None:
         self.flusher = flusher
         self.max_bytes = max_bytes
-        self.frames: list[MadeFrame] = []
+        self.frames: list[Frame] = []
         """Frames to be written at the end of the turn."""
         self.paused = False
         """Whether frames are kept rather than written."""
@@ -121,23 +117,20 @@ class SendQueue:
         self._write = write
         self._broken = broken
         self._socket_full = False
-        self._rest: deque[MadeFrame | memoryview | bytearray] = EMPTY
+        self._rest: deque[Frame | memoryview | bytearray] = EMPTY
         """The rest of the frame that filled the socket, and the frames behind it."""
         self._rest_bytes = 0
         self._unwritten = 0
         """Bytes of `frames` while paused."""
         self._replies: deque[bytes] = EMPTY
-        self._fresh: OrderedDict[Callable[[], MadeFrame], None] | None = None
+        self._fresh: OrderedDict[Callable[[], Frame], None] | None = None
         self._reply_bytes = 0
-        self._kept: FrameQueue[Lane, MadeFrame] | None = None
-        self._deferred: DeferredFrames | None = None
+        self._kept: FrameQueue[Lane, Frame] | None = None
 
     @property
     def kept_bytes(self) -> int:
         """Bytes that are kept until the client reads, or until a throttle lets them pass."""
         messages = self._kept.size if self._kept is not None else 0
-        if self._deferred is not None:
-            messages += self._deferred.size
         started = self._unwritten + self._rest_bytes
         return messages + self._reply_bytes + started + self.throttled_bytes
 
@@ -155,8 +148,7 @@ class SendQueue:
     @property
     def own_bytes(self) -> int:
         """The kept bytes without those of messages, which clients share."""
-        deferred = self._deferred.size if self._deferred is not None else 0
-        return self._reply_bytes + self.throttled_bytes + deferred
+        return self._reply_bytes + self.throttled_bytes
 
     def buffers(self) -> Iterator[Any]:
         """Yield the holders of the kept messages; other clients may share them."""
@@ -181,9 +173,7 @@ class SendQueue:
 
     def put(self, frame: Frame, lane: Lane) -> None:
         """Send a message's frame, or keep it in its subscription's lane while paused."""
-        if isinstance(frame, DeferredFrame):
-            self._defer(frame, lane)
-        elif self.paused:
+        if self.paused:
             self.keep(frame, lane)
         else:
             self._send(frame)
@@ -201,9 +191,9 @@ class SendQueue:
             self._replies.append(frame)
             self._reply_bytes += len(frame)
             self._grow(len(frame))
-            self._make_room()
+            self.shorten(self.max_bytes)
 
-    def reply_fresh(self, make: Callable[[], MadeFrame]) -> None:
+    def reply_fresh(self, make: Callable[[], Frame]) -> None:
         """Send the frames that a function makes, now or when a paused client reads again.
 
         Nothing of them is kept meanwhile, however often this is called.
@@ -214,7 +204,7 @@ class SendQueue:
         elif frame := make():
             self._send(frame)
 
-    def keep(self, frame: MadeFrame, lane: Lane) -> None:
+    def keep(self, frame: Frame, lane: Lane) -> None:
         """Keep a message's frame until the client reads again; drop older ones beyond limits."""
         kept = self._kept
         if kept is None:
@@ -225,13 +215,7 @@ class SendQueue:
         self.dropped += kept.trim(lane, max(1, lane.limit))
         while self.exceeded and len(lane.waiting) > 1:
             self.dropped += kept.trim(lane, len(lane.waiting) - 1)
-        self._make_room()
-
-    def _make_room(self) -> None:
-        """Drop the oldest messages while more is kept than allowed, all but the newest one."""
         self.shorten(self.max_bytes)
-        if self._deferred is not None and self.exceeded:
-            self._deferred.make_room()
 
     def shorten(self, size: int, least: int = 1) -> None:
         """Drop the oldest messages until ``size`` bytes are kept, or ``least`` messages."""
@@ -240,16 +224,6 @@ class SendQueue:
             _, oldest = next(iter(kept))
             assert oldest is not None
             self.dropped += kept.trim(oldest, len(oldest.waiting) - 1)
-
-    def _defer(self, frame: DeferredFrame, lane: Lane) -> None:
-        """Send a frame once it is made; newer ones replace it before if there is no room."""
-        if self._deferred is None:
-            self._deferred = DeferredFrames(self, self.flusher.workers)
-        self._grow(len(frame))
-        self._deferred.put(frame, lane)
-        if self._kept is not None:
-            room = max(1, lane.limit) - self._deferred.count(lane)
-            self.dropped += self._kept.trim(lane, max(0, room))
 
     def _grow(self, size: int) -> None:
         """Report bytes that are kept from now on."""
@@ -260,14 +234,8 @@ class SendQueue:
 
     def forget(self, lane: Lane) -> None:
         """Remove the frames of a subscription that has ended."""
-        self.forget_deferred(lane)
         if self._kept is not None:
             self._kept.forget(lane)
-
-    def forget_deferred(self, lane: Lane) -> None:
-        """Remove the frames not made yet of a subscription that changes its encoding."""
-        if self._deferred is not None:
-            self._deferred.forget(lane)
 
     def pause(self) -> None:
         """Keep frames from now on: the client's socket takes no more."""
@@ -281,15 +249,11 @@ class SendQueue:
             self._write_rest()
             if self._socket_full:
                 return
-        if self._deferred is not None:
-            self._deferred.keep_made()
         self.paused = False
         self._unwritten = 0
         self._refill()
         if self.frames and not self.paused:
             self.flusher.add(self)
-        if self._deferred is not None and not self.paused:
-            self._deferred.resume()
 
     def flush(self) -> None:
         """Write the frames of this turn, unless paused."""
@@ -307,7 +271,7 @@ class SendQueue:
             # uvloop raises where asyncio does not; the publisher must not pay for it.
             self.cut_off()
 
-    def write_all(self, frames: Iterable[MadeFrame]) -> None:
+    def write_all(self, frames: Iterable[Frame]) -> None:
         """Write frames in order, in pieces that the socket takes; the rest may not be dropped."""
         if self._rest is EMPTY:
             self._rest = deque()
@@ -352,7 +316,7 @@ class SendQueue:
             else:
                 rest.insert(1, bytearray(data))
             self._rest_bytes += len(data)
-            self._make_room()
+            self.shorten(self.max_bytes)
         else:
             self.write(data)
 
@@ -380,10 +344,8 @@ class SendQueue:
         self._reply_bytes = 0
         if self._kept is not None:
             self._kept.clear()
-        if self._deferred is not None:
-            self._deferred.clear()
 
-    def _send(self, frame: MadeFrame) -> None:
+    def _send(self, frame: Frame) -> None:
         if not self.frames:
             self.flusher.add(self)
         self.frames.append(frame)
@@ -408,7 +370,7 @@ class SendQueue:
         self._fresh = None
         self._kept = None
 
-    def _pop(self) -> MadeFrame | None:
+    def _pop(self) -> Frame | None:
         """Remove and return the next frame to write; None if there is none."""
         if self._replies:
             reply = self._replies.popleft()
@@ -437,7 +399,6 @@ class Flusher:
 
     Args:
         call_soon: calls a function at the end of the turn.
-        workers: make deferred frames.
         allowance: reduced by the bytes that the queues keep.
         max_unwritten: most bytes that may wait for that in all queues together.
     """
@@ -445,12 +406,10 @@ class Flusher:
     def __init__(
         self,
         call_soon: Callable[[Callable[[], None]], object],
-        workers: Workers | None = None,
         *,
         allowance: ByteAllowance | None = None,
         max_unwritten: int = MOST_UNWRITTEN,
     ) -> None:
-        self.workers: Workers = workers or InlineWorkers()
         self.allowance = allowance or ByteAllowance()
         self._call_soon = call_soon
         self._max_unwritten = max_unwritten
@@ -476,7 +435,7 @@ class Flusher:
         if self._bytes > self._max_unwritten:
             self.flush()
 
-    def broadcast(self, frame: MadeFrame, targets: dict[SendQueue, Lane]) -> None:
+    def broadcast(self, frame: Frame, targets: dict[SendQueue, Lane]) -> None:
         """Put one frame into many queues, as `SendQueue.put` does for each: the hub's inner loop.
 
         Args:
@@ -495,11 +454,6 @@ class Flusher:
         if self._bytes > self._max_unwritten:
             self.flush()
 
-    def broadcast_deferred(self, frame: DeferredFrame, targets: dict[SendQueue, Lane]) -> None:
-        """Put one deferred frame into many queues."""
-        for queue, lane in targets.items():
-            queue.put(frame, lane)
-
     def flush(self) -> None:
         """Write all frames that are due.
 
@@ -513,8 +467,8 @@ class Flusher:
                 logger.exception("What was to be sent at the end of a turn failed.")
         due, self._due = self._due, []
         self._bytes = 0
-        last: list[MadeFrame] = []
-        pieces: list[MadeFrame] = []
+        last: list[Frame] = []
+        pieces: list[Frame] = []
         joined = b""
         for queue in due:
             if queue.paused:
@@ -538,13 +492,9 @@ class Flusher:
                 queue.cut_off()
 
 
-def _joined(frames: list[MadeFrame]) -> bytes:
+def _joined(frames: list[Frame]) -> bytes:
     """Return the frames as one piece; nothing if one of them is large."""
     try:
         return b"".join(frames)  # type: ignore[arg-type]  # A large one raises.
     except TypeError:
         return b""
-
-
-Broadcast: TypeAlias = Callable[[Any, dict[SendQueue, Lane]], object]
-"""Puts frames of one kind into many queues: a method of `Flusher`."""

@@ -1,305 +1,233 @@
-"""Throttles: at most one message of a subscription in a period (rosbridge's throttle_rate)."""
+"""Throttles: subscriptions that want fewer messages, or no more than their clients can take."""
 
 from __future__ import annotations
 
-from collections import OrderedDict, deque
-from collections.abc import Iterator
-from itertools import chain, islice
+from collections import deque
 from math import inf
-from typing import Generic
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from fibws.hub.delivery.clock import Clock, Timer
-from fibws.hub.delivery.cohort import Cohort, M, Throttling
-from fibws.hub.delivery.send_queue import Broadcast, Frame, SendQueue
+from fibws.hub.delivery.send_queue import Frame, SendQueue
+from fibws.protocol.frame_queue import Lane
 
 EARLY = 0.001
 """Seconds by which a message may come early: timers are no finer than a millisecond."""
 
+M = TypeVar("M", bound="Member")
+"""The kind of subscriptions."""
+
+
+class Throttling(NamedTuple):
+    """How a subscription wants its messages throttled.
+
+    Attributes:
+        period: least seconds between two messages (rosbridge's throttle_rate).
+        queue_length: how many of the newest messages wait for their turn; 0 drops all that come too
+            early (rosbridge's queue_length).
+        credit: most messages on the way that the client has not acknowledged; 0 for any number.
+            With credit at least one message waits.
+    """
+
+    period: float
+    queue_length: int
+    credit: int = 0
+
+    @property
+    def room(self) -> int:
+        """How many messages may wait."""
+        return max(1, self.queue_length) if self.credit else self.queue_length
+
+
+class Member(Protocol):
+    """A subscription in a group; all but the first three are for the group to set."""
+
+    queue: SendQueue
+    """Its client's."""
+    lane: Lane
+    throttling: Throttling | None
+    """None while every message is sent at once; it must not change while in a group."""
+    sent: int
+    """Messages that it was sent, except those that its group counts for all without a throttle."""
+    throttled: int
+    """Messages that its throttle left out, once it has none any more."""
+    unacknowledged: int
+    """Messages sent on credit that its client has not acknowledged."""
+
 
 class Throttle(Generic[M]):
-    """Sends each of its members one frame in a period; frames in between wait or are dropped.
+    """Sends one member frames at the pace that it asked for; others wait, or are left out.
 
-    With a queue, one frame leaves it each period, the oldest first, and the oldest is dropped when
-    the queue is full, as in rosbridge_library's message handlers.
+    Each period the oldest frame that waits is sent, as in rosbridge_library's message handlers.
 
-    Members that were sent a frame at the same moment are due at the same moment: they form a
-    cohort, and stay together. Cohorts wait for their time in the order in which it comes, and the
-    frames that wait are the same for all, so that a message costs as little for many members as for
-    one. Its bytes are counted for one of the members' clients.
-
-    Args:
-        broadcast: sends a frame to many clients.
+    A member with credit is sent frames while fewer than its credit are unacknowledged, and only
+    once its client's socket takes them: until then newer ones take their places, so that what the
+    client gets is as fresh as its link and its own speed allow. Latched frames wait for that, too,
+    but are not replaced, since each may be another publisher's.
     """
 
     __slots__ = (
-        "_broadcast",
-        "_bytes",
-        "_caught_up",
         "_clock",
-        "_cooling",
         "_due",
-        "_number",
-        "_payer",
-        "_period",
-        "_queue_length",
-        "_ready",
-        "_size",
-        "_standing",
+        "_latched",
+        "_member",
+        "_room",
+        "_throttling",
         "_timer",
         "_waiting",
         "wants_from",
     )
 
-    def __init__(
-        self,
-        throttling: Throttling,
-        broadcast: Broadcast,
-        clock: Clock,
-    ) -> None:
-        self.wants_from = inf
-        """The earliest time at which a frame would be sent to a member."""
-        self._period, self._queue_length, _ = throttling
-        self._broadcast = broadcast
+    def __init__(self, member: M, throttling: Throttling, clock: Clock) -> None:
+        self.wants_from = -inf
+        """The earliest time at which a frame would be sent or kept."""
+        self._member: M | None = member
+        self._throttling = throttling
+        self._room = throttling.room
         self._clock = clock
-        self._size = 0
-        self._ready: Cohort[M] = Cohort()
-        """The members that are sent the next frame at once."""
-        self._cooling: OrderedDict[Cohort[M], None] = OrderedDict()
-        """The cohorts that must wait, in the order of their times."""
-        self._due = inf
-        """The time of the first of these."""
         self._waiting: deque[Frame] = deque()
-        """The last frames, from the oldest that a cohort has not been sent."""
-        self._standing: deque[int] = deque()
-        """For how many cohorts each of these is the next one."""
-        self._bytes = 0
-        self._number = 0
-        """Of the frame that comes next."""
-        self._caught_up = 0
-        """Cohorts that must wait, but have been sent all frames."""
-        self._payer: SendQueue | None = None
-        """The client for which the bytes of the frames that wait are counted."""
+        """Latched frames, then others; their bytes count as kept for the client."""
+        self._latched = 0
+        """How many of these are latched."""
+        self._due = -inf
+        """The earliest time of the next frame."""
         self._timer: Timer | None = None
 
-    def __len__(self) -> int:
-        return self._size
+    @property
+    def waiting(self) -> int:
+        """How many frames wait."""
+        return len(self._waiting)
 
-    def members(self) -> Iterator[M]:
-        """Return all members."""
-        return chain(self._ready.members(), *(each.members() for each in self._cooling))
-
-    def waiting_for(self, member: M) -> int:
-        """Return how many frames wait for one of its members."""
-        cohort = member.cohort
-        return 0 if cohort is self._ready or cohort is None else self._number - self._next(cohort)
-
-    def add(self, member: M) -> None:
-        """Add a member, which is sent the next frame at once."""
-        self._size += 1
-        self._ready.add(member)
-        self.wants_from = -inf
-
-    def remove(self, member: M) -> None:
-        """Remove one of its members; frames that wait for it alone are dropped."""
-        cohort = member.cohort
-        assert cohort is not None
-        self._size -= 1
-        cohort.remove(member)
-        if not cohort.targets and cohort is not self._ready:
-            del self._cooling[cohort]
-            self._stand(self._next(cohort), -1)
-            self._forget_sent()
-        if member.queue is self._payer:
-            self._pass_on(next(self._clients(), None))
-            if self._waiting:
-                self._make_room()
-        if not self._cooling and self._timer is not None:
+    def close(self) -> None:
+        """Drop the frames that wait: the member has left."""
+        while self._waiting:
+            self._pop()
+        self._member = None
+        if self._timer is not None:
             self._timer.cancel()
-            self._timer = None
+
+    def offer(self, frame: Frame) -> None:
+        """Send a frame now, later or never."""
+        if not self._waiting:
+            self._due = max(self._due, self._clock.time())
+        self._keep(frame)
+        if self._timer is None:  # Else it is early for all frames that wait.
+            self._send()
+        while len(self._waiting) - self._latched > self._room:
+            self._count(-len(self._waiting[self._latched]))
+            del self._waiting[self._latched]
+            # One that the client did not ask to keep counts as left out.
+            if self._throttling.credit and self._room > 1:
+                self._count_dropped()
+        self._make_room(len(frame))
         self._schedule()
 
-    def offer(self, frame: Frame, now: float) -> None:
-        """Send a frame to each member now, later or never."""
-        has_changed = self._due - EARLY <= now
-        if has_changed:
-            self._release(now)
-        self._number += 1
-        if self._queue_length and (self._waiting or self._caught_up):
-            self._keep(frame)
-        if self._ready.targets:
-            has_changed = True
-            cohort, self._ready = self._ready, Cohort()
-            self._send(frame, cohort, now + self._period)
-        if has_changed or (self._timer is None and self._waiting):
-            self._schedule()
+    def replay(self, frame: Frame) -> None:
+        """Send a latched frame, regardless of the period, but not of the credit."""
+        member = self._member
+        assert member is not None
+        if not self._throttling.credit:
+            member.sent += 1
+            member.queue.put(frame, member.lane)
+            return
+        self._keep(frame)
+        self._latched = len(self._waiting)
+        self._send()
+        self._make_room(len(frame))
+        self._schedule()
 
-    def offer_to(self, member: M, frame: Frame, now: float) -> bool:
-        """Send a frame to one of the members now or never; return False if it must wait."""
-        if self._due - EARLY <= now:
-            self._release(now)
-            self._schedule()
-        if member.cohort is self._ready:
-            self._ready.remove(member)
-            alone: Cohort[M] = Cohort()
-            alone.add(member)
-            self._send(frame, alone, now + self._period)
-            self._schedule()
-            return True
-        return not self._queue_length
+    def proceed(self) -> None:
+        """Send what may be sent by now, and what is only early later."""
+        self._send()
+        self._schedule()
 
-    def split(self, member: M) -> Throttle[M]:
-        """Remove one of the members that must wait; return a throttle for it alone."""
-        cohort = member.cohort
-        assert cohort is not None
-        number = self._next(cohort) - self._number + len(self._waiting)
-        waiting = list(islice(self._waiting, number, None))
-        self.remove(member)
-        alone: Throttle[M] = Throttle(
-            Throttling(self._period, self._queue_length), self._broadcast, self._clock
-        )
-        alone._size = 1
-        single: Cohort[M] = Cohort()
-        single.add(member)
-        alone._cool(single, cohort.due)
-        for frame in waiting:
-            alone._number += 1
-            alone._keep(frame)
-        alone._schedule()
-        return alone
-
-    def _send(self, frame: Frame, cohort: Cohort[M], due: float) -> None:
-        """Send a frame to a cohort, which is due again at a later time."""
-        self._cool(cohort, due)
-        cohort.sent += 1
-        self._broadcast(frame, cohort.targets)
-
-    def _cool(self, cohort: Cohort[M], due: float) -> None:
-        cohort.due = due
-        cohort.next = self._number
-        self._cooling[cohort] = None
-        self._caught_up += 1
-
-    def _release(self, now: float) -> None:
-        """Send each cohort whose time has come the next frame; those without one are ready."""
-        for _ in range(len(self._cooling)):
-            cohort = next(iter(self._cooling))
-            if cohort.due - EARLY > now:
+    def _send(self) -> None:
+        """Send one frame whose time has come; with credit, all that the client's socket takes."""
+        member = self._member
+        if member is None or not self._may_send():
+            return
+        if not self._throttling.credit:
+            member.queue.put(self._take(), member.lane)
+            return
+        while self._may_send():
+            member.queue.reply_fresh(self._take)
+            if member.queue.paused:
                 return
-            del self._cooling[cohort]
-            number = self._next(cohort)
-            self._stand(number, -1)
-            if number == self._number:
-                self._ready = self._ready.joined(cohort)
-                continue
-            frame = self._waiting[number - self._number]
-            cohort.next = number + 1
-            cohort.due = max(cohort.due, now - self._period) + self._period
-            self._cooling[cohort] = None
-            self._stand(number + 1, 1)
-            self._forget_sent()
-            cohort.sent += 1
-            self._broadcast(frame, cohort.targets)
 
-    def _next(self, cohort: Cohort[M]) -> int:
-        """Return the number of the frame that a cohort is sent next."""
-        return max(cohort.next, self._number - len(self._waiting))
+    def _may_send(self) -> bool:
+        """Return whether the next frame may be sent now."""
+        return self._has_credit() and (self._latched > 0 or self._due - self._clock.time() <= EARLY)
 
-    def _stand(self, number: int, change: int) -> None:
-        """Count some cohorts more or less that are sent the frame of this number next."""
-        if number == self._number:
-            self._caught_up += change
-        else:
-            self._standing[number - self._number] += change
+    def _has_credit(self) -> bool:
+        """Return whether a frame waits for its time alone."""
+        if self._member is None or not self._waiting:
+            return False
+        credit = self._throttling.credit
+        return not credit or self._member.unacknowledged < credit
+
+    def _take(self) -> Frame:
+        """Remove, count and return the next frame; empty if none may be sent any more."""
+        member = self._member
+        if member is None or not self._may_send():
+            return b""
+        if not self._latched:
+            period, _, credit = self._throttling
+            now = self._clock.time()
+            # Late timers do not add up: frames that waited for their time alone keep their pace.
+            self._due = (now if credit else max(self._due, now - period)) + period
+            self.wants_from = -inf if self._room else self._due - EARLY
+        member.sent += 1
+        if self._throttling.credit:
+            member.unacknowledged += 1
+        return self._pop()
 
     def _keep(self, frame: Frame) -> None:
-        """Let a frame wait, the newest one, for all cohorts that are not ready."""
-        change = len(frame)
+        """Let a frame wait, the newest one."""
         self._waiting.append(frame)
-        self._standing.append(self._caught_up)
-        self._caught_up = 0
-        if len(self._waiting) > self._queue_length:
-            change -= len(self._pop())
-        if change:
-            self._count(change)
-        if change > 0 or (self._payer is not None and self._payer.paused):
-            self._make_room()
+        self._count(len(frame))
 
-    def _make_room(self) -> None:
-        """Find a client that has room for the frames that wait, or drop the oldest.
+    def _make_room(self, newest: int) -> None:
+        """Drop the oldest frames if the client has no room.
 
         A frame that alone exceeds the limit may wait; otherwise none that large would pass.
+
+        Args:
+            newest: bytes of the newest frame.
         """
-        newest = len(self._waiting[-1])
-        if not self._is_full(newest):
-            return
-        for other in self._clients():
-            if other.kept_bytes + self._bytes <= other.max_bytes:
-                self._pass_on(other)
-                break
-        while self._waiting and self._is_full(newest):
+        assert self._member is not None
+        queue = self._member.queue
+        while self._waiting and queue.exceeded and queue.kept_bytes > newest:
+            self._pop()
             self._count_dropped()
-            self._count(-len(self._pop()))
-
-    def _is_full(self, newest: int) -> bool:
-        payer = self._payer
-        return payer is not None and payer.exceeded and payer.kept_bytes > newest
-
-    def _count_dropped(self) -> None:
-        """Count the oldest frame as dropped for those that have not been sent it."""
-        oldest = self._number - len(self._waiting)
-        for cohort in self._cooling:
-            if self._next(cohort) == oldest:
-                for member in cohort.members():
-                    member.lane.dropped += 1
-                    member.queue.dropped += 1
-                    member.throttled -= 1
-
-    def _forget_sent(self) -> None:
-        """Forget the oldest frames if all have been sent them."""
-        while self._waiting and not self._standing[0]:
-            self._count(-len(self._pop()))
 
     def _pop(self) -> Frame:
         """Remove and return the oldest frame that waits."""
-        cohorts = self._standing.popleft()
         frame = self._waiting.popleft()
-        self._stand(self._number - len(self._waiting), cohorts)
+        self._latched = max(0, self._latched - 1)
+        self._count(-len(frame))
         return frame
-
-    def _clients(self) -> Iterator[SendQueue]:
-        """Return the clients that must wait."""
-        return chain.from_iterable(each.targets for each in self._cooling)
 
     def _count(self, change: int) -> None:
         """Count bytes more or less that wait."""
-        payer = self._payer
-        if payer is None:
-            payer = self._payer = next(self._clients())
-        payer.throttled_bytes += change
-        self._bytes += change
-        if not self._bytes:
-            self._payer = None
+        assert self._member is not None
+        self._member.queue.throttled_bytes += change
 
-    def _pass_on(self, payer: SendQueue | None) -> None:
-        """Count the bytes that wait for another client."""
-        if self._payer is not None:
-            self._payer.throttled_bytes -= self._bytes
-        if payer is not None:
-            payer.throttled_bytes += self._bytes
-        self._payer = payer
+    def _count_dropped(self) -> None:
+        """Count a frame as dropped, since the client is too slow."""
+        member = self._member
+        assert member is not None
+        member.lane.dropped += 1
+        member.queue.dropped += 1
+        member.throttled -= 1
 
     def _schedule(self) -> None:
-        """Set the times of the next frames, and the timer, if frames wait."""
-        self._due = next(iter(self._cooling)).due if self._cooling else inf
-        if self._ready.targets or (self._cooling and self._queue_length):
-            self.wants_from = -inf
-        else:
-            self.wants_from = self._due - EARLY
-        if self._waiting and self._timer is None:
-            delay = self._due - self._clock.time()
+        """Set the timer for the next frame, if its time alone holds it back."""
+        if self._timer is not None or self._latched or not self._has_credit():
+            return
+        delay = self._due - self._clock.time()
+        # Else the client's socket holds it back, and calls for it.
+        if delay > EARLY or not self._throttling.credit:
             self._timer = self._clock.call_later(max(0.0, delay), self._on_timer)
 
     def _on_timer(self) -> None:
         self._timer = None
-        self._release(self._clock.time())
-        self._schedule()
+        self.proceed()

@@ -12,8 +12,8 @@ from fibws.access.rights import Right
 from fibws.errors import FibwsError
 from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Timer
-from fibws.hub.delivery.deferred import Workers
-from fibws.hub.delivery.send_queue import MadeFrame
+from fibws.hub.delivery.send_queue import Frame
+from fibws.hub.delivery.workers import Workers
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
 from fibws.hub.log_text import INTERNAL_ERROR, shortened
@@ -51,7 +51,7 @@ class _Read(NamedTuple):
         held: the room that was taken.
     """
 
-    frame: MadeFrame | None
+    frame: Frame | None
     held: int
 
 
@@ -72,7 +72,7 @@ class Assets:
         self._room = room
         self._waiting: deque[FetchAsset] = deque()
         self._is_reading = False
-        self._frame: MadeFrame | None = None
+        self._frame: Frame | None = None
         """The file that waits for the client to read."""
         self._held = 0
         """The room that was taken for that file, until it is sent."""
@@ -167,7 +167,7 @@ class Assets:
             self._frame, self._held = read
             self._client.queue.reply_fresh(self._take)
 
-    def _take(self) -> MadeFrame:
+    def _take(self) -> Frame:
         frame, self._frame = self._frame or b"", None
         if self._timer is None:
             # It may fill the socket, which shows at the end of this turn.

@@ -25,7 +25,7 @@ from pydantic import BaseModel, ConfigDict, FailFast, Field, TypeAdapter, Valida
 from pydantic_core import to_json
 
 from fibws.errors import InvalidUtf8, OperationError
-from fibws.hub.delivery.send_queue import MadeFrame, frame_of
+from fibws.hub.delivery.send_queue import Frame, frame_of
 from fibws.interfaces.json_text import json_of
 from fibws.protocol.decoding import quoted
 from fibws.protocol.value_limits import check_json
@@ -341,7 +341,7 @@ def playback_frame(
     return server_frame(BINARY, head + id_)
 
 
-def asset_frame(request: int, data: bytes) -> MadeFrame:
+def asset_frame(request: int, data: bytes) -> Frame:
     """Return the frame of a file."""
     head = _ASSET_HEAD.pack(_ASSET, request, 0, 0)
     return frame_of(server_header(BINARY, len(head) + len(data)) + head, data)

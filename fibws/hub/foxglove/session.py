@@ -17,7 +17,7 @@ from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReac
 from fibws.hub.audit import Audit
 from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Clock
-from fibws.hub.delivery.deferred import InlineWorkers, Workers
+from fibws.hub.delivery.workers import Workers
 from fibws.hub.foxglove.assets import MOST_HELD, AssetFiles, Assets
 from fibws.hub.foxglove.client import Client, Statuses
 from fibws.hub.foxglove.feeds import (
@@ -88,8 +88,8 @@ class Foxglove:
 
     Args:
         name: the hub's, which the applications show.
+        readers: read files, beside the work of others: a disk may hang.
         assets: finds the files of robots; None without any.
-        readers: read these files, beside the work of others: a disk may hang.
         report: takes the node and the reason of each operation that failed.
     """
 
@@ -101,8 +101,8 @@ class Foxglove:
         audit: Audit,
         *,
         name: str,
+        readers: Workers,
         assets: AssetFiles | None = None,
-        readers: Workers | None = None,
         asset_room: ByteRoom | None = None,
         report: Callable[[str, str], object] = ignore,
     ) -> None:
@@ -112,7 +112,7 @@ class Foxglove:
         self.audit = audit
         self.name = name
         self.assets = assets
-        self.readers: Workers = readers or InlineWorkers()
+        self.readers = readers
         self.asset_room = asset_room or ByteRoom(MOST_HELD)
         self.report = report
         self.session_id = secrets.token_hex(8)

@@ -8,7 +8,7 @@ from functools import partial
 from pydantic_core import from_json
 
 from fibws.errors import FibwsError, InterfaceError, LimitReached, OperationError
-from fibws.hub.delivery.send_queue import Flusher, MadeFrame, SendQueue, frame_of
+from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue, frame_of
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.feeds import Channel
 from fibws.hub.foxglove.messages import (
@@ -95,7 +95,7 @@ class Group:
         """Return whether messages of a type are those of the channel."""
         return type_ is self._type or self._take(type_)
 
-    def frame(self, publication: Publication) -> MadeFrame:
+    def frame(self, publication: Publication) -> Frame:
         """Return the frame of a message."""
         message = publication.ros1()
         head = message_head(self._key[1], publication.received)

@@ -13,7 +13,6 @@ from typing import NamedTuple, TypeAlias
 import cbor2
 from pydantic_core import to_json
 
-from fibws.hub.delivery.deferred import DeferredFrame
 from fibws.hub.delivery.send_queue import Frame, frame_of
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Topic
@@ -64,18 +63,12 @@ class Encoding(NamedTuple):
         return self.compression in (ROS1, "cbor-raw")
 
     @property
-    def is_deferred(self) -> bool:
-        """Whether it takes so long that frames are made when a client reads them."""
+    def is_slow(self) -> bool:
+        """Whether large messages take so long that they are encoded in a thread."""
         return self.compression == "png"
 
-    def for_topic(
-        self, topic: Topic, spelling: str, failed: Callable[[Exception], object]
-    ) -> EncodeFrame:
-        """Return the encoder for the messages of a topic, with the client's spelling of its name.
-
-        Args:
-            failed: called with the error of a deferred frame.
-        """
+    def for_topic(self, topic: Topic, spelling: str) -> EncodeFrame:
+        """Return the encoder of a topic's messages, with the client's spelling of its name."""
         if self.compression == ROS1:
             return _serialized(topic, headers=self.headers)
         if self.compression == "cbor":
@@ -83,10 +76,22 @@ class Encoding(NamedTuple):
         if self.compression == "cbor-raw":
             return _cbor(spelling, _raw)
         if self.compression == "png":
-            return _png(spelling, self.fragment_size, failed)
+            make = self.png_maker(spelling)
+            return lambda publication: make(publication.json())
         if self == PLAIN:
             return _json(spelling)
         return _text(spelling, self)
+
+    def png_maker(self, spelling: str) -> Callable[[bytes], Frame]:
+        """Return what makes the frame of a message in JSON, in any thread."""
+        before = _before(spelling)
+        new_id = _fragment_ids(spelling)
+
+        def make(message: bytes) -> Frame:
+            png = encode_png(b"%b%b}" % (before, message))
+            return text_frames(encode(Png(data=png)), self.fragment_size, new_id)
+
+        return make
 
 
 PLAIN = Encoding()
@@ -183,23 +188,6 @@ def _byte_string_head(size: int) -> bytes:
         return bytes((0x40 | size,))
     exponent = next(each for each in range(4) if size < 1 << (8 << each))
     return bytes((0x58 + exponent,)) + size.to_bytes(1 << exponent, "big")
-
-
-def _png(
-    spelling: str, fragment_size: int | None, failed: Callable[[Exception], object]
-) -> EncodeFrame:
-    before = _before(spelling)
-    key = "png", spelling, fragment_size
-    new_id = _fragment_ids(spelling)
-
-    def make(text: bytes) -> bytes:
-        png = encode_png(b"%b%b}" % (before, text))
-        return text_frames(encode(Png(data=png)), fragment_size, new_id)
-
-    def encode_frame(publication: Publication) -> DeferredFrame:
-        return publication.cached(key, lambda: DeferredFrame(publication.json(), make, failed))
-
-    return encode_frame
 
 
 def _fragment_ids(spelling: str) -> Callable[[], str]:

@@ -30,6 +30,7 @@ from fibws.errors import (
     TooManyAttempts,
 )
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.node_session import NodeSession, RegisteringPart
@@ -102,17 +103,23 @@ class Rosbridge:
 
     Args:
         clock: the event loop.
+        workers: make frames that take long.
         report: takes the node and the reason of each operation that failed.
     """
 
     def __init__(
-        self, graph: Graph, clock: Clock, settings: Settings, report: Report = ignore
+        self,
+        graph: Graph,
+        clock: Clock,
+        settings: Settings,
+        workers: Workers,
+        report: Report = ignore,
     ) -> None:
         self.report = report
         self.graph = graph
         self.clock = clock
         self.settings = settings
-        self.groups: Groups = {}
+        self.groups = Groups(workers)
         self.servers: dict[str, Services] = {}
         """The clients that serve services, by the secrets in the ids of their calls."""
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from collections import OrderedDict
+from collections.abc import Callable, Iterable
 from functools import partial
 
 from fibws.errors import LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock
-from fibws.hub.delivery.cohort import Cohort, Throttling
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
+from fibws.hub.delivery.throttle import Throttling
+from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Topic
@@ -26,6 +28,8 @@ logger = logging.getLogger("fibws.hub")
 
 MAX_REGISTRATIONS = 100
 """Ids under which one client may subscribe to one topic, or advertise it."""
+SMALL = 100_000
+"""Bytes of JSON that `SlowGroup` encodes at once, which takes a few milliseconds at most."""
 
 
 class Group(FanOut[Publication, "Subscription"]):
@@ -46,7 +50,7 @@ class Group(FanOut[Publication, "Subscription"]):
         flusher: Flusher,
         clock: Clock,
     ) -> None:
-        super().__init__(encode, flusher, clock, deferred=key[-1].is_deferred)
+        super().__init__(encode, flusher, clock)
         self._key = key
         self._others = others
         self._failures = 0
@@ -97,9 +101,16 @@ class Group(FanOut[Publication, "Subscription"]):
         for member in members:
             member.refuse(fault)
 
-    def frame(self, publication: Publication) -> Frame:
-        """Return the frame of a message that not all subscriptions get, made once for those."""
-        return publication.cached(self, lambda: self.encode(publication))
+    def receive_alone(
+        self, member: Subscription, publication: Publication, *, latched: bool
+    ) -> None:
+        """Send a message to one subscription; a latched one regardless of its throttle.
+
+        Raises:
+            OperationError: it cannot be encoded so.
+        """
+        frame = publication.cached(self, lambda: self.encode(publication))
+        self.send_alone(member, frame, latched=latched)
 
     def add(self, member: Subscription) -> None:
         """Add a subscription that is in no group."""
@@ -115,11 +126,159 @@ class Group(FanOut[Publication, "Subscription"]):
             del self._others[self._key]
 
 
+class SlowGroup(Group):
+    """A group whose large messages are encoded in a thread, one at a time.
+
+    Meanwhile the newest message waits, and takes the place of an older one, which counts as
+    dropped. Messages for one subscription alone wait by themselves, and so do the latched ones of
+    each publisher.
+
+    Args:
+        make: makes the frame of a message in JSON, in any thread.
+        workers: the threads.
+    """
+
+    __slots__ = ("_jobs", "_make", "_running", "_workers")
+
+    def __init__(
+        self,
+        key: GroupKey,
+        others: Groups,
+        make: Callable[[bytes], Frame],
+        flusher: Flusher,
+        clock: Clock,
+    ) -> None:
+        super().__init__(key, others, lambda each: make(each.json()), flusher, clock)
+        self._make = make
+        self._workers = others.workers
+        self._jobs: OrderedDict[object, _Job] = OrderedDict()
+        self._running: _Job | None = None
+
+    def receive(self, publication: Publication) -> None:
+        """Send a message to every subscription that wants it, once it is encoded."""
+        text = publication.json()
+        wanting = []
+        for member in self.members():
+            if publication.has_invalid_text:
+                member.report_invalid_text()
+            if self.wants(member):
+                wanting.append(member)
+            else:
+                member.throttled += 1
+        self._add(None, _Job(text, wanting, latched=False))
+
+    def receive_alone(
+        self, member: Subscription, publication: Publication, *, latched: bool
+    ) -> None:
+        """Send a message to one subscription, once it is encoded."""
+        key = (member, publication.node) if latched else member
+        self._add(key, _Job(publication.json(), [member], latched=latched))
+
+    def remove(self, member: Subscription) -> None:
+        """Remove a subscription, for which nothing waits any more."""
+        for job in filter(None, (self._running, *self._jobs.values())):
+            if member in job.members:
+                job.give_up(member)
+        super().remove(member)
+
+    def _add(self, key: object, job: _Job) -> None:
+        replaced = self._jobs.pop(key, None)
+        if replaced is not None:
+            replaced.drop()
+        self._jobs[key] = job
+        job.hold()
+        if self._running is None:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Encode what waits: small messages now, the next large one in a thread."""
+        while self._jobs:
+            job = self._running = self._jobs.popitem(last=False)[1]
+            if job.members and len(job.text) >= SMALL:
+                self._workers.run(partial(job.encode, self._make), self._encoded)
+                return
+            if job.members:
+                job.encode(self._make)
+            self._send(job)
+        self._running = None
+
+    def _encoded(self) -> None:
+        if self._running is not None:
+            self._send(self._running)
+            self._go_on()
+
+    def _send(self, job: _Job) -> None:
+        members = list(job.members)
+        for member in members:
+            job.give_up(member)
+        if job.fault is not None:
+            self.fail(job.fault, members)
+        elif job.frame is not None:
+            for member in members:
+                self.send_alone(member, job.frame, latched=job.latched)
+
+
+class _Job:
+    """A message that a `SlowGroup` is to encode, for some of its members.
+
+    Its bytes count as kept for the client of each of them.
+    """
+
+    __slots__ = ("fault", "frame", "latched", "members", "text")
+
+    def __init__(self, text: bytes, members: list[Subscription], *, latched: bool) -> None:
+        self.text = text
+        self.members = members
+        self.latched = latched
+        self.frame: Frame | None = None
+        self.fault: Exception | None = None
+
+    def encode(self, make: Callable[[bytes], Frame]) -> None:
+        """Make the frame, in any thread."""
+        try:
+            self.frame = make(self.text)
+        except Exception as fault:
+            self.fault = fault
+
+    def hold(self) -> None:
+        """Count the bytes for each member; those without room for them lose the message."""
+        size = len(self.text)
+        for member in list(self.members):
+            member.queue.throttled_bytes += size
+            if member.queue.exceeded and member.queue.kept_bytes > size:
+                self._drop_for(member)
+
+    def drop(self) -> None:
+        """Count the message as dropped for all members."""
+        for member in list(self.members):
+            self._drop_for(member)
+
+    def give_up(self, member: Subscription) -> None:
+        """Count the bytes for one of the members no longer."""
+        self.members.remove(member)
+        member.queue.throttled_bytes -= len(self.text)
+
+    def _drop_for(self, member: Subscription) -> None:
+        self.give_up(member)
+        member.lane.dropped += 1
+        member.queue.dropped += 1
+
+
 GroupKey = tuple[Topic, str, str, Encoding]
 """A topic, the type that the members name or "", the topic's name as they spell it, and how they
 want messages."""
-Groups = dict[GroupKey, Group]
-"""All groups of a hub."""
+
+
+class Groups(dict[GroupKey, Group]):
+    """All groups of a hub.
+
+    Args:
+        workers: make frames that take long.
+    """
+
+    def __init__(self, workers: Workers) -> None:
+        super().__init__()
+        self.workers = workers
 
 
 class Subscription:
@@ -144,7 +303,6 @@ class Subscription:
         "_groups",
         "_reported_text",
         "_statuses",
-        "cohort",
         "encoding",
         "lane",
         "node",
@@ -177,7 +335,6 @@ class Subscription:
         self.queue = queue
         self.lane = Lane(queue_length)
         self.throttling: Throttling | None = None
-        self.cohort: Cohort[Subscription] | None = None
         self.sent = 0
         self.throttled = 0
         self.unacknowledged = 0
@@ -203,7 +360,7 @@ class Subscription:
         if self._group is not None:
             self.answer(publication.type)
             try:
-                self._group.send_to(self, self._group.frame(publication))
+                self._group.receive_alone(self, publication, latched=False)
             except Exception as fault:
                 self._group.fail(fault, [self])
                 return
@@ -214,7 +371,7 @@ class Subscription:
         """Take a latched message regardless of the throttle; raise `OperationError`."""
         if self._group is not None:
             self.answer(publication.type)
-            self._group.send_now(self, self._group.frame(publication))
+            self._group.receive_alone(self, publication, latched=True)
             if publication.has_invalid_text:
                 self.report_invalid_text()
 
@@ -367,9 +524,13 @@ class Subscription:
         key = (self.topic, type_, spelling, encoding)
         group = self._groups.get(key)
         if group is None:
-            failed = partial(_report_failure, self._groups, key)
-            encode_frame = encoding.for_topic(self.topic, self.spelling, failed)
-            group = Group(key, self._groups, encode_frame, self.queue.flusher, self._clock)
+            flusher = self.queue.flusher
+            if encoding.is_slow:
+                make = encoding.png_maker(self.spelling)
+                group = SlowGroup(key, self._groups, make, flusher, self._clock)
+            else:
+                encode_frame = encoding.for_topic(self.topic, self.spelling)
+                group = Group(key, self._groups, encode_frame, flusher, self._clock)
         return group
 
     def _join(self, group: Group | None, requests: dict[Id, Subscribe]) -> None:
@@ -395,8 +556,6 @@ class Subscription:
             return
         if self._group is not None:
             self._group.remove(self)
-        if group is not self._group:
-            self.queue.forget_deferred(self.lane)
         self.throttling = throttling
         self._group = group
         if group is not None:
@@ -430,10 +589,3 @@ def _as_kept(request: Subscribe) -> Subscribe:
 def _names_fields(request: Subscribe) -> bool:
     """Return whether a request defines the fields of its type, and not only its name."""
     return request.definition is not None or request.md5sum is not None
-
-
-def _report_failure(groups: Groups, key: GroupKey, fault: Exception) -> None:
-    """Report that a deferred frame of a group could not be made."""
-    group = groups.get(key)
-    if group is not None:
-        group.fail(fault, group.members())

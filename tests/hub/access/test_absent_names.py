@@ -20,7 +20,7 @@ from fibws.hub.audit import Audit
 from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.rosbridge.session import Session
 
-from ..fakes import ADD, FIBONACCI, INT32, Client
+from ..fakes import ADD, FIBONACCI, INT32, Client, InlineWorkers
 from ..foxglove.foxglove_client import FoxgloveClient
 from ..rosapi.rosapi_client import RosapiClient
 
@@ -281,7 +281,12 @@ def foxglove_answers(world: World) -> bytes:
     """Return all that a client of Foxglove's protocol gets, whatever it asks."""
     fake = world.hub.hub
     fake.foxglove = Foxglove(  # type: ignore[attr-defined]
-        fake.graph, fake.clock, fake.settings, Audit(fake.clock.time), name="test"
+        fake.graph,
+        fake.clock,
+        fake.settings,
+        Audit(fake.clock.time),
+        name="test",
+        readers=InlineWorkers(),
     )
     client = FoxgloveClient(fake, None, GUEST)  # type: ignore[arg-type]
     names = list(NAMES)

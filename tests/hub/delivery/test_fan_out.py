@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from fibws.hub.delivery.cohort import Cohort, Throttling
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Bytes, Flusher, SendQueue
+from fibws.hub.delivery.throttle import Throttling
 from fibws.hub.graph.publication import Publication
 from fibws.protocol.frame_queue import Lane
 
@@ -25,7 +25,6 @@ class Subscriber:
         self.queue = SendQueue(self.writes.append, print, group.flusher, max_bytes=1000)
         self.lane = Lane(2)
         self.throttling = Throttling(period, queue_length) if period else None
-        self.cohort: Cohort[Subscriber] | None = None
         self.sent = 0
         self.throttled = 0
         self.unacknowledged = 0

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import gc
-import sys
 from collections import deque
-from types import FrameType
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibws.hub.delivery.cohort import Cohort, Throttling
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
-from fibws.hub.delivery.throttle import Throttle
+from fibws.hub.delivery.throttle import Throttle, Throttling
 from fibws.protocol.frame_queue import Lane
 
 from ..fakes import FakeClock
 
 
 class Throttled:
-    """A throttle with one member, and the frames that it lets pass."""
+    """A throttle of one member, and the frames that it lets pass."""
 
     def __init__(
         self,
@@ -29,21 +25,18 @@ class Throttled:
         queue_length: int,
         period: float = 0.3,
         clock: FakeClock | None = None,
-        queue: SendQueue | None = None,
+        queue: RecordedQueue | None = None,
     ) -> None:
         self.clock = clock or FakeClock()
-        self.queue = queue or send_queue(self.clock)
-        self.sent: list[tuple[float, bytes]] = []
-        self.member = Subscriber(self.queue)
-        self.throttle: Throttle[Subscriber] = Throttle(
-            Throttling(period, queue_length), self._broadcast, self.clock
-        )
-        self.throttle.add(self.member)
+        self.queue = queue or RecordedQueue(self.clock)
+        throttling = Throttling(period, queue_length)
+        self.member = Subscriber(self.queue, throttling)
+        self.throttle = Throttle(self.member, throttling, self.clock)
 
-    def _broadcast(self, frame: Frame, targets: dict[SendQueue, Lane]) -> None:
-        assert isinstance(frame, bytes)
-        assert targets == {self.queue: self.member.lane}
-        self.sent.append((round(self.clock.time(), 6), frame))
+    @property
+    def sent(self) -> list[tuple[float, bytes]]:
+        """The frames that were sent, each with its time."""
+        return self.queue.sent
 
     @property
     def frames(self) -> list[int]:
@@ -54,23 +47,30 @@ class Throttled:
         self.offer_frame(b"%d" % number)
 
     def offer_frame(self, frame: bytes) -> None:
-        self.throttle.offer(frame, self.clock.time())
+        self.throttle.offer(frame)
+
+
+class RecordedQueue(SendQueue):
+    """A client's send queue that may keep 1000 bytes; records what is put into it."""
+
+    def __init__(self, clock: FakeClock) -> None:
+        super().__init__(print, print, Flusher(clock.call_soon), max_bytes=1000)
+        self._clock = clock
+        self.sent: list[tuple[float, bytes]] = []
+
+    def put(self, frame: Frame, lane: Lane) -> None:
+        assert isinstance(frame, bytes)
+        self.sent.append((round(self._clock.time(), 6), frame))
 
 
 class Subscriber:
     """A `Member` of a throttle."""
 
-    def __init__(self, queue: SendQueue, throttling: Throttling | None = None) -> None:
+    def __init__(self, queue: SendQueue, throttling: Throttling | None) -> None:
         self.queue = queue
         self.lane = Lane(1)
         self.throttling = throttling
-        self.cohort: Cohort[Subscriber] | None = None
         self.sent = self.throttled = self.unacknowledged = 0
-
-
-def send_queue(clock: FakeClock) -> SendQueue:
-    """A client's send queue that may keep 1000 bytes."""
-    return SendQueue(print, print, Flusher(clock.call_soon), max_bytes=1000)
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_nothing_is_sent_to_a_member_that_was_removed() -> None:
     throttled = Throttled(queue_length=5)
     for number in range(3):
         throttled.offer(number, at=0)
-    throttled.throttle.remove(throttled.member)
+    throttled.throttle.close()
     throttled.clock.advance(10)
     assert throttled.frames == [0]
     assert throttled.clock.timers == 0
@@ -135,7 +135,7 @@ def test_nothing_is_sent_to_a_member_that_was_removed() -> None:
 
 def test_member_can_be_removed_before_any_message() -> None:
     throttled = Throttled(queue_length=5)
-    throttled.throttle.remove(throttled.member)
+    throttled.throttle.close()
     assert throttled.sent == []
 
 
@@ -167,7 +167,7 @@ def test_frames_are_wanted_when_they_would_be_sent_now_or_later() -> None:
 
 def test_all_throttles_of_a_client_stay_within_its_limit_of_bytes() -> None:
     clock = FakeClock()
-    queue = send_queue(clock)
+    queue = RecordedQueue(clock)
     many = [Throttled(queue_length=10, clock=clock, queue=queue) for _ in range(100)]
     for throttled in many:
         for _ in range(3):
@@ -175,7 +175,7 @@ def test_all_throttles_of_a_client_stay_within_its_limit_of_bytes() -> None:
             assert queue.throttled_bytes <= 1000
     clock.advance(10)
     assert (queue.throttled_bytes, clock.timers) == (0, 0)
-    assert sum(len(throttled.sent) for throttled in many) == 100 + 3
+    assert len(queue.sent) == 100 + 3
 
 
 def test_throttle_without_room_goes_on_once_there_is_room() -> None:
@@ -245,83 +245,11 @@ def test_throttle_without_members_frees_its_bytes() -> None:
     for number in range(5):
         throttled.offer(number, at=0)
     assert throttled.queue.throttled_bytes == 4
-    throttled.throttle.remove(throttled.member)
+    throttled.throttle.close()
     assert throttled.queue.throttled_bytes == 0
 
 
 # Many members.
-
-
-def calls_of_a_message(members: int, queue_length: int) -> int:
-    """Count the calls of Python functions for a message to throttled members that are not due."""
-    many = Many(Throttling(1000, queue_length))
-    for _ in range(members):
-        many.join()
-    for _ in range(5):
-        many.group.send(1)
-    calls = 0
-
-    def count(frame: FrameType, event: str, arg: object) -> None:
-        nonlocal calls
-        calls += event in ("call", "c_call")
-
-    gc.disable()  # A collection may call functions of its own.
-    sys.setprofile(count)
-    try:
-        many.group.send(1)
-    finally:
-        sys.setprofile(None)
-        gc.enable()
-    return calls
-
-
-@pytest.mark.parametrize("queue_length", [0, 1, 3])
-def test_members_that_are_not_due_cost_a_message_nothing(queue_length: int) -> None:
-    assert calls_of_a_message(100, queue_length) == calls_of_a_message(1, queue_length)
-
-
-def waiting(many: Many) -> list[int]:
-    """The bytes that are counted for each member's client."""
-    return [member.queue.throttled_bytes for member in many.members()]
-
-
-def test_frames_that_wait_for_many_are_counted_for_one_client_that_has_room() -> None:
-    many = Many(Throttling(1, 5))
-    members = [many.join() for _ in range(3)]
-    for _ in range(4):  # The first one does not wait.
-        many.send()
-    assert sorted(waiting(many)) == [0, 0, 3]
-    [payer] = [each for each in members if each.queue.throttled_bytes]
-    payer.queue.throttled_bytes += payer.queue.max_bytes
-    many.send()
-    payer.queue.throttled_bytes -= payer.queue.max_bytes
-    assert payer.queue.throttled_bytes == 0
-    assert sorted(waiting(many)) == [0, 0, 4]
-    [payer] = [each for each in members if each.queue.throttled_bytes]
-    many.leave(payer)
-    assert sorted(waiting(many)) == [0, 4]
-    many.advance(10)
-    many.check()
-    assert waiting(many) == [0, 0]
-
-
-def test_oldest_frame_is_dropped_for_those_who_wait_for_it_if_no_client_has_room() -> None:
-    many = Many(Throttling(1, 5))
-    first = many.join()
-    many.send()
-    many.advance(0.5)
-    second = many.join()
-    for _ in range(3):  # The second one is sent the first of these at once.
-        many.send()
-    for member in (first, second):
-        member.queue.throttled_bytes += member.queue.max_bytes - 2
-    many.group.send(9)
-    assert (first.lane.dropped, second.lane.dropped) == (2, 1)
-    assert (first.queue.dropped, second.queue.dropped) == (2, 1)
-    assert [many.group.throttled_for(each) for each in (first, second)] == [0, 0]
-    many.advance(10)
-    assert [number for _, number in many.sent[first]] == [1, 4, 9]
-    assert [number for _, number in many.sent[second]] == [2, 4, 9]
 
 
 class Single:
@@ -393,7 +321,7 @@ class Many:
         if to is None:
             self.group.send(self.numbers)
         else:
-            self.group.send_to(to, b"%d" % self.numbers)
+            self.group.send_alone(to, b"%d" % self.numbers)
         self.clock.turn()
         for member in self.members() if to is None else [to]:
             self.models[member].offer(self.numbers, now)

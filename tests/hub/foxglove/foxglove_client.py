@@ -16,7 +16,7 @@ from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.websocket.endpoint import Opening
 from fibws.protocol.websocket import CloseReason
 
-from ..fakes import BINARY, TEXT, FakeHub, finish, frames
+from ..fakes import BINARY, TEXT, FakeHub, InlineWorkers, finish, frames
 
 
 class FoxgloveHub(FakeHub):
@@ -32,6 +32,7 @@ class FoxgloveHub(FakeHub):
             self.settings,
             self.audit,
             name="test",
+            readers=InlineWorkers(),
             assets=assets,
             report=lambda node, text: self.reported.append((node, text)),
         )

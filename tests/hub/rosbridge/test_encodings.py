@@ -36,7 +36,7 @@ def publication(
 
 
 def encoder(encoding: Encoding, spelling: str = "/a") -> EncodeFrame:
-    return encoding.for_topic(Topic("/a"), spelling, print)
+    return encoding.for_topic(Topic("/a"), spelling)
 
 
 def framed(encoding: Encoding, message: dict[str, Any] | None = None) -> list[tuple[int, bytes]]:

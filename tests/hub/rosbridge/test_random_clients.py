@@ -39,7 +39,7 @@ class RandomClients(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.hub = FakeHub(policy=None, clock=None, interfaces=STANDARD, **LIMITS)
+        self.hub = FakeHub(policy=None, clock=None, interfaces=STANDARD, workers=None, **LIMITS)
         self.group = ClientGroup(self.hub)
 
     @rule(target=clients, node=NODES)

@@ -14,7 +14,7 @@ from conftest import StartHub
 
 from fibws.access.token_file import digest_of
 from fibws.hub.audit import Audit
-from fibws.hub.delivery.send_queue import Flusher, LargeFrame, MadeFrame, SendQueue
+from fibws.hub.delivery.send_queue import Flusher, Frame, LargeFrame, SendQueue
 from fibws.hub.memory import Account
 from fibws.hub.settings import KIB, MIB, Settings
 from fibws.hub.websocket import shared_limits as module
@@ -95,7 +95,7 @@ class Crowd:
         self.flusher = Flusher(lambda _: None, allowance=self.account.allowance)
         self.connections += [Connection(self, f"/{number}") for number in range(count)]
 
-    def keep(self, number: int, *frames: MadeFrame) -> None:
+    def keep(self, number: int, *frames: Frame) -> None:
         """Keep frames for one of the connections."""
         each = self.connections[number]
         for frame_ in frames:
