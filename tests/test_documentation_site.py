@@ -61,7 +61,7 @@ def test_classes_offer_what_the_api_page_has(class_: type) -> None:
     assert "session" not in class_.__doc__  # Users construct Node and Hub alone.
 
 
-@pytest.mark.slow  # MkDocs imports all of fibws, for 7 s of CPU time.
+@pytest.mark.long  # MkDocs imports all of fibws, for 7 s of CPU time.
 def test_site_has_the_readme_and_docstrings(tmp_path: Path) -> None:
     pytest.importorskip("mkdocs")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]

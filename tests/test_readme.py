@@ -203,7 +203,7 @@ async def test_hub_and_node_use_a_definition_of_the_users_own(folder: Path) -> N
             await process.wait()
 
 
-@pytest.mark.slow  # mypy reads all that pydantic has.
+@pytest.mark.long  # mypy reads all that pydantic has.
 def test_type_checker_knows_the_users_own_packages_by_stubs(folder: Path) -> None:
     command = "-m fibws.interfaces.generator --stubs typings"
     assert f"python {command}" in NODES

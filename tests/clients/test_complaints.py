@@ -19,7 +19,7 @@ UNAVOIDABLE: dict[str, str | tuple[str, ...]] = {
 """Complaints of clients that also occur with rosbridge_suite."""
 
 
-@pytest.mark.slow  # It plays again what the other tests have seen, and listens for complaints.
+@pytest.mark.long  # It plays again what the other tests have seen, and listens for complaints.
 @pytest.mark.parametrize(
     "cast", [marked(cast, id=f"{cast}: {cast.scenarios[0]}") for cast in CASTS]
 )

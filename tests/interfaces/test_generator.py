@@ -101,7 +101,7 @@ def test_two_classes_of_one_name_are_refused(tmp_path: Path) -> None:
         generator.generate("same_msgs", Interfaces([tmp_path]), "srv")
 
 
-@pytest.mark.slow  # mypy reads all that pydantic has.
+@pytest.mark.long  # mypy reads all that pydantic has.
 def test_odd_package_passes_the_linters(folder: Path, tmp_path: Path) -> None:
     interfaces = Interfaces([folder])
     modules = tmp_path / "modules"

@@ -22,7 +22,7 @@ def test_lost_line_and_lost_test_are_faults(tmp_path: Path) -> None:
     assert len(check.faults([unclear], tmp_path)) == 1
 
 
-@pytest.mark.slow  # It runs pytest, as .ci/all does with each mutant.
+@pytest.mark.long  # It runs pytest, as .ci/all does with each mutant.
 def test_surviving_mutant_is_reported(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     code = "def f():\n    return 1\n\n\ndef g():\n    return 2\n"
     (tmp_path / "code_under_test.py").write_text(code)

@@ -88,7 +88,7 @@ async def test_robot_drives_by_commands_and_stops_without_them(node: fibws.Node)
     assert 1.0 < message.pose.pose.position.x < 3.0
 
 
-@pytest.mark.slow  # The robot needs some seconds for the way.
+@pytest.mark.long  # The robot needs some seconds for the way.
 async def test_goals_are_reached_or_refused(node: fibws.Node) -> None:
     client = node.action_client("/move_base", MoveBase, over="topics")
     await client.wait_for_server(timeout=60)

@@ -40,7 +40,7 @@ def modules_of_the_repository() -> set[str]:
     return {path.stem for folder in folders for path in folder.iterdir()}
 
 
-@pytest.mark.slow  # It reads the metadata of all packages that are installed.
+@pytest.mark.long  # It reads the metadata of all packages that are installed.
 def test_all_that_mypy_needs_to_find_is_in_the_extra_dev() -> None:
     known = modules_of_the_repository() | sys.stdlib_module_names | modules_without_types()
     known |= {module for module, package in PARTS.items() if package in names_of("dev")}

@@ -226,7 +226,7 @@ def test_texts_are_read_and_written_with_a_named_encoding() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_types_are_right_on_windows() -> None:
     """mypy knows which functions and constants of Python's modules Windows lacks."""
     options = ["--platform=win32", "--no-warn-unreachable", "--cache-dir=.mypy_cache/win32"]
