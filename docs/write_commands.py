@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from fibws.cli.commands import command as fibws_command
+from fibws.cli.help import connection_help
 
 PAGE = Path(__file__).with_name("commands.md")
 BEGIN = """\
@@ -46,6 +47,7 @@ def page() -> str:
         lines = "\n".join(line.rstrip() for line in help_.splitlines())
         level = "##" if context.parent in (None, root) else "###"
         parts.append(f"{level} {context.command_path}\n\n```text\n{lines}\n```\n")
+    parts.append(f"### fibws help connection\n\n```text\n{connection_help(root)}\n```\n")
     return "\n".join(parts)
 
 

@@ -44,6 +44,7 @@ COMMANDS = {
     "param": Command("fibws.cli.param", "List, get, set, load and dump parameters.", NOUNS),
     "msg": Command("fibws.cli.msg", "Inspect message types.", TYPES),
     "srv": Command("fibws.cli.srv", "Inspect service types.", TYPES),
+    "help": Command("fibws.cli.help", "Show the help of a command, or of connections.", MORE),
     "completion": Command("fibws.cli.completion", "Print a script for completion by TAB.", MORE),
 }
 

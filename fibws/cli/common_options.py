@@ -21,6 +21,8 @@ from fibws.errors import AccessError
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 """Settings of a command that is run by itself; commands in a group inherit the group's."""
+CONNECTION = "connection"
+"""The topic of ``fibws help`` about connections to the hub."""
 _COMMAND = re.compile(r"\{([a-z]+(?: [a-z]+)*)\}")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -83,19 +85,56 @@ def with_hub(
 
 
 def hub_option(
-    function: Callable[..., None],
-    help_: str = "Address of the hub.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
+    function: Callable[..., None], purpose: str = "Address of the hub"
 ) -> Callable[..., None]:
     """Give a command the option ``--hub``, and those of the files for TLS and for the token."""
     for option in (
-        _token_option,
+        click.option(
+            "--token-file",
+            cls=ConnectionOption,
+            metavar="FILE",
+            type=click.Path(path_type=Path),
+            expose_value=False,
+            callback=_use_token_file,
+            help="File with the token for the hub.  [default: $FIBWS_TOKEN_FILE]",
+        ),
         _file_option("--client-key", tls.CLIENT_KEY, "Private key of the client certificate."),
         _file_option("--client-cert", tls.CLIENT_CERT, "Certificate to present to the hub."),
         _file_option("--ca", tls.CA, "Certificates to trust besides the system's."),
-        click.option("--hub", metavar="URL", help=help_),
+        click.option(
+            "--hub",
+            cls=ConnectionOption,
+            metavar="URL",
+            help=f"{purpose}.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
+        ),
     ):
         function = option(function)
     return function
+
+
+class ConnectionOption(click.Option):
+    """An option of nearly all commands, explained by ``fibws help connection``.
+
+    The help of a command has one line for all of them, that of ``--hub``.
+    """
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Return the line in a command's help; None if it has none."""
+        if self.name != "hub":
+            return None
+        purpose, _, default = (self.help or "").partition(".")
+        return "--hub URL", f"{purpose}; see fibws help {CONNECTION}.{default}"
+
+    @staticmethod
+    def records(context: click.Context) -> list[tuple[str, str]]:
+        """Return all lines about the connection."""
+        options = click.command()(hub_option(lambda: None)).params
+        lines = (
+            super(ConnectionOption, each).get_help_record(context)
+            for each in options
+            if isinstance(each, ConnectionOption)
+        )
+        return [line for line in lines if line is not None]
 
 
 def _file_option(name: str, variable: str, help_: str) -> Callable[..., Any]:
@@ -110,6 +149,7 @@ def _file_option(name: str, variable: str, help_: str) -> Callable[..., Any]:
 
     return click.option(
         name,
+        cls=ConnectionOption,
         metavar="FILE",
         type=click.Path(exists=True, dir_okay=False),
         expose_value=False,
@@ -153,16 +193,6 @@ def _token_file(file: Path) -> Iterator[None]:
         for name in VARIABLES:
             os.environ.pop(name, None)
         os.environ.update(before)
-
-
-_token_option = click.option(
-    "--token-file",
-    metavar="FILE",
-    type=click.Path(path_type=Path),
-    expose_value=False,
-    callback=_use_token_file,
-    help="File with the token for the hub.  [default: $FIBWS_TOKEN_FILE]",
-)
 
 
 json_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(

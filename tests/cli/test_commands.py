@@ -27,6 +27,35 @@ def test_each_command_has_help() -> None:
         assert result.exit_code == 0, result.output
 
 
+def test_help_of_a_command_is_shown_by_either_way() -> None:
+    by_option = CliRunner().invoke(command, ["topic", "list", "--help"], prog_name="fibws")
+    by_command = CliRunner().invoke(command, ["help", "topic", "list"], prog_name="fibws")
+    assert (by_command.exit_code, by_command.stdout) == (0, by_option.stdout)
+    assert CliRunner().invoke(command, ["help"]).stdout == CliRunner().invoke(command).output
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["topic", "lst"], "No such command 'lst'; did you mean list?"),
+        (["topic", "list", "x"], "'fibws topic list' has no commands, such as 'x'"),
+    ],
+)
+def test_help_of_an_unknown_command_is_an_error(words: list[str], text: str) -> None:
+    result = CliRunner().invoke(command, ["help", *words], prog_name="fibws")
+    assert result.exit_code == 2
+    assert text in result.stderr
+
+
+def test_options_of_the_connection_are_explained_once() -> None:
+    options = ["--hub", "--ca", "--client-cert", "--client-key", "--token-file"]
+    text = CliRunner().invoke(command, ["help", "connection"]).stdout
+    assert [each for each in options if f"  {each} " in text] == options
+    shown = CliRunner().invoke(command, ["topic", "list", "--help"]).stdout
+    assert [each for each in options if each in shown] == ["--hub"]
+    assert "fibws help connection" in shown
+
+
 def test_unknown_command_is_an_error() -> None:
     result = CliRunner().invoke(command, ["demp"])
     assert result.exit_code == 2

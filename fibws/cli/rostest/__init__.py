@@ -48,7 +48,7 @@ def _complete(
 @click.option("-c", "--clear", is_flag=True, help="With --reuse-master, delete its parameters.")
 @partial(
     hub_option,
-    help_="Address of the hub for --reuse-master.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
+    purpose="Address of the hub for --reuse-master",
 )
 @workspace_option
 @click.option("--package", metavar="PACKAGE", help="Name of the package.  [default: FILE's]")
