@@ -19,7 +19,8 @@ import fibws
 from fibws.client import hub_pages
 from fibws.errors import HubError
 from fibws.files import replace_file
-from fibws.hub import Hub, kept_file, parameter_file
+from fibws.hub import kept_file, parameter_file
+from fibws.hub.server import Hub
 
 from .raw_client import until
 
@@ -281,9 +282,10 @@ async def test_only_loaded_values_that_have_not_changed_since_are_old(
 ) -> None:
     write(path, "robot: {speed: 1, color: red, gone: 1}\n")
     os.utime(path, (1e9, 1e9))
-    other = await start_hub()
-    other.graph.clock.simulated = 1_500_000_000 * 10**9  # Later than the file, and before today.
-    other.graph.parameters.set("/r7/robot/color", "blue")
+    newer = path.with_name("newer.yaml")
+    write(newer, "r7: {robot: {speed: 2, color: blue}}\n")
+    os.utime(newer, (1.5e9, 1.5e9))  # Later than the other file, and before today.
+    other = await start_hub(params=newer)
     hub = await start_hub(params=path, join=(other.url,), join_prefix="/r7")
     hub.graph.parameters.set("/robot/speed", 3)
     hub.graph.parameters.delete("/robot/gone")
