@@ -21,8 +21,9 @@ from bench.machine import free_port, memory
 from bench.measure import HUB, BenchError, Plan
 from bench.report import Report
 from bench.servers import Server, running
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
 from fibws.hub.federation.connections import Join
+from fibws.hub.server import Hub
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, String, UInt8MultiArray
 

@@ -28,7 +28,7 @@ from .errors import (
     UnknownService as UnknownService,
     WaitTimeout as WaitTimeout,
 )
-from .hub.server import Hub as Hub
+from .hub.embedded import Hub as Hub
 from .hub.settings import Settings as Settings
 from .interfaces import (
     Action as Action,

@@ -22,7 +22,8 @@ import pytest
 import pytest_asyncio
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 M = TypeVar("M", bound=fibws.Message)
 T = TypeVar("T")

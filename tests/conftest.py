@@ -20,7 +20,8 @@ from recorded_answers import add_option, select_tests
 from recorded_answers import answer_files as answer_files
 from recorded_answers import answers as answers
 
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 # On a busy machine an example may take long, and so may generating it.
 _PATIENT: dict[str, Any] = {

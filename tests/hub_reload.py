@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 
 async def reloaded(hub: Hub) -> list[str]:

@@ -13,7 +13,8 @@ import fork_server
 import pytest
 from patience import PATIENCE
 
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 ROOT = Path(__file__).parents[1]
 

@@ -32,9 +32,10 @@ from websockets.http11 import Request
 from websockets.typing import Origin
 
 from fibws.access.token_file import digest_of
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
 from fibws.hub.__main__ import environment_settings
 from fibws.hub.ros1.server import default_state_file
+from fibws.hub.server import Hub
 from fibws.hub.websocket import self_signed
 from fibws.protocol.websocket import LIMITED, UNAUTHENTICATED
 

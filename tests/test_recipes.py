@@ -13,7 +13,8 @@ import pytest
 import yaml
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 
 ROOT = Path(__file__).parents[1]

@@ -23,7 +23,8 @@ import fibws
 from fibws.bag_recorder import RecordingOptions
 from fibws.bags import open_reader, open_writer
 from fibws.cli.bag.record import RecordingNode, Topics
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.interfaces import Interfaces
 from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.rosgraph_msgs import Clock

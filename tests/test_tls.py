@@ -29,7 +29,7 @@ from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
 from fibws.cli.commands import command
 from fibws.client.hub_client import HubClient
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 
 VARIABLES = (tls.CA, tls.CLIENT_CERT, tls.CLIENT_KEY, "SSL_CERT_FILE")

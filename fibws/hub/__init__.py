@@ -7,10 +7,11 @@
 The folders, from the inside out: ``graph`` knows nodes, topics, services, actions, parameters and
 types, but no frames and no operations; ``delivery`` knows bytes; ``websocket`` knows connections
 and endpoints; ``rosbridge`` is one endpoint, ``rosapi`` the hub's own nodes. ``server`` puts them
-together. Only ``server``, ``websocket`` and ``__main__`` use sockets, files or the event loop.
+together, and ``embedded`` has what programs see of it. Only ``server``, ``websocket`` and
+``__main__`` use sockets, files or the event loop.
 """
 
-from fibws.hub.server import Hub
+from fibws.hub.embedded import Hub
 from fibws.hub.settings import Settings
 
 __all__ = ["Hub", "Settings"]

@@ -93,25 +93,15 @@ the whole backlog."""
 
 
 class Hub:
-    """A hub that listens while its ``async with`` block runs, or from `start` to `close`.
-
-    It is the hub of ``python -m fibws.hub``, for programs that have one of their own:
-
-        async with fibws.Hub(fibws.Settings(port=0)) as hub:
-            async with fibws.Node("robot", hub=hub.url) as node:
-                ...
-
-    It shares the event loop with the program: a function that blocks delays all its clients.
+    """A hub with all its parts, which `fibws.Hub` does not show.
 
     Args:
-        settings: the port and the limits; the defaults are those of ``python -m fibws.hub``, whose
-            environment variables have no effect here.
+        settings: the port and the limits.
         policy: decides what nodes may do; None is for the policy of the settings: everything is
             allowed, or what the tokens' rights allow.
 
     Raises:
-        HubError: on entering, when it cannot listen, most likely because the port is taken, or when
-            it cannot use a certificate, or another file, folder or address of its settings.
+        HubError: on entering, as `fibws.Hub`.
         SettingError: a folder of definitions is not there.
     """
 

@@ -8,7 +8,7 @@ import pytest
 from conftest import StartHub
 
 from fibws.client.hub_pages import get, master_variables, ros1_port
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 
 async def test_page_of_the_hub_is_read(hub: Hub) -> None:

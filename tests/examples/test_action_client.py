@@ -11,7 +11,7 @@ from running_programs import Start
 
 import fibws
 from fibws.action import action_class
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.node.actions.actions import Over
 
 CLIENT = "fibws.examples.action_client"

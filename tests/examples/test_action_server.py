@@ -12,7 +12,7 @@ from running_programs import Program, Start
 
 import fibws
 from fibws.action import actionlib_tutorials, example_interfaces
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 
 SERVER = "fibws.examples.action_server"

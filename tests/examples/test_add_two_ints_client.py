@@ -5,7 +5,7 @@ from __future__ import annotations
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.srv.rospy_tutorials import AddTwoInts
 
 CLIENT = "fibws.examples.add_two_ints_client"

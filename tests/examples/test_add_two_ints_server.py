@@ -8,7 +8,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.srv.rospy_tutorials import AddTwoInts
 
 SERVER = "fibws.examples.add_two_ints_server"

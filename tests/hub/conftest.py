@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from conftest import StartHub
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.settings import MIB
 
 

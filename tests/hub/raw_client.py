@@ -14,7 +14,7 @@ from typing import Any
 
 from patience import PATIENCE
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
 PATIENT = 600.0

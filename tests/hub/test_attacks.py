@@ -22,8 +22,8 @@ from patience import PATIENCE
 from websockets.exceptions import InvalidStatus
 
 from fibws.access.token_file import Tokens
-from fibws.hub import Hub
 from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.server import Hub
 from fibws.interfaces import Interfaces, Validators
 from fibws.interfaces.serialization import Serializers
 from fibws.protocol.serialized import publish_head

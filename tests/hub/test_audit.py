@@ -13,9 +13,9 @@ import pytest
 from conftest import StartHub
 
 from fibws.access.token_file import digest_of
-from fibws.hub import Hub
 from fibws.hub.audit import Audit, Identity
 from fibws.hub.log_text import MAX_LINES, REPEAT_AFTER
+from fibws.hub.server import Hub
 
 from .raw_client import Client, connected, dialled, handshake
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from conftest import StartHub
 
-from fibws.hub import Hub
 from fibws.hub.federation.records import Message
+from fibws.hub.server import Hub
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.endpoint import STRANGER_BYTES
 from fibws.protocol.websocket import BINARY, client_header

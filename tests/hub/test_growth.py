@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 from .fakes import ADD, FIBONACCI, INT32, FakeHub, number
 from .foxglove.foxglove_client import FoxgloveHub

@@ -18,7 +18,7 @@ from websockets.typing import Subprotocol
 
 import fibws
 from fibws.action.action_tutorials_interfaces import Fibonacci
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger
 

@@ -15,9 +15,9 @@ import fibws
 from fibws.bags import open_reader
 from fibws.bags.bag_writer import BagWriter
 from fibws.errors import ServiceError
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
 from fibws.hub.recording import NODE, STATE
-from fibws.hub.server import RECORDING_TIMEOUT
+from fibws.hub.server import RECORDING_TIMEOUT, Hub
 from fibws.msg.fibws_msgs import PlaybackState, RecordingState
 from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.rosgraph_msgs import Clock, Log

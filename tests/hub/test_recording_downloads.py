@@ -13,8 +13,8 @@ from conftest import StartHub
 from patience import PATIENCE
 
 from fibws.bags import open_reader
-from fibws.hub import Hub
 from fibws.hub.recording_downloads import HELD
+from fibws.hub.server import Hub
 from fibws.hub.websocket.http import PIECE
 
 from .raw_client import Gone, dialled, longest_turn

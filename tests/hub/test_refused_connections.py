@@ -11,7 +11,7 @@ from contextlib import AsyncExitStack
 import pytest
 from conftest import StartHub
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.websocket import shared_limits
 
 from .raw_client import handshake, until

@@ -13,9 +13,10 @@ import pytest
 from conftest import StartHub
 
 from fibws.errors import AssetRefused
-from fibws.hub import Hub, robot_assets
+from fibws.hub import robot_assets
 from fibws.hub.graph.graph import Graph
 from fibws.hub.robot_assets import CONTENT_TYPES, RobotAssets
+from fibws.hub.server import Hub
 from fibws.interfaces import Interfaces
 
 from .raw_client import dialled, longest_turn

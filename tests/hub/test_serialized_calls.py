@@ -13,7 +13,7 @@ from websockets.asyncio.client import connect
 
 import fibws
 from fibws.action.control_msgs import GripperCommand
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.node import connection
 from fibws.srv.rospy_tutorials import AddTwoInts
 from fibws.srv.std_srvs import SetBool

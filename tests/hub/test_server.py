@@ -15,7 +15,8 @@ from websockets.asyncio.client import connect
 
 import fibws
 from fibws.errors import HubError, SettingError
-from fibws.hub import Hub, Settings, server
+from fibws.hub import Settings, server
+from fibws.hub.server import Hub
 
 from .raw_client import (
     CLOSE,

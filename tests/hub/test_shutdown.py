@@ -11,8 +11,7 @@ import pytest
 from conftest import StartHub
 from ports import port as port
 
-from fibws.hub import Hub
-from fibws.hub.server import DRAIN_INTERVAL, DRAIN_RATE
+from fibws.hub.server import DRAIN_INTERVAL, DRAIN_RATE, Hub
 
 from .raw_client import CLOSE, Gone, connected, dialled, frame, publish, timers, until
 

@@ -21,7 +21,8 @@ from certificates import authority as authority
 from conftest import SETTINGS, Faults
 
 from fibws.errors import FibwsError, HubError
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.tls import CA
 
 from .raw_client import timers, until

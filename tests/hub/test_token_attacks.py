@@ -22,9 +22,9 @@ from websockets.datastructures import Headers
 from fibws.access.token_file import Tokens, digest_of
 from fibws.access.web_tokens import WebTokens
 from fibws.errors import AuthenticationError
-from fibws.hub import Hub
 from fibws.hub.access import sessions
 from fibws.hub.access.authentication import MOST_WRONG, Authentication
+from fibws.hub.server import Hub
 from fibws.hub.settings import Settings
 
 from .raw_client import Gone, connected, dialled, handshake, longest_turn, nodes, until

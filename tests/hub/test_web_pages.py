@@ -21,7 +21,7 @@ from conftest import StartHub
 
 import fibws
 from fibws import web_video_server
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 CALL = xmlrpc.client.dumps(("/page", "/x", "evil"), "setParam")
 UPGRADE = {

@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 from fibws.access.token_file import digest_of
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.protocol.serialized import SUBPROTOCOL
 
 

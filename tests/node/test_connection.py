@@ -24,7 +24,8 @@ from websockets.utils import accept_key
 
 import fibws
 from fibws.errors import NoHub
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _reason, _retries, _waits

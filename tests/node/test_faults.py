@@ -19,7 +19,7 @@ from patience import PATIENCE
 import fibws
 from fibws.action.actionlib import TestRequest
 from fibws.errors import ActionError, HubUnreachable, NodeKilled, NodeReplaced, ServiceLost
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 from fibws.node import connection
 from fibws.srv.std_srvs import Trigger

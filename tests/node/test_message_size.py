@@ -14,7 +14,7 @@ import fibws
 from fibws.action.actionlib import TestRequest
 from fibws.action.nav_msgs import GetMap
 from fibws.errors import ActionError, MessageTooLarge
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.roscpp import SetLoggerLevel
 from fibws.srv.rospy_tutorials import AddTwoInts

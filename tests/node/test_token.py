@@ -18,8 +18,9 @@ from websockets.asyncio.server import ServerConnection, serve
 import fibws
 from fibws.access.rights import RIGHTS, Principal, Rights
 from fibws.access.token_file import TokenFile
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
 from fibws.hub.graph.graph import Node as GraphNode
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 from fibws.node import connection
 

@@ -19,7 +19,8 @@ from rospy.msg import AnyMsg
 
 import fibws
 from fibws.errors import CallRefused, ServiceError
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.fibws_msgs import PublisherInfo, SubscriptionStatistics
 from fibws.msg.geometry_msgs import Point, Pose, PoseStamped, TransformStamped, Twist, Vector3
 from fibws.msg.nav_msgs import Path as NavPath

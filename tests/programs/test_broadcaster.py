@@ -16,7 +16,7 @@ from websockets.asyncio.client import connect
 
 import fibws
 from fibws.broadcaster import command, next_type
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, UInt8, UInt16
 

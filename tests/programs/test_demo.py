@@ -15,7 +15,7 @@ from running_programs import Start
 
 from fibws import demo
 from fibws.errors import HubError
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 DEMO = ("fibws", "demo", "--rate", "100")
 

@@ -10,7 +10,7 @@ from running_programs import Start
 
 import fibws
 from fibws.action.move_base_msgs import MoveBase
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.diagnostic_msgs import DiagnosticArray
 from fibws.msg.geometry_msgs import PoseStamped, Twist, Vector3
 from fibws.msg.move_base_msgs import MoveBaseGoal

@@ -11,7 +11,8 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 
 REAL = Path("/usr/lib/diagnostic_aggregator/aggregator_node")

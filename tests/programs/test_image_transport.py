@@ -8,7 +8,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.sensor_msgs import CompressedImage, Image
 
 REPUBLISH = ("fibws", "run", "image_transport", "republish")

@@ -8,7 +8,7 @@ import signal
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Float64, Int32
 

@@ -10,7 +10,7 @@ from patience import PATIENCE
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
 
 YAML = "image: a.pgm\nresolution: 0.5\norigin: [1, 2, {}]\nnegate: 0\n"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from running_programs import Start
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 SERVER = Path(__file__).parents[1] / "ros1" / "scripts" / "reconfigure" / "server.py"
 

@@ -11,7 +11,8 @@ from ros1.test_urdf import ARM
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.sensor_msgs import JointState
 from fibws.msg.std_msgs import Header
 from fibws.msg.tf2_msgs import TFMessage

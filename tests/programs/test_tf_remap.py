@@ -6,7 +6,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.std_msgs import Header
 from fibws.msg.tf2_msgs import TFMessage

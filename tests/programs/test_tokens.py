@@ -12,7 +12,8 @@ from running_programs import Start
 import fibws
 from fibws.access.rights import RIGHTS, Rights
 from fibws.access.token_file import TokenFile
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32, String
 
 SCRIPT = """

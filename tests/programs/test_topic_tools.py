@@ -9,7 +9,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Point
 from fibws.msg.std_msgs import Float64, Header, Int32, String
 from fibws.srv.topic_tools import (

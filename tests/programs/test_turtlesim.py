@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Twist, Vector3
 from fibws.msg.sensor_msgs import CompressedImage
 from fibws.msg.turtlesim import Color, Pose

@@ -12,7 +12,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.sensor_msgs import CompressedImage, Image
 from fibws.msg.std_msgs import Header, Int32
 

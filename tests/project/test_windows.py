@@ -19,8 +19,9 @@ from typing import Any
 import pytest
 from patience import PATIENCE
 
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
 from fibws.hub.ros1 import nodes
+from fibws.hub.server import Hub
 
 from .on_windows import MODULES
 from .requirements import ROOT

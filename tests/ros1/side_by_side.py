@@ -21,7 +21,8 @@ from recorded_answers import Answers
 from ros_masters import PYTHON, roscore
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 PATIENCE = 120
 IDLE = 0.03

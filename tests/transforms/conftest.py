@@ -12,7 +12,7 @@ from patience import PATIENCE
 from running_programs import start as start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.tf2_msgs import TFMessage

@@ -9,7 +9,7 @@ import pytest
 from patience import PATIENCE
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header, String

@@ -15,7 +15,7 @@ from patience import PATIENCE
 
 import fibws
 from fibws.action import tf2_web_republisher, tf2_web_republisher_interfaces
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.interfaces import Action
 from fibws.msg.actionlib_msgs import GoalID, GoalStatusArray
 from fibws.msg.rosgraph_msgs import Log

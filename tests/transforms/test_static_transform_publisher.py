@@ -12,7 +12,7 @@ from patience import PATIENCE
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf.static_transform_publisher import command, place
 from fibws.tf.transform import Transform

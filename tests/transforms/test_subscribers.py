@@ -10,7 +10,7 @@ import pytest
 from patience import PATIENCE
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 from fibws.tf import subscribers as module
 from fibws.tf.subscribers import Subscribers

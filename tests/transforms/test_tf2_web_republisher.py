@@ -13,7 +13,7 @@ from running_programs import Start
 
 import fibws
 from fibws.action.tf2_web_republisher import TFSubscription
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.tf2_web_republisher import TFArray, TFSubscriptionGoal
 from fibws.srv.tf2_web_republisher import RepublishTFs
 

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.tf.history import Sample
 from fibws.tf.tf_echo import Moment, command, text_of
 from fibws.tf.transform import Transform

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from patience import PATIENCE
 from running_programs import Start
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample

@@ -11,7 +11,7 @@ from patience import PATIENCE
 from running_programs import Start
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.rosgraph_msgs import Clock, Log
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf import TransformListener

@@ -14,7 +14,7 @@ from patience import PATIENCE
 from running_programs import ROOT
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample
 from fibws.tf.listing import as_dot, as_yaml

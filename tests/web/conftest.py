@@ -29,7 +29,8 @@ from playwright.async_api import (
 )
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 BUILT = Path(fibws.__file__).parent / "hub" / "page"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)

@@ -11,7 +11,7 @@ from playwright.async_api import Locator, Page, expect
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions.actions import Over
 

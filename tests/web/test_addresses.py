@@ -13,7 +13,8 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.hub.websocket import self_signed
 from fibws.msg.std_msgs import Int32
 

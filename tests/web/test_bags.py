@@ -13,7 +13,8 @@ from playwright.async_api import expect
 
 import fibws
 from fibws.bags import open_reader, open_writer
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 
 from .conftest import OpenPage

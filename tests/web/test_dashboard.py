@@ -14,7 +14,7 @@ import pytest
 from playwright.async_api import FilePayload, Locator, Page, expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid

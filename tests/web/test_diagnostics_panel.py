@@ -5,7 +5,7 @@ from __future__ import annotations
 from playwright.async_api import expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .conftest import OpenPage

@@ -9,7 +9,7 @@ import re
 from playwright.async_api import expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
 from fibws.msg.std_msgs import Header
 from fibws.msg.tf2_msgs import TFMessage

@@ -14,7 +14,8 @@ from playwright.async_api import FloatRect, Locator, Page, expect
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse

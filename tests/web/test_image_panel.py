@@ -16,7 +16,7 @@ from PIL import Image as pillow
 from playwright.async_api import Browser, Page, expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
 from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.sensor_msgs import CompressedImage, Image

@@ -8,7 +8,8 @@ from playwright.async_api import expect
 from running_programs import Program
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 from .conftest import OpenPage, fixture
 from .test_topics import FIBONACCI, row, value

@@ -13,7 +13,8 @@ from playwright.async_api import Page, expect
 import fibws
 from fibws.access.rights import RIGHTS, Rights
 from fibws.access.token_file import TokenFile
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.sensor_msgs import Image
 

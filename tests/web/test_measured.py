@@ -14,7 +14,7 @@ import pytest
 from playwright.async_api import Browser, Page, expect
 from websockets.asyncio.client import ClientConnection, connect
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 from .conftest import OpenPage, traced, until
 

@@ -7,7 +7,8 @@ from collections.abc import AsyncIterator
 import pytest
 from playwright.async_api import Browser, Page, expect
 
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 from .conftest import STRANGER, Complaints, OpenPage, fixture, web_address
 from .test_addresses import proxy

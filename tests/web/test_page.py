@@ -14,7 +14,8 @@ from playwright.async_api import Browser, Error, Page, Route, expect
 from websockets.asyncio.client import connect
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 from fibws.srv.fibws_msgs import KillNode
 

@@ -9,7 +9,7 @@ import pytest
 from playwright.async_api import Locator, Page, expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 from .conftest import OpenPage, fixture
 

@@ -7,7 +7,7 @@ import math
 from playwright.async_api import expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Quaternion, Vector3
 from fibws.msg.sensor_msgs import BatteryState, Imu, JointState, NavSatFix, NavSatStatus
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from playwright.async_api import Locator, Page, expect
 from running_programs import Program
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 from .conftest import OpenPage, fixture
 

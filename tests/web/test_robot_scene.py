@@ -13,7 +13,7 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Point, Pose, Quaternion, TransformStamped, Vector3
 from fibws.msg.sensor_msgs import JointState
 from fibws.msg.std_msgs import ColorRGBA, Header, String

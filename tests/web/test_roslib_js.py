@@ -10,7 +10,7 @@ import pytest
 from playwright.async_api import Browser
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.std_msgs import String
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse

@@ -20,7 +20,7 @@ import pytest
 from playwright.async_api import FloatRect, Page, expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import (
     PointStamped,
     PoseStamped,

@@ -8,7 +8,7 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse
 

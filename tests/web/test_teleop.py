@@ -10,7 +10,7 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Twist, TwistStamped, Vector3
 
 from .conftest import OpenPage, fixture, until

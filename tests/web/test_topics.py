@@ -17,7 +17,7 @@ from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.actionlib_msgs import GoalStatus
 from fibws.msg.actionlib_tutorials import FibonacciActionFeedback
 from fibws.msg.geometry_msgs import Point, Pose, PoseStamped

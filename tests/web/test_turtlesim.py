@@ -8,7 +8,7 @@ from playwright.async_api import Page, expect
 from running_programs import Program
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.srv.turtlesim import SetPen, Spawn, TeleportAbsolute
 
 from .conftest import OpenPage, fixture

@@ -9,7 +9,7 @@ from patience import PATIENCE
 from playwright.async_api import Browser, Page
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 
 pytestmark = pytest.mark.browser

@@ -24,8 +24,9 @@ from rosbags.rosbag1 import Reader as Rosbag1Reader
 import fibws
 from fibws.bags import open_reader
 from fibws.client.hub_client import HubClient
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
 from fibws.hub.recording import STATE
+from fibws.hub.server import Hub
 from fibws.msg.fibws_msgs import RecordingState
 from fibws.msg.std_msgs import Int32
 

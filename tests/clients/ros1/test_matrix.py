@@ -21,7 +21,8 @@ import pytest
 from patience import PATIENCE
 
 import fibws.ros1
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.interfaces.serialization import Serializers
 from fibws.msg import default_interfaces
 

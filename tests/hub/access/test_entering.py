@@ -19,8 +19,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 from fibws.access.token_file import digest_of
-from fibws.hub import Hub
 from fibws.hub.rosbridge.session import MAX_OBJECTS
+from fibws.hub.server import Hub
 from fibws.protocol.serialized import SUBPROTOCOL
 
 INT32 = "std_msgs/Int32"

@@ -17,7 +17,7 @@ import pytest
 from conftest import StartHub
 from websockets.exceptions import ConnectionClosed
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.protocol.websocket import EXPIRED, KILLED
 
 from ..fakes import FIBONACCI, INT32, number

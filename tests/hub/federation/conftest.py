@@ -13,7 +13,7 @@ from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 from ..zenoh_endpoints import ANY_PORT, listens_at, zenoh_config
 

@@ -15,10 +15,10 @@ from patience import PATIENCE
 import fibws
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
-from fibws.hub import Hub
 from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.records import Announcement, Reply, Request
+from fibws.hub.server import Hub
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger

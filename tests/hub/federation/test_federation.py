@@ -12,12 +12,12 @@ import websockets
 from patience import PATIENCE
 
 import fibws
-from fibws.hub import Hub
 from fibws.hub.federation import precedence
 from fibws.hub.federation.connections import Join as Joining
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.federation.worklist import Worklist
 from fibws.hub.graph.publication import Publication
+from fibws.hub.server import Hub
 from fibws.hub.websocket.turns import Turns
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, String

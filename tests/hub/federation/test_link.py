@@ -19,8 +19,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 import fibws
-from fibws.hub import Hub
 from fibws.hub.federation import link as links
+from fibws.hub.server import Hub
 from fibws.hub.settings import MIB
 from fibws.interfaces import Interfaces
 from fibws.msg.std_msgs import Int32

@@ -17,8 +17,8 @@ import fibws
 from fibws import tls
 from fibws.access.rights import Right, Rights
 from fibws.access.token_file import TokenFile
-from fibws.hub import Hub
 from fibws.hub.federation.connections import Join as Joining
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger
 

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from random_inputs import times
 
-from fibws.hub import Hub
 from fibws.hub.federation.records import ParameterRecord
+from fibws.hub.server import Hub
 
 from .conftest import Join, StartNode, until
 

@@ -17,7 +17,7 @@ from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 from fibws.srv.diagnostic_msgs import AddDiagnostics
 

@@ -12,8 +12,8 @@ from patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from fibws.hub import Hub
 from fibws.hub.foxglove import SUBPROTOCOLS
+from fibws.hub.server import Hub
 
 
 class Foxglove:

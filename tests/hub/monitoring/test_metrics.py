@@ -21,8 +21,8 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from fibws.access.token_file import digest_of
-from fibws.hub import Hub
 from fibws.hub.graph.totals import OTHER, CallTotals, TopicTotals
+from fibws.hub.server import Hub
 from fibws.protocol.websocket import BINARY, client_header
 
 from ..raw_client import Client, connected, dialled, handshake, publish, until

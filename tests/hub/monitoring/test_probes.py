@@ -14,7 +14,7 @@ from websockets.http11 import Request, Response
 
 from fibws import __version__
 from fibws.access.token_file import digest_of
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 from ..raw_client import connected, dialled, handshake
 

@@ -9,7 +9,7 @@ import pytest
 from conftest import StartHub
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 from .peer import Peer
 

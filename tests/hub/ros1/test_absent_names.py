@@ -18,7 +18,7 @@ from hub_reload import reloaded
 import fibws
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32
 from fibws.srv.example_interfaces import AddTwoInts

@@ -15,11 +15,11 @@ import pytest
 
 import fibws
 from fibws.errors import LimitReached
-from fibws.hub import Hub
 from fibws.hub.graph.topic import Source
 from fibws.hub.ros1 import inlet
 from fibws.hub.ros1.inlet import AHEAD, SCRATCH, InletConnection
 from fibws.hub.ros1.tcpros import MOST_HEADER, MOST_MESSAGE, encode_header
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 
 from .conftest import StartPeer

@@ -16,7 +16,8 @@ from typing import Any
 from recorded_answers import Answers, shortened
 from ros_masters import roscore
 
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 from .peer import Peer, request
 

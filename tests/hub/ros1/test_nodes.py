@@ -16,9 +16,10 @@ from conftest import StartHub
 import fibws
 from fibws.errors import HubError, NodeReplaced
 from fibws.files import replace_file
-from fibws.hub import Hub, kept_file
+from fibws.hub import kept_file
 from fibws.hub.ros1 import nodes as module
 from fibws.hub.ros1 import state
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 
 from .conftest import StartPeer

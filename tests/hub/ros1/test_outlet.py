@@ -10,7 +10,6 @@ import pytest
 
 import fibws
 from fibws.errors import InvalidMessage
-from fibws.hub import Hub
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Source
@@ -19,6 +18,7 @@ from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.outlet import JOINED, Outlet, OutletLink
 from fibws.hub.ros1.tcpros import decode_header
 from fibws.hub.ros1.topic_registrations import Ros1Subscriber
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Point, PointStamped
 from fibws.msg.std_msgs import Int32
 

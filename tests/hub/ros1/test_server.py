@@ -18,9 +18,9 @@ from random_inputs import times
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
 from fibws.errors import HubError
-from fibws.hub import Hub
 from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1 import server as module
+from fibws.hub.server import Hub
 from fibws.hub.settings import Settings
 
 from .conftest import StartPeer

@@ -14,9 +14,9 @@ import pytest
 from conftest import StartHub
 
 import fibws
-from fibws.hub import Hub
 from fibws.hub.graph.publication import Publication
 from fibws.hub.ros1 import inlet, topics
+from fibws.hub.server import Hub
 from fibws.msg.actionlib_msgs import GoalStatusArray
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Int32, String

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32, String
 
 from .conftest import StartPeer

@@ -11,7 +11,7 @@ import pytest
 from conftest import StartHub
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 pytest.importorskip("zenoh")
 pytest.importorskip("xxhash")

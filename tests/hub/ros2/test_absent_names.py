@@ -7,7 +7,7 @@ from contextlib import AsyncExitStack
 from pathlib import Path
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 from fibws.srv.example_interfaces import AddTwoInts
 

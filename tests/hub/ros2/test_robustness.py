@@ -19,7 +19,7 @@ import fibws
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
 from fibws.errors import HubError, ServiceError
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Float64MultiArray, String
 from fibws.srv.example_interfaces import AddTwoInts
 

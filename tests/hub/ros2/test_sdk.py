@@ -12,7 +12,7 @@ from patience import PATIENCE
 from websockets.asyncio.client import connect
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.geometry_msgs import Point, Pose
 from fibws.msg.std_msgs import String
 from fibws.srv.example_interfaces import AddTwoInts

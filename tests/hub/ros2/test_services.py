@@ -12,7 +12,7 @@ from patience import PATIENCE
 
 import fibws
 from fibws.errors import ServiceError
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until

@@ -14,7 +14,7 @@ import pytest
 from patience import PATIENCE
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 
 from .peer import reaching

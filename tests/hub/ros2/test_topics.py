@@ -12,9 +12,9 @@ from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
-from fibws.hub import Hub
 from fibws.hub.graph.graph import DistantNode
 from fibws.hub.graph.topic import SinkReport
+from fibws.hub.server import Hub
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Header, Int32, String
 

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from conftest import Faults
 
-from fibws.hub import Hub
 from fibws.hub.rosbridge.session import Session
+from fibws.hub.server import Hub
 
 from ..raw_client import CLOSE, connected, frame, publish, until
 

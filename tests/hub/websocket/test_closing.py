@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from conftest import Faults, StartHub
 
-from fibws.hub import Hub
 from fibws.hub.rosbridge.session import Session
+from fibws.hub.server import Hub
 from fibws.hub.settings import MIB
 
 from ..raw_client import (

@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.settings import KIB, MIB
 
 from ..raw_client import (

@@ -9,8 +9,8 @@ import pytest
 from websockets.asyncio.client import connect
 
 from fibws.access.rights import Principal
-from fibws.hub import Hub
 from fibws.hub.rosbridge.encodings import text_frame
+from fibws.hub.server import Hub
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import BINARY, KILLED, Payload, server_frame

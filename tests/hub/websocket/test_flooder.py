@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from conftest import Faults, StartHub
 
-from fibws.hub import Hub
 from fibws.hub.graph.topic import Source
+from fibws.hub.server import Hub
 from fibws.hub.settings import MIB
 
 from ..raw_client import Client, connected, dialled, longest_turn, publish, until

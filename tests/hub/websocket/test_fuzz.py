@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_inputs import times
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.protocol.serialized import SUBPROTOCOL, publish_head, read_delivery
 
 from ..raw_client import (

@@ -11,7 +11,7 @@ from conftest import StartHub
 from websockets.asyncio.client import connect
 from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFactory
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.connection import Connection
 from fibws.hub.websocket.http import response

@@ -14,7 +14,7 @@ import pytest
 from conftest import StartHub
 from websockets.server import ServerProtocol
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.connection import Connection
 from fibws.protocol.serialized import SUBPROTOCOL, publish_head, read_delivery

@@ -14,7 +14,7 @@ from conftest import StartHub
 from hub_reload import reloaded
 
 from fibws.access.token_file import digest_of
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.websocket.connection import Connection
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import LIMITED

@@ -10,7 +10,7 @@ from conftest import StartHub
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.settings import MIB
 
 from ..raw_client import (

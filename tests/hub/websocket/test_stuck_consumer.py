@@ -13,9 +13,9 @@ import pytest
 from conftest import StartHub
 from patience import PATIENCE
 
-from fibws.hub import Hub
 from fibws.hub.delivery.send_queue import MOST_UNWRITTEN, WRITE_SIZE
 from fibws.hub.rosbridge.session import MAX_OBJECTS, Session
+from fibws.hub.server import Hub
 from fibws.hub.settings import KIB, MIB
 
 from ..raw_client import (

@@ -23,7 +23,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 
 import fibws
 from fibws.errors import HubError
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 
 from ..raw_client import frame, handshake

@@ -15,7 +15,7 @@ import pytest
 from conftest import Faults, StartHub
 
 from fibws.access.rights import Principal
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.hub.websocket.turns import ITERATION, MOST_FRAMES, TURN, Turns
 from fibws.protocol.websocket import LARGE, SHUTDOWN, Payload

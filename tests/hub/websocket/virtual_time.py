@@ -6,7 +6,7 @@ import asyncio
 from dataclasses import replace
 from typing import Any, cast
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 
 class VirtualTime:

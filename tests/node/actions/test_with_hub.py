@@ -14,7 +14,8 @@ from ports import port as port
 import fibws
 from fibws.action import action_class
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.msg.control_msgs import GripperCommandResult
 from fibws.msg.std_msgs import String

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import pytest
 from running_programs import Program
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from ros1.side_by_side import SCRIPTS
 
 StartScript: TypeAlias = Callable[..., Awaitable[Program]]

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from ros1.side_by_side import Part, our_ros
 
 from .conftest import StartScript

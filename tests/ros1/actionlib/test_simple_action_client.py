@@ -9,7 +9,7 @@ from typing import Any
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 
 from .conftest import StartScript

@@ -13,7 +13,8 @@ from running_programs import Program
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from ros1.side_by_side import SCRIPTS, Part, our_ros
 
 from .conftest import StartScript

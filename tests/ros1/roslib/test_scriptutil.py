@@ -8,7 +8,8 @@ import pytest
 from roslib import scriptutil
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import String
 
 

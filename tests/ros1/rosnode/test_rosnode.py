@@ -10,7 +10,7 @@ import pytest
 import rosnode
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ import rosgraph
 import rosparam
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 
 @pytest.fixture(autouse=True)

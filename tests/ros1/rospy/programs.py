@@ -14,7 +14,8 @@ from typing import Any
 import fork_server
 from patience import PATIENCE
 
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 
 PYTHONPATH = Path(__file__).parents[3] / "fibws" / "ros1" / "python"
 

@@ -17,7 +17,7 @@ from rospy.exceptions import ROSException, ROSInterruptException
 
 import fibws
 from fibws import NodeClosed
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 
 @pytest.fixture

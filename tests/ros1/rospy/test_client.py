@@ -14,7 +14,8 @@ from rospy.exceptions import ROSInitException
 
 import fibws
 from fibws.errors import NoHub
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from ros1.rospy.programs import running_hub
 
 

@@ -11,7 +11,7 @@ from rospy import core
 from rospy.background import Background
 from websockets.asyncio.server import ServerConnection, serve
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from ros1.rospy.programs import Programs
 
 RESPONSES: dict[str, dict[str, Any]] = {

@@ -12,7 +12,7 @@ import rosservice
 from running_programs import Program
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse
 
 

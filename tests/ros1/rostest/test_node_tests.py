@@ -10,7 +10,7 @@ import pytest
 from running_programs import Program
 
 import fibws
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 from fibws.msg.std_msgs import Int32
 from fibws.ros1.shell import ros_programs
 from fibws.srv.rospy_tutorials import AddTwoInts

@@ -8,7 +8,7 @@ import pytest
 import rostest
 from running_programs import Program
 
-from fibws.hub import Hub
+from fibws.hub.server import Hub
 
 SCRIPT = """
 import sys, unittest

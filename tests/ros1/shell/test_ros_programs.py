@@ -13,7 +13,8 @@ from click.testing import CliRunner
 from fibws.cli.aliases import aliases
 from fibws.cli.commands import command
 from fibws.errors import WorkspaceError
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.ros1.shell import ros_programs
 
 
