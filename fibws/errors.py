@@ -666,9 +666,12 @@ class AlreadyOffered(NodeError, ValueError):
 
 
 class ServiceError(NodeError):
-    """A service call failed: ``text`` is the server's or the hub's reason.
+    """A service call failed.
 
-    ``code`` is that of `CallFailed`, if a hub of fibws sent one.
+    Attributes:
+        service: the service's name.
+        text: the server's or the hub's reason.
+        code: that of `CallFailed`, if a hub of fibws sent one.
     """
 
     def __init__(self, service: str, text: str, code: str | None = None) -> None:

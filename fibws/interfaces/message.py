@@ -142,7 +142,9 @@ class Service(Generic[Req, Res]):
 
     _type: ClassVar[str]
     Request: type[Req]
+    """The class of the requests."""
     Response: type[Res]
+    """The class of the responses."""
 
     def __init_subclass__(cls) -> None:
         for name in ("Request", "Response"):
@@ -155,8 +157,11 @@ class Action(Generic[G, R, F]):
 
     _type: ClassVar[str]
     Goal: type[G]
+    """The class of the goals."""
     Result: type[R]
+    """The class of the results."""
     Feedback: type[F]
+    """The class of the feedback."""
 
 
 def _value(message: object, field: Field[Any]) -> Any:

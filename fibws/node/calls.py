@@ -169,7 +169,7 @@ class Calls(OperationHandler):
         except TimeoutError:
             raise WaitTimeout(f"timeout exceeded while waiting for service {name}") from None
 
-    def receive(self, reply: Reply) -> bool:
+    def _on_reply(self, reply: Reply) -> bool:
         """Handle a response; it may arrive after the call was given up."""
         if not isinstance(reply, ServiceResponse):
             return False
@@ -177,19 +177,19 @@ class Calls(OperationHandler):
             call.settle(reply)
         return True
 
-    def refuse(self, id_: str, error: OperationRejected) -> bool:
+    def _on_refusal(self, id_: str, error: OperationRejected) -> bool:
         """Fail a call that the hub refuses."""
         if (call := self._waiting.get(id_)) is None:
             return False
         call.settle(ServiceError(call.service, str(error)))
         return True
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Fail all pending calls: they may have taken place or not."""
         for call in self._waiting.values():
             call.settle(ServiceLost(call.service))
 
-    def end(self, error: Exception | None) -> None:
+    def _on_end(self, error: Exception | None) -> None:
         """Fail all pending calls."""
         for call in self._waiting.values():
             call.settle(error or NodeClosed("the node has ended"))

@@ -6,6 +6,7 @@ import asyncio
 import math
 import time
 
+from fibws.node.made_by import made_by
 from fibws.node.session import Session
 
 CLOCK_QUEUE = 100
@@ -94,6 +95,7 @@ class Schedule:
         return max(0.0, due - now)
 
 
+@made_by("Node.rate")
 class Rate:
     """Ticks ``hz`` times a second until the node ends: ``async for _ in node.rate(10)``."""
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fibws.node.calls import Calls
+from fibws.node.made_by import made_by
 from fibws.srv import rosapi
 
 
@@ -18,6 +19,7 @@ class NodeDetails:
     services: list[str]
 
 
+@made_by("Node.graph")
 class Graph:
     """The current state of the graph. Names are resolved as everywhere.
 

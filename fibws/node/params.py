@@ -9,12 +9,14 @@ from typing import Any
 from fibws import names
 from fibws.errors import InvalidName, ParameterNotSet
 from fibws.node.calls import Calls
+from fibws.node.made_by import made_by
 from fibws.srv import rosapi
 
 _MISSING = object()
 _ROOT = "/"
 
 
+@made_by("Node.params")
 class Params:
     """The parameters that all nodes share: a tree of values, which lasts as long as the hub.
 

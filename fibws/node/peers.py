@@ -6,10 +6,13 @@ import asyncio
 from collections import deque
 from collections.abc import AsyncIterator, Iterable
 
+from fibws.node.made_by import made_by
+
 MOST_CHANGES = 1000
 """Most changes that wait for one slow reader; then the oldest are dropped."""
 
 
+@made_by("publishers and subscriptions")
 class Peers:
     """The subscribers of a publisher's topic, or the publishers of a subscription's.
 

@@ -10,6 +10,7 @@ from typing_extensions import ParamSpec
 from fibws.errors import InvalidMessage, NodeClosed, NodeError, OperationRejected
 from fibws.interfaces import Message
 from fibws.interfaces.json_text import exact_json_of
+from fibws.node.made_by import made_by
 from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.peers import Peers
 from fibws.node.session import Registration, Session, throw
@@ -32,6 +33,7 @@ P = ParamSpec("P", default=...)
 """The fields of the messages, as their class takes them; any, if they are not known."""
 
 
+@made_by("Node.advertise")
 class Publisher(Registration, Generic[M, P]):
     """Publishes messages of one type on one topic.
 

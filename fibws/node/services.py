@@ -19,6 +19,7 @@ from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
 from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.checks import described, without_surrogates
+from fibws.node.made_by import made_by
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ServiceType, Types
 from fibws.protocol.operations import (
@@ -48,6 +49,7 @@ HeaderHandler: TypeAlias = Callable[[Req, dict[str, str]], Answer[Res] | Awaitab
 """A `Handler` that is also given the caller's header, whose ``callerid`` is the caller's node."""
 
 
+@made_by("Node.service")
 class ServiceServer(Registration, Generic[Req, Res]):
     """Handles the calls of one service, each in a task of its own.
 
@@ -97,12 +99,7 @@ class ServiceServer(Registration, Generic[Req, Res]):
         """The error that ended the service, such as the hub's refusal; usually None."""
         return self._fault
 
-    @property
-    def operation(self) -> AdvertiseService:
-        """The registration."""
-        return self._operation
-
-    def registration(self) -> AdvertiseService:
+    def _registration(self) -> AdvertiseService:
         """Return the registration for the current connection."""
         if not self._session.serialized_values:
             return self._operation
@@ -125,10 +122,10 @@ class ServiceServer(Registration, Generic[Req, Res]):
         The hub fails these calls, even the one whose handler calls this.
         """
         if not self._ended.is_set():
-            self.end()
+            self._end()
             self._withdraw(self)
 
-    def take(self, call: CallService) -> None:
+    def _take(self, call: CallService) -> None:
         """Handle a call, now or when another one ends."""
         if len(self._tasks) < MOST_CALLS:
             self._start(call)
@@ -138,14 +135,14 @@ class ServiceServer(Registration, Generic[Req, Res]):
             calls = MOST_CALLS + MOST_WAITING
             self._respond(call, f"service [{self.name}] is busy with {calls} calls", result=False)
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Drop waiting calls and the responses of running ones: their callers have failed."""
         self._connection = object()
         self._waiting.clear()
 
-    def end(self, fault: Exception | None = None) -> None:
+    def _end(self, fault: Exception | None = None) -> None:
         """End the service, because of ``fault`` unless that is None."""
-        self.on_disconnect()
+        self._on_disconnect()
         self._fault = fault
         self._ended.set()
         self._tasks.cancel()
@@ -249,20 +246,20 @@ class Services(OperationHandler):
         )
         server = ServiceServer(self._session, operation, service_type, handler, self._withdraw)
         self._servers[name] = server
-        self._session.send(server.registration())
+        self._session.send(server._registration())
         return server
 
-    def registrations(self) -> Iterator[Operation]:
+    def _registrations(self) -> Iterator[Operation]:
         """Yield the registrations of all services."""
         for server in self._servers.values():
-            yield server.registration()
+            yield server._registration()
 
-    def receive(self, reply: Reply) -> bool:
+    def _on_reply(self, reply: Reply) -> bool:
         """Handle a call; it may come late, for a service that was withdrawn."""
         if not isinstance(reply, CallService):
             return False
         if (server := self._servers.get(reply.service)) is not None:
-            server.take(reply)
+            server._take(reply)
         else:
             text = f"service [{reply.service}] was withdrawn"
             self._session.send(
@@ -270,29 +267,29 @@ class Services(OperationHandler):
             )
         return True
 
-    def refuse(self, id_: str, error: OperationRejected) -> bool:
+    def _on_refusal(self, id_: str, error: OperationRejected) -> bool:
         """End a service that the hub refuses; log it if nobody may be waiting for it."""
         for server in self._servers.values():
-            if server.operation.id == id_:
+            if server._operation.id == id_:
                 del self._servers[server.name]
                 if not server._is_awaited:
                     log = self._session.log
                     log.error("The hub refused the service %s: %s", server.name, error)
-                server.end(error)
+                server._end(error)
                 return True
         return False
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Drop all calls of the lost connection."""
         for server in self._servers.values():
-            server.on_disconnect()
+            server._on_disconnect()
 
-    def end(self, error: Exception | None) -> None:
+    def _on_end(self, error: Exception | None) -> None:
         """End all services."""
         for server in self._servers.values():
-            server.end(error)
+            server._end(error)
         self._servers.clear()
 
     def _withdraw(self, server: ServiceServer[Any, Any]) -> None:
         del self._servers[server.name]
-        self._session.send(UnadvertiseService(id=server.operation.id, service=server.name))
+        self._session.send(UnadvertiseService(id=server._operation.id, service=server.name))

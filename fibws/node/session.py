@@ -158,23 +158,23 @@ class OperationHandler:
     `Session.add_handler` registers it. A handler overrides the methods that concern it.
     """
 
-    def registrations(self) -> Iterable[Operation]:
+    def _registrations(self) -> Iterable[Operation]:
         """Return what to send first on a new connection: all that is registered."""
         return ()
 
-    def retained(self) -> Iterable[tuple[bytes, PublisherLane]]:
+    def _retained(self) -> Iterable[tuple[bytes, PublisherLane]]:
         """Return the frames to send after all registrations: latched messages."""
         return ()
 
-    def receive(self, reply: Reply) -> bool:
+    def _on_reply(self, reply: Reply) -> bool:
         """Handle an operation if it is for this handler; return whether it was."""
         return False
 
-    def refuse(self, id_: str, error: OperationRejected) -> bool:
+    def _on_refusal(self, id_: str, error: OperationRejected) -> bool:
         """Handle the hub's refusal of the operation ``id_``; return whether it was this one's."""
         return False
 
-    def skip(self, beginning: bytes, size: int, fault: str) -> bool:
+    def _on_skipped(self, beginning: bytes, size: int, fault: str) -> bool:
         """Handle a binary frame that was too long to be read; return whether it was this one's.
 
         Args:
@@ -184,10 +184,10 @@ class OperationHandler:
         """
         return False
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Handle the loss of the connection, and with it of all pending responses."""
 
-    def end(self, error: Exception | None) -> None:
+    def _on_end(self, error: Exception | None) -> None:
         """Handle the node's end, caused by ``error`` unless that is None. Called once, and last."""
 
 
@@ -355,7 +355,7 @@ class Session:
         faults = []
         first: list[tuple[bytes, PublisherLane | None]] = []
         for handler in self._handlers:
-            for operation in handler.registrations():
+            for operation in handler._registrations():
                 frame = operation_frame(operation)
                 try:
                     self.outgoing.check_size(frame, subject(operation))
@@ -363,7 +363,7 @@ class Session:
                 except MessageTooLarge as error:
                     faults.append(error)
         for handler in self._handlers:
-            first += handler.retained()
+            first += handler._retained()
         faults += self.outgoing.connect(writer, first, hold=hold)
         for fault in faults:
             self.log.error("Dropped: %s", fault)
@@ -402,9 +402,11 @@ class Session:
             id_ = _ID.search(beginning)
             error = OperationRejected(fault)
             error.code = MessageTooLarge.code
-            if id_ and any(each.refuse(str(from_json(id_[1])), error) for each in self.handlers()):
+            if id_ and any(
+                each._on_refusal(str(from_json(id_[1])), error) for each in self.handlers()
+            ):
                 return
-        elif any(each.skip(beginning, size, fault) for each in self.handlers()):
+        elif any(each._on_skipped(beginning, size, fault) for each in self.handlers()):
             return
         self.log.error("Dropped: %s", fault)
 
@@ -414,7 +416,7 @@ class Session:
         self._end_turn = _do_nothing
         self._fragments = Reassembly(max_size=self.max_message_size)
         for handler in self.handlers():
-            handler.on_disconnect()
+            handler._on_disconnect()
 
     def end(self, error: Exception | None = None) -> None:
         """End the node, because of ``error`` unless that is None; later calls do nothing.
@@ -431,7 +433,7 @@ class Session:
         for waiter in self._waiters:
             _release(waiter)
         for handler in self.handlers():
-            handler.end(error)
+            handler._on_end(error)
         self.tasks.cancel()
         self.outgoing.close()
 
@@ -502,7 +504,7 @@ class Session:
                 | ActionResult()
             ):
                 # It may arrive after the request was given up.
-                any(handler.receive(reply) for handler in self.handlers())
+                any(handler._on_reply(reply) for handler in self.handlers())
             case Status():
                 self._on_status(reply)
             case Fragment():
@@ -522,7 +524,7 @@ class Session:
         if status.level == "error" and status.id is not None:
             error = OperationRejected(status.msg)
             error.code = status.code or error.code
-            if any(handler.refuse(str(status.id), error) for handler in self.handlers()):
+            if any(handler._on_refusal(str(status.id), error) for handler in self.handlers()):
                 return
         level = _LEVELS.get(status.level, logging.INFO)
         if status.level == "info" and str(status.id).startswith(AUTHENTICATION):

@@ -12,6 +12,7 @@ from pydantic_core import from_json
 
 from fibws.errors import InvalidMessage, NodeClosed, OperationRejected, WaitTimeout
 from fibws.interfaces import Message
+from fibws.node.made_by import made_by
 from fibws.node.peers import Peers
 from fibws.node.session import throw
 from fibws.node.types import ANY_TYPE, MessageCodec
@@ -43,6 +44,7 @@ TakeSerialized: TypeAlias = Callable[[memoryview, bytes, int, ReportedType], obj
 it, in nanoseconds since 1970; and its type."""
 
 
+@made_by("Node.subscribe")
 class Subscription(Generic[M]):
     """A topic's messages as they arrive: ``async for message in subscription``.
 

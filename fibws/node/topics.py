@@ -159,7 +159,7 @@ class Topics(OperationHandler):
 
     # Called by the session
 
-    def registrations(self) -> Iterator[Operation]:
+    def _registrations(self) -> Iterator[Operation]:
         """Yield all advertisements and subscriptions."""
         for publisher in self._publishers.values():
             yield publisher._registration()
@@ -168,7 +168,7 @@ class Topics(OperationHandler):
         for subscription in self._subscriptions.values():
             yield subscription._registration(serialized=self._session.serialized)
 
-    def retained(self) -> Iterator[tuple[bytes, PublisherLane]]:
+    def _retained(self) -> Iterator[tuple[bytes, PublisherLane]]:
         """Yield the latched messages, except those that wait to be sent anyway.
 
         One that the hub does not take is forgotten.
@@ -187,7 +187,7 @@ class Topics(OperationHandler):
                 if id(latched) not in waiting:
                     yield latched, publisher._lane
 
-    def receive(self, reply: Reply) -> bool:
+    def _on_reply(self, reply: Reply) -> bool:
         """Handle an operation; it may arrive after its topic's last reader has left."""
         match reply:
             case Publish():
@@ -209,7 +209,7 @@ class Topics(OperationHandler):
                 return False
         return True
 
-    def refuse(self, id_: str, error: OperationRejected) -> bool:
+    def _on_refusal(self, id_: str, error: OperationRejected) -> bool:
         """End a publisher or a subscription that the hub refuses."""
         if (publisher := self._publishers.pop(id_, None)) is not None:
             publisher._refuse(error)
@@ -219,7 +219,7 @@ class Topics(OperationHandler):
             return True
         return False
 
-    def skip(self, beginning: bytes, size: int, fault: str) -> bool:
+    def _on_skipped(self, beginning: bytes, size: int, fault: str) -> bool:
         """Count a message that was too long to be read as dropped by its readers."""
         readers = self._confirmed.get(read_topic(beginning), ())
         for subscription, _ in readers:
@@ -229,7 +229,7 @@ class Topics(OperationHandler):
             self._session.log.error(text, readers[0][0].topic, fault, count)
         return bool(readers)
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Forget what the lost hub reported: the topics' numbers, and peers."""
         self._confirmed.clear()
         self._topic_numbers.clear()
@@ -238,7 +238,7 @@ class Topics(OperationHandler):
         for subscription in self._subscriptions.values():
             subscription.peers._on_disconnect()
 
-    def end(self, error: Exception | None) -> None:
+    def _on_end(self, error: Exception | None) -> None:
         """End all iterations."""
         for publisher in self._publishers.values():
             publisher.peers._end()

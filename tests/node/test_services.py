@@ -38,7 +38,7 @@ async def test_services_are_advertised_and_unadvertised(
     advertised, unadvertised = sent_operations(session)
     assert advertised == {
         "op": "advertise_service",
-        "id": server.operation.id,
+        "id": server._operation.id,
         "service": "/go",
         "type": "std_srvs/Trigger",
     }
@@ -106,14 +106,14 @@ async def test_refusal_is_raised_and_logged(
 ) -> None:
     refused = services.serve("/go", Trigger, done)
     other = services.serve("/stay", Trigger, done)
-    deliver(session, "status", level="error", id=refused.operation.id, msg="no room")
+    deliver(session, "status", level="error", id=refused._operation.id, msg="no room")
     with pytest.raises(OperationRejected, match="no room"):
         await refused.spin()
     assert lines.seen() == ["The hub refused the service /go: no room"]
     sent_operations(session)
     refused.close()
     assert sent_operations(session) == []
-    assert reconnected(session)[0]["id"] == other.operation.id
+    assert reconnected(session)[0]["id"] == other._operation.id
 
 
 async def test_service_after_the_end_of_the_node_is_refused(

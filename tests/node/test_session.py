@@ -25,24 +25,24 @@ class Recorder(OperationHandler):
         self.notes: list[Any] = []
         session.add_handler(self)
 
-    def registrations(self) -> Iterator[Operation]:
+    def _registrations(self) -> Iterator[Operation]:
         yield Unsubscribe(topic=self.topic)
 
-    def receive(self, reply: Reply) -> bool:
+    def _on_reply(self, reply: Reply) -> bool:
         if not isinstance(reply, Publish) or reply.topic != self.topic:
             return False
         self.notes.append(reply.msg)
         return True
 
-    def refuse(self, id_: str, fault: OperationRejected) -> bool:
+    def _on_refusal(self, id_: str, fault: OperationRejected) -> bool:
         if id_ == self.topic:
             self.notes.append(str(fault))
         return id_ == self.topic
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         self.notes.append("lost")
 
-    def end(self, fault: Exception | None) -> None:
+    def _on_end(self, fault: Exception | None) -> None:
         self.notes.append(fault)
 
 
@@ -166,22 +166,22 @@ async def test_handler_may_be_removed_while_it_is_called(session: FakeSession, e
     class Leaver(Recorder):
         """A handler that is removed as soon as anything happens."""
 
-        def receive(self, reply: Reply) -> bool:
+        def _on_reply(self, reply: Reply) -> bool:
             session.remove_handler(self)
-            return super().receive(reply)
+            return super()._on_reply(reply)
 
-        def refuse(self, id_: str, fault: OperationRejected) -> bool:
+        def _on_refusal(self, id_: str, fault: OperationRejected) -> bool:
             session.remove_handler(self)
-            return super().refuse(id_, fault)
+            return super()._on_refusal(id_, fault)
 
-        def on_disconnect(self) -> None:
+        def _on_disconnect(self) -> None:
             session.remove_handler(self)
-            super().on_disconnect()
+            super()._on_disconnect()
 
-        def end(self, fault: Exception | None) -> None:
+        def _on_end(self, fault: Exception | None) -> None:
             session.remove_handler(self)
             session.remove_handler(self)
-            super().end(fault)
+            super()._on_end(fault)
 
     leavers = [Leaver(session, f"/{number}") for number in range(3)]
     match event:

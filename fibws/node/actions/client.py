@@ -11,6 +11,7 @@ from typing import Any, Generic, Self
 from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
 from fibws.interfaces.message import F, G, R
 from fibws.node.checks import check_queue_size, check_timeout
+from fibws.node.made_by import made_by
 from fibws.node.session import OperationHandler, Session, throw
 from fibws.node.types import ActionType
 from fibws.protocol.goals import GoalStatus
@@ -18,6 +19,7 @@ from fibws.protocol.goals import GoalStatus
 HUB_LOST = "the connection to the hub was lost"
 
 
+@made_by("ActionClient.send")
 class ClientGoal(Generic[R, F]):
     """A goal that was sent: its status, its feedback and its result."""
 
@@ -123,6 +125,7 @@ class ClientGoal(Generic[R, F]):
         self._changed.set()
 
 
+@made_by("Node.action_client")
 class ActionClient(OperationHandler, Generic[G, R, F]):
     """Sends goals to the server of one action.
 
@@ -228,12 +231,12 @@ class ActionClient(OperationHandler, Generic[G, R, F]):
 
     # Called by the session
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Fail all goals: their results went to the lost connection."""
         for goal in list(self._goals.values()):
             self._fail(goal, GoalStatus.LOST, HUB_LOST)
 
-    def end(self, error: Exception | None) -> None:
+    def _on_end(self, error: Exception | None) -> None:
         """Stop, as the node has ended."""
         self._stop(error or NodeClosed("the node has ended"))
 

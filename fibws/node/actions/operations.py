@@ -63,11 +63,11 @@ class OperationActionServer(ActionServer[G, R, F]):
 
     # Called by the session
 
-    def registrations(self) -> Iterator[Operation]:
+    def _registrations(self) -> Iterator[Operation]:
         """Yield the advertisement."""
         yield self._registration()
 
-    def receive(self, reply: Reply) -> bool:
+    def _on_reply(self, reply: Reply) -> bool:
         """Handle a goal, or a request to cancel one."""
         match reply:
             case SendActionGoal(action=self.name):
@@ -78,14 +78,14 @@ class OperationActionServer(ActionServer[G, R, F]):
                 return True
         return False
 
-    def refuse(self, id_: str, error: OperationRejected) -> bool:
+    def _on_refusal(self, id_: str, error: OperationRejected) -> bool:
         """Close the server if the hub refuses its advertisement."""
         if id_ != self._operation.id:
             return False
         self._refuse(error)
         return True
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Ask all goals to stop, and drop their results: the hub has failed them already."""
         goals = list(self._goals.values())
         self._goals.clear()
@@ -175,7 +175,7 @@ class OperationActionClient(ActionClient[G, R, F]):
 
     # Called by the session
 
-    def receive(self, reply: Reply) -> bool:
+    def _on_reply(self, reply: Reply) -> bool:
         """Handle feedback or the result of a goal, unless the goal has ended."""
         if not isinstance(reply, ActionFeedback | ActionResult):
             return False
@@ -188,7 +188,7 @@ class OperationActionClient(ActionClient[G, R, F]):
             self._on_result(goal, reply)
         return True
 
-    def refuse(self, id_: str, error: OperationRejected) -> bool:
+    def _on_refusal(self, id_: str, error: OperationRejected) -> bool:
         """Fail a goal that the hub refuses."""
         goal = self._goals.get(id_)
         if goal is None:

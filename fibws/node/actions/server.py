@@ -13,6 +13,7 @@ from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.message import F, G, R
 from fibws.node.actions.status import Record, Transition
 from fibws.node.checks import check_timeout, described, without_surrogates
+from fibws.node.made_by import made_by
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ActionType
 from fibws.protocol.goals import GoalStatus
@@ -24,6 +25,7 @@ SUPERSEDED = "This goal was canceled because another goal was received by the si
 ENDED = "the action server has ended"
 
 
+@made_by("an action server")
 class ServerGoal(Generic[G, R, F]):
     """A goal to execute, which a server passes to its function.
 
@@ -134,6 +136,7 @@ Execute: TypeAlias = Callable[[ServerGoal[G, R, F]], Outcome[R] | Awaitable[Outc
 """Executes a goal and returns its result: a plain function or an async one."""
 
 
+@made_by("Node.action_server")
 class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
     """Executes the goals of one action, each in a task of its own.
 
@@ -225,7 +228,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
 
     # Called by the session
 
-    def end(self, error: Exception | None) -> None:
+    def _on_end(self, error: Exception | None) -> None:
         """End all goals: abort those that have begun, reject the one that has not."""
         self._error = error
         self._ended.set()
@@ -383,6 +386,6 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
             self._send_feedback(goal._record, values)
 
     def _close(self, error: Exception | None) -> None:
-        self.end(error)
+        self._on_end(error)
         self._session.remove_handler(self)
         self._unadvertise()

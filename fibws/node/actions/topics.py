@@ -303,9 +303,9 @@ class TopicActionClient(ActionClient[G, R, F]):
         self._goal_publisher = self._topics.advertise(GOAL, queue_size=QUEUE_SIZE, peers=True)
         self._cancel_publisher = self._topics.advertise(CANCEL, queue_size=QUEUE_SIZE, peers=True)
 
-    def on_disconnect(self) -> None:
+    def _on_disconnect(self) -> None:
         """Fail all goals, and forget the server."""
-        super().on_disconnect()
+        super()._on_disconnect()
         self._last_status = None
 
     def _on_status(self, message: actionlib_msgs.GoalStatusArray) -> None:
