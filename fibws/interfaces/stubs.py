@@ -13,8 +13,8 @@ from pathlib import Path
 from fibws.errors import InterfaceError
 from fibws.files import replace_file
 from fibws.interfaces.catalogue import Interfaces
-from fibws.interfaces.folders import KINDS
-from fibws.interfaces.generated_modules import GENERATED
+from fibws.interfaces.folders import KINDS, STANDARD
+from fibws.interfaces.generated_modules import GENERATED, MODULES
 from fibws.interfaces.generator import generate
 
 
@@ -38,11 +38,35 @@ def write_stubs(interfaces: Interfaces, folder: Path) -> Iterator[Path]:
         )
     for package in packages:
         for kind in KINDS:
-            stub = folder / "fibws" / kind / f"{package}.pyi"
-            if interfaces.types(package, kind):
-                source = generate(package, interfaces, kind)
-                stub.parent.mkdir(parents=True, exist_ok=True)
-                replace_file(stub, source.encode())
-                yield stub
-            elif stub.is_file() and GENERATED in stub.read_text("utf-8").partition("\n")[0]:
-                stub.unlink()
+            has_types = bool(interfaces.types(package, kind))
+            source = generate(package, interfaces, kind) if has_types else None
+            yield from _write(folder / "fibws" / kind / f"{package}.pyi", source)
+    yield from _write_parents(folder)
+
+
+def _write_parents(folder: Path) -> Iterator[Path]:
+    """Write stubs of fibws itself, and of its packages that hold the modules, if they are needed.
+
+    Without them mypy takes a standard package's own module, not the stub of the user's package that
+    has its name. All other modules are found where fibws is installed.
+    """
+    names = (each.stem for each in folder.glob("fibws/*/[!_]*.pyi"))
+    is_needed = any((STANDARD / name).is_dir() for name in names)
+    for path in ("__init__.pyi", *(f"{kind}/__init__.py" for kind in KINDS)):
+        source = (MODULES / path).read_text("utf-8")
+        copied = f"# A copy of fibws/{path}, {GENERATED}\n{source}" if is_needed else None
+        yield from _write((folder / "fibws" / path).with_suffix(".pyi"), copied)
+
+
+def _write(stub: Path, source: str | None) -> Iterator[Path]:
+    """Write a stub and yield its path; or remove it if there is no source, and it is one of these.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    if source is not None:
+        stub.parent.mkdir(parents=True, exist_ok=True)
+        replace_file(stub, source.encode())
+        yield stub
+    elif stub.is_file() and GENERATED in stub.read_text("utf-8").partition("\n")[0]:
+        stub.unlink()

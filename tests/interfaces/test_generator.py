@@ -163,6 +163,27 @@ def test_stubs_of_types_that_are_gone_are_removed(folder: Path, tmp_path: Path) 
     assert own.exists()  # The command has not written it.
 
 
+def test_stubs_of_a_package_with_a_standard_name_come_with_those_of_fibws_itself(
+    tmp_path: Path,
+) -> None:
+    own = tmp_path / "own" / "std_msgs" / "msg"
+    own.mkdir(parents=True)
+    (own / "Extra.msg").write_text("int32 level\n")
+    arguments = ["--interfaces", str(tmp_path / "own"), "--stubs", str(tmp_path / "typings")]
+    generator.main(arguments)
+    stubs = tmp_path / "typings" / "fibws"
+    text = (stubs / "msg" / "std_msgs.pyi").read_text("utf-8")
+    assert "class Extra(" in text
+    assert "class String(" in text
+    parents = [stubs / name / "__init__.pyi" for name in ("", *KINDS)]
+    assert [each.is_file() for each in parents] == [True] * 4
+    assert "Node as Node" in parents[0].read_text("utf-8")
+    (tmp_path / "own" / "std_msgs").rename(tmp_path / "own" / "extra_msgs")
+    (stubs / "msg" / "std_msgs.pyi").unlink()
+    generator.main(arguments)
+    assert [each.is_file() for each in parents] == [False] * 4
+
+
 def test_stubs_need_packages_of_the_user(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
