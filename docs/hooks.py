@@ -16,6 +16,8 @@ from mkdocs.structure.pages import Page
 ROOT = Path(__file__).parents[1]
 PAGES = {"README.md": "index.md", "CHANGELOG.md": "changelog.md"}
 """Files of the repository's root, and the pages that they become."""
+BADGES = re.compile(r"^\[!\[.*\n", re.MULTILINE)
+"""Pictures of other servers, which pages of the site do not load."""
 FILES = ["LICENSE"]
 """Files that pages link to."""
 
@@ -23,7 +25,7 @@ FILES = ["LICENSE"]
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     """Add the files of the repository's root to those of the site."""
     for name, page in PAGES.items():
-        text = (ROOT / name).read_text("utf-8")
+        text = BADGES.sub("", (ROOT / name).read_text("utf-8"))
         files.append(File.generated(config, page, content=links_of_site(text, "")))
     for name in FILES:
         files.append(File.generated(config, name, content=(ROOT / name).read_text("utf-8")))

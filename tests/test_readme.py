@@ -16,15 +16,18 @@ from importlib import import_module
 from inspect import isawaitable
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import click
 import pytest
 
 import fibws
+from docs import record_demo
 from fibws.cli.commands import command as fibws_command
 from fibws.cli.hub import HubCommands
 from fibws.command_names import ALIASES
-from fibws.hub import Hub, Settings
+from fibws.hub import Settings
+from fibws.hub.server import Hub
 from fibws.hub.settings import flag_of
 from fibws.msg.geometry_msgs import TransformStamped, Twist
 from fibws.msg.std_msgs import Float64, Header, String
@@ -203,24 +206,46 @@ async def test_hub_and_node_use_a_definition_of_the_users_own(folder: Path) -> N
             await process.wait()
 
 
+STRICT = """\
+import fibws
+from fibws.msg.geometry_msgs import PointStamped
+from fibws.msg.std_msgs import Extra, Header, String
+
+
+async def main(node: fibws.Node) -> None:
+    extra = await node.advertise("extra", Extra)
+    await extra.publish(level=1, text=String("a"))
+    point = PointStamped(header=Header(frame_id="map"))
+    print(point.header.frame_id, fibws.msg.message_class("std_msgs/Extra"))
+"""
+"""A program with a message of its own in a package that has the name of a standard one."""
+
+
 @pytest.mark.long  # mypy reads all that pydantic has.
-def test_type_checker_knows_the_users_own_packages_by_stubs(folder: Path) -> None:
+@pytest.mark.parametrize("package", ["fibonacci", "std_msgs"])
+def test_type_checker_knows_the_users_own_packages_by_stubs(folder: Path, package: str) -> None:
     command = "-m fibws.interfaces.generator --stubs typings"
     assert f"python {command}" in NODES
+    text, wrong, right = PROGRAMS["indexed_broadcaster"], "indx=index", "index=index"
+    if package == "std_msgs":
+        own = folder / "std_msgs" / "msg"
+        own.mkdir(parents=True)
+        (own / "Extra.msg").write_text("int32 level\nString text\n")
+        text, wrong, right = STRICT, "levl=1", "level=1"
     environment = os.environ | {"FIBWS_INTERFACES": str(folder)}
     subprocess.run([sys.executable, *command.split()], cwd=folder, check=True, env=environment)
     settings = re.search(r"```toml\n(\[tool\.mypy\]\n.*?)```", NODES, re.DOTALL)
     assert settings is not None
     strict = settings[1].replace("[tool.mypy]\n", "[tool.mypy]\nstrict = true\n")
     (folder / "pyproject.toml").write_text(strict)
-    program = folder / "indexed_broadcaster.py"
-    program.write_text(PROGRAMS["indexed_broadcaster"])
+    program = folder / "program.py"
+    program.write_text(text)
     mypy = (sys.executable, "-m", "mypy", ".")
     found = subprocess.run(mypy, cwd=folder, capture_output=True, text=True)
     assert found.returncode == 0, found.stdout + found.stderr
-    program.write_text(PROGRAMS["indexed_broadcaster"].replace("index=index", "indx=index"))
+    program.write_text(text.replace(right, wrong))
     found = subprocess.run(mypy, cwd=folder, capture_output=True, text=True)
-    assert 'did you mean "index"' in found.stdout
+    assert f'did you mean "{right.partition("=")[0]}"' in found.stdout
 
 
 async def test_cells_of_the_notebook_run_one_after_the_other() -> None:
@@ -402,6 +427,32 @@ def test_links_lead_somewhere(path: Path) -> None:
 def anchor_of(heading: str) -> str:
     """Return the anchor that GitHub gives a heading."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def test_badges_are_those_of_the_workflows() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    page = f"{project['urls']['Source']}/actions/workflows/"
+    badges = re.findall(r"^\[!\[(.*)\]\((.*)\)\]\((.*)\)$", PAGES[README], re.MULTILINE)
+    assert badges
+    for name, picture, link in badges:
+        assert picture == f"{link}/badge.svg"
+        workflow = ROOT / ".github" / "workflows" / link.removeprefix(page)
+        assert re.search(rf"^name: {name}$", workflow.read_text("utf-8"), re.MULTILINE)
+
+
+def test_pictures_are_small_and_shown() -> None:
+    pictures = sorted((DOCS / "images").iterdir())
+    shown = re.findall(r"!\[.*\]\(\S*images/(\S*)\)", "\n".join(PAGES.values()))
+    assert {each.name for each in pictures} == set(shown)
+    for each in pictures:
+        assert each.stat().st_size <= (400_000 if each.suffix == ".svg" else 150_000)
+
+
+def test_recording_of_the_demo_has_what_terminals_show() -> None:
+    lines = [record_demo.Line(0.5, "echo <1>", is_typed=True), record_demo.Line(1.5, "1 & 2" * 40)]
+    root = ElementTree.fromstring(record_demo.picture([lines, lines * 9]))
+    texts = ["".join(each.itertext()) for each in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert texts == ["$ echo <1>", ("1 & 2" * 40)[: record_demo.COLUMNS]] * 10
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
