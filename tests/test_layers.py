@@ -111,17 +111,18 @@ BELOW_IN_HUB = {
     "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
     | {"hub.audit", "hub.byte_room", "hub.delivery", "hub.log_text", "hub.settings"}
     | {"hub.node_session", "hub.websocket.endpoint"},
+    "foreign": {"errors", "hub.graph", "hub.foreign", "hub.delivery.clock", "hub.log_text"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
-    | {"origins", "hub.memory", "hub.kept_file"}
+    | {"hub.foreign", "origins", "hub.memory", "hub.kept_file"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces"}
     | {"protocol.refusals", "protocol.websocket"}
     | {"client_handshake", "credentials", "hub_address", "tls"}
-    | {"hub.federation", "hub.graph", "hub.audit"}
+    | {"hub.federation", "hub.foreign", "hub.graph", "hub.audit"}
     | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}
     | {"hub.memory", "hub.zenoh_session"},
     "ros2": {"errors", "access.rights", "interfaces", "hub.graph", "hub.ros2", "hub.settings"}
-    | {"hub.delivery.clock", "hub.log_text", "hub.zenoh_session"},
+    | {"hub.delivery.clock", "hub.foreign", "hub.log_text", "hub.zenoh_session"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "access.rights", "hub.graph"}
     | {"hub.delivery", "hub.rosapi", "hub.log_text", "hub.audit"},
 }

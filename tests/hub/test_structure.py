@@ -22,7 +22,7 @@ from fibws.protocol.operations import Request
 HUB = Path(fibws.hub.__file__).parent
 MODULES = sorted(
     path.relative_to(HUB).as_posix()
-    for folder in ("rosbridge", "foxglove", "federation")
+    for folder in ("rosbridge", "foxglove", "federation", "foreign")
     for path in HUB.glob(f"{folder}/*.py")
 )
 Function = ast.FunctionDef | ast.AsyncFunctionDef

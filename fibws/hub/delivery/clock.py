@@ -21,3 +21,10 @@ class Clock(Protocol):
 
     def call_later(self, delay: float, callback: Callable[[], Any], /) -> Timer:
         """Call ``callback`` in ``delay`` seconds."""
+
+
+class Loop(Clock, Protocol):
+    """An event loop."""
+
+    def call_soon(self, callback: Callable[[], object], /) -> object:
+        """Call a function in the next turn."""

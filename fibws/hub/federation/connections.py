@@ -35,6 +35,7 @@ from fibws.hub.federation.retries import (
     pace_of_status,
     seconds_asked,
 )
+from fibws.hub.foreign.worklist import TURN
 from fibws.hub.log_text import printable
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work, limit_unsent
@@ -56,8 +57,6 @@ logger = logging.getLogger("fibws.hub")
 
 OPEN_TIMEOUT = 5.0
 CLOSE_TIMEOUT = 1.0
-TURN = 0.001
-"""Seconds for which records are handled before others have their turn."""
 
 NOT_BINARY = CloseReason(1003, "expected binary messages of fibws.hub.v1")
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from itertools import repeat
-from time import perf_counter
+from functools import partial
 from typing import Any
 
 from fibws.access.rights import Right
@@ -31,7 +29,7 @@ from fibws.hub.federation.remote import RemoteGraph
 from fibws.hub.federation.remote_logs import LogReader
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.federation.shared_parameters import SharedParameters
-from fibws.hub.federation.worklist import TURN
+from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import Graph, NodeOfLink
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.graph.topic import Topic
@@ -86,15 +84,19 @@ class Offers:
         self._remote = remote
         self._parameters = parameters
         self._outlets = outlets
-        self._call_soon = call_soon
         self._view = graph.view(backplane.node)
         self._announced: dict[Kind, dict[str, Record]] = {kind: {} for kind in KINDS}
         """The last records, by the names on the backplane."""
         self._users: dict[tuple[Kind, str], set[str]] = {}
         """The nodes of each topic, service and action, where only those make nodes visible."""
-        self._changed: OrderedDict[tuple[Kind, str], None] = OrderedDict()
-        self._is_due = False
-        self._is_closed = False
+        self._changes: dict[Kind, dict[str, Any]] = {kind: {} for kind in KINDS}
+        """The records that were made in this turn."""
+        self._work = Worklist[Kind](
+            call_soon,
+            {kind: partial(self._compare, kind) for kind in KINDS},
+            turn_ended=self._announce,
+            is_paused=lambda: backplane.is_busy,
+        )
         self._make: dict[Kind, Callable[[str], Record | None]] = {
             "nodes": self._node,
             "topics": self._topic,
@@ -112,46 +114,31 @@ class Offers:
             **{"actions": graph.actions, "parameters": self._parameters.records},
         }
         for kind, each in names.items():
-            self._changed.update(dict.fromkeys(zip(repeat(kind), each)))
-        self.resume()
+            for name in each:
+                self._work.add(kind, name)
 
     def changed(self, kind: Kind, name: str) -> None:
         """Announce the change of a node, topic, service or action of this graph soon."""
-        self._changed[kind, name] = None
-        self._schedule()
+        self._work.add(kind, name)
 
     def resume(self) -> None:
         """Announce changes again, now that the backplane is not busy."""
-        if self._changed:
-            self._schedule()
+        self._work.resume()
 
     def close(self) -> None:
         """Announce nothing more."""
-        self._is_closed = True
+        self._work.close()
 
     # Announcing.
 
-    def _schedule(self) -> None:
-        if not self._is_due and not self.backplane.is_busy:
-            self._is_due = True
-            self._call_soon(self._flush)
-
-    def _flush(self) -> None:
-        """Announce what has changed, for as long as a turn lasts."""
-        self._is_due = False
-        if self._is_closed:
-            return
-        until = perf_counter() + TURN
-        changes: dict[str, dict[str, Any]] = {kind: {} for kind in KINDS}
-        while self._changed and perf_counter() < until:
-            (kind, name), _ = self._changed.popitem(last=False)
-            self._compare(kind, name, changes[kind])
+    def _announce(self) -> None:
+        """Announce what was found to have changed."""
+        changes: dict[Any, dict[str, Any]] = self._changes
         if any(changes.values()):
+            self._changes = {kind: {} for kind in KINDS}
             self.backplane.announce(Announcement.model_construct(None, **changes))
-        if self._changed:
-            self._schedule()
 
-    def _compare(self, kind: Kind, name: str, changes: dict[str, Any]) -> None:
+    def _compare(self, kind: Kind, name: str) -> None:
         view, announced = self.backplane.view, self._announced[kind]
         outward = view.node_outward(name) if kind == "nodes" else view.outward(name)
         if outward is None:
@@ -160,7 +147,7 @@ class Offers:
         if record != announced.get(outward):
             if kind == "nodes" and (record is None or outward not in announced):
                 self._note_sight()
-            changes[outward] = record
+            self._changes[kind][outward] = record
             if record is None:
                 del announced[outward]
             else:

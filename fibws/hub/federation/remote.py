@@ -23,7 +23,7 @@ from fibws.hub.federation.records import Announcement, HubInfo, Kind
 from fibws.hub.federation.remote_nodes import RemoteNode, RemoteNodes
 from fibws.hub.federation.remote_services import RemoteServices
 from fibws.hub.federation.remote_topics import RemotePublisher, RemoteTopics
-from fibws.hub.federation.worklist import Worklist
+from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import shortened
@@ -59,7 +59,7 @@ class RemoteGraph:
         self._max_latched_bytes = max_latched_bytes
         self._homes: dict[Peer, PeerGraph] = {}
         self._warned: OrderedDict[str, None] = OrderedDict()
-        self._work = Worklist(
+        self._work = Worklist[Kind](
             call_soon,
             {
                 "nodes": lambda name: self._nodes.settle(name),

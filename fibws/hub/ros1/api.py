@@ -16,7 +16,8 @@ from typing import Any, TypeAlias
 
 from fibws import names
 from fibws.errors import FibwsError, InvalidName, XmlRpcError
-from fibws.hub.ros1.http import TURN, Caller
+from fibws.hub.foreign.worklist import TURN
+from fibws.hub.ros1.http import Caller
 from fibws.hub.ros1.xmlrpc import Written, write_value
 
 logger = logging.getLogger("fibws.hub")

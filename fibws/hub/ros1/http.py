@@ -16,6 +16,7 @@ from urllib.parse import urlsplit
 import h11
 
 from fibws.errors import NodeUnreachable, XmlRpcError
+from fibws.hub.foreign.worklist import TURN
 from fibws.hub.ros1.xmlrpc import CallParser, iter_response, write_call, write_fault
 
 logger = logging.getLogger("fibws.hub")
@@ -24,8 +25,6 @@ SLICE = 4 * 1024
 """Bytes of XML that are parsed at once, in about half a millisecond."""
 SMALL = 8 * 1024
 """Bytes of a call that is served at once."""
-TURN = 0.001
-"""Seconds after which a long answer lets others have their turn."""
 IDLE_TIMEOUT = 60.0
 """Seconds for which a connection is kept that sends nothing."""
 BODY_TIMEOUT = 30.0

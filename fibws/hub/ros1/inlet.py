@@ -14,6 +14,7 @@ from time import perf_counter
 from typing import Any, cast
 
 from fibws.errors import FibwsError, InvalidMessage, NodeUnreachable, Ros1Error, TcprosError
+from fibws.hub.foreign.worklist import TURN
 from fibws.hub.graph.topic import Source
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import describe, detect_dead_peer
@@ -35,8 +36,6 @@ AHEAD = 1024 * 1024
 """Bytes allocated for a large message at first; more follow as it arrives."""
 SCRATCH = 128 * 1024
 """Bytes of the buffer in which small messages arrive."""
-TURN = 0.001
-"""Seconds for which the messages of one link are delivered before others have their turn."""
 CHECKED_EVERY = 8
 """Messages between two looks at the clock."""
 CONNECT_TIMEOUT = 5.0

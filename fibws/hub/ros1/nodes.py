@@ -11,13 +11,11 @@ import errno
 import logging
 import os
 import sys
-from collections import deque
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
 from itertools import chain
 from socket import gethostname
-from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
@@ -27,11 +25,12 @@ from fibws.errors import (
     NotAllowed,
     Ros1Error,
 )
+from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.ros1.http import NodeCalls
-from fibws.hub.ros1.topic_registrations import MASTER, TURN, Registrant, TopicRegistrations
+from fibws.hub.ros1.topic_registrations import MASTER, Registrant, TopicRegistrations
 
 logger = logging.getLogger("fibws.hub")
 
@@ -158,7 +157,7 @@ class Ros1Nodes:
         )
         """Their publishers and subscribers."""
         self._services: dict[str, Ros1Node] = {}
-        self._left: deque[Iterator[Callable[[], None]]] = deque()
+        self._left = Worklist[str](lambda run: asyncio.get_running_loop().call_soon(run), {})
         """What is still to be removed of nodes that are gone."""
         self._tasks: set[asyncio.Task[None]] = set()
         self.gone: Callable[[str], object] = lambda api: None
@@ -467,27 +466,11 @@ class Ros1Nodes:
         self._graph.abandon(each for each in services if each and each.node == node.name)
         if self._is_there(node):
             del self.by_name[node.name]
-        self._left.append(removals)
-        if len(self._left) == 1:
-            self._remove_left()
+        self._left.add_steps(map(_call, removals), at_once=True)
         if not self.at(node.api):
             self._calls.forget(node.api)
             self.gone(node.api)
         self.changed()
-
-    def _remove_left(self, *, to_the_end: bool = False) -> None:
-        """Remove what nodes have left for as long as a turn lasts."""
-        until = perf_counter() + TURN
-        while self._left:
-            for remove in self._left[0]:
-                try:
-                    remove()
-                except Exception:
-                    logger.exception("Something of a node that is gone could not be removed.")
-                if perf_counter() > until and not to_the_end:
-                    asyncio.get_running_loop().call_soon(self._remove_left)
-                    return
-            self._left.popleft()
 
     def run(
         self, coroutine: Coroutine[Any, Any, None], done: Callable[[str], object]
@@ -519,7 +502,7 @@ class Ros1Nodes:
         self.topics.close()
         for node in list(self.by_name.values()):
             self.remove(node)
-        self._remove_left(to_the_end=True)
+        self._left.finish()
         tasks = list(self._tasks)
         for task in tasks:
             task.cancel()
@@ -533,6 +516,11 @@ def is_api(uri: str) -> bool:
         return url.scheme == "http" and bool(url.hostname) and url.port is not None
     except ValueError:
         return False
+
+
+def _call(function: Callable[[], None]) -> None:
+    """Call a function; that it fails does not end `map`, as it would a generator."""
+    function()
 
 
 def _fault(error: Ros1Error) -> str:

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections import OrderedDict
 from collections.abc import Callable, Container, Iterable, Iterator
 from functools import partial
 from itertools import chain
-from time import perf_counter
 from typing import Any, Protocol
 
 from fibws.errors import InterfaceError, InvalidMessage, NotAllowed, OperationError
+from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.publication import Publication
@@ -35,8 +34,6 @@ MASTER = "/master"
 """The caller_id of the master's own calls."""
 ANY = "*"
 """The type of a subscriber that takes every message."""
-TURN = 0.001
-"""Seconds for which topics are updated before others have their turn."""
 
 
 class Links(Protocol):
@@ -176,15 +173,15 @@ class TopicRegistrations:
         self._subscribers: dict[str, dict[str, Ros1Subscriber]] = {}
         self._types_in_conflict: dict[str, MessageType | None] = {}
         """By topic: the type that it had when nodes conflicted with it."""
-        self._dirty: OrderedDict[str, None] = OrderedDict()
+        self._work = Worklist(
+            lambda run: asyncio.get_running_loop().call_soon(run), {"topics": self._update_topic}
+        )
         """The topics whose publishers or subscribers have changed since they were updated."""
-        self._is_update_due = False
-        self._is_closed = False
         graph.watch_topics(lambda topic: self._mark(topic.name))
 
     def close(self) -> None:
         """Send no more updates to nodes."""
-        self._is_closed = True
+        self._work.close()
 
     # Looking up.
 
@@ -446,29 +443,8 @@ class TopicRegistrations:
     # Sending updates.
 
     def _mark(self, topic: str) -> None:
-        if self._is_closed:
-            return
         self._graph.revision += 1
-        self._dirty[topic] = None
-        if not self._is_update_due:
-            self._is_update_due = True
-            asyncio.get_running_loop().call_soon(self._update)
-
-    def _update(self) -> None:
-        """Update the topics that have changed, for as long as a turn lasts."""
-        until = perf_counter() + TURN
-        try:
-            for _ in range(len(self._dirty)):
-                if self._is_closed:
-                    return
-                name, _ = self._dirty.popitem(last=False)
-                self._update_topic(name)
-                if perf_counter() > until:
-                    return
-        finally:
-            self._is_update_due = bool(self._dirty) and not self._is_closed
-            if self._is_update_due:
-                asyncio.get_running_loop().call_soon(self._update)
+        self._work.add("topics", topic)
 
     def _update_topic(self, name: str) -> None:
         """Bring links up to date, and send subscribers the publishers that have changed."""

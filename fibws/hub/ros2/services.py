@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import os
 import time
-from collections import deque
 from collections.abc import Callable
 from functools import partial
 
@@ -14,7 +13,8 @@ from fibws.errors import (
     InterfaceError,
     UnknownDefinition,
 )
-from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.delivery.clock import Loop
+from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
@@ -35,8 +35,6 @@ MOST_REQUESTS = 1000
 MOST_CLIENTS = 100
 """Callers of a service that ROS 2 sees as its clients."""
 SERVICE_QOS = Qos(depth=10)
-TURN = 0.001
-"""Seconds for which services are ended before others have their turn."""
 
 
 class Ros2Server:
@@ -174,7 +172,7 @@ class Ros2Services:
         nodes: Ros2Nodes,
         own: OwnNodes,
         types: Ros2Types,
-        clock: Clock,
+        loop: Loop,
         timeout: float,
     ) -> None:
         self.network = network
@@ -182,15 +180,14 @@ class Ros2Services:
         self._graph = graph
         self._nodes = nodes
         self._types = types
-        self._clock = clock
+        self._loop = loop
         self._timeout = timeout
         self._servers: dict[str, Ros2Server] = {}
         self._own_services: dict[str, OwnService] = {}
         self._requests: set[Call] = set()
         """Calls of ROS 2 clients that wait for a response."""
-        self._left: deque[Ros2Server] = deque()
-        """Those of nodes that have left, which are still to be ended."""
-        self._timer: Timer | None = None
+        self._left = Worklist[str](loop.call_soon, {})
+        """The services of nodes that have left, which are still to be ended."""
         self._is_closed = False
         graph.watch("service", self.changed)
         graph.watch("node", self._node_changed)
@@ -203,10 +200,7 @@ class Ros2Services:
     def close(self) -> None:
         """Serve ROS 2 no more; the ROS 2 nodes have left."""
         self._is_closed = True
-        if self._timer is not None:
-            self._timer.cancel()
-        while self._left:
-            self._end(self._left.popleft())
+        self._left.finish()
         for service in self._own_services.values():
             service.close()
         self._own_services.clear()
@@ -233,25 +227,15 @@ class Ros2Services:
 
     def detach(self, node: Ros2Node) -> None:
         """Detach, one by one, what a node serves that has left."""
+        left = []
         for name in list(node.served):
             server = self._servers.get(name)
             if server is not None and server.owner is node:
                 self._forget(server)
                 if server.service is not None:
                     self._graph.abandon([server.service])
-                self._left.append(server)
-        if self._left and self._timer is None:
-            self._timer = self._clock.call_later(0, self._end_left)
-
-    def _end_left(self) -> None:
-        until = self._clock.time() + TURN
-        self._timer = self._clock.call_later(0, self._end_left)  # Also if one fails.
-        while self._left:
-            self._end(self._left.popleft())
-            if self._clock.time() > until:
-                return
-        self._timer.cancel()
-        self._timer = None
+                left.append(server)
+        self._left.add_steps(map(self._end, left))
 
     def withdraw_forbidden(self) -> None:
         """End the calls of ROS 2 clients that their rights do not allow any more.
@@ -424,6 +408,6 @@ class Ros2Services:
         call = self._graph.call(name, values, caller, succeeded, failed)
         self._requests.add(call)
         if self._timeout:
-            timer = self._clock.call_later(self._timeout, lambda: call.time_out(self._timeout))
+            timer = self._loop.call_later(self._timeout, lambda: call.time_out(self._timeout))
             ended.append(timer.cancel)
         call.start()

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import logging
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from fibws.errors import FibwsError, LimitReached
-from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.delivery.clock import Loop, Timer
+from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Conflict, SinkReport, Source, Topic
@@ -34,8 +34,6 @@ logger = logging.getLogger("fibws.hub")
 
 LINGER = 2.0
 """Seconds for which messages still come when nobody subscribes any more."""
-TURN = 0.001
-"""Seconds for which topics are updated before others have their turn."""
 UNLIMITED = 1000
 """Messages that wait for ROS 2, of a publisher whose queue_size sets no limit."""
 MOST_HISTORY = 1000
@@ -49,13 +47,6 @@ LEFT_OUT = frozenset({"/rosout"})
 
 NOT_TRIED: Any = object()
 """Stands for a type of a topic that is unlike all others, and unlike None."""
-
-
-class Loop(Clock, Protocol):
-    """The event loop."""
-
-    def call_soon(self, callback: Callable[[], object], /) -> object:
-        """Call a function in the next turn."""
 
 
 class Ros2Publisher:
@@ -296,9 +287,7 @@ class Ros2Topics:
         self._loop = loop
         self._max_latched = max_latched
         self._links: dict[str, Links] = {}
-        self._dirty: OrderedDict[str, None] = OrderedDict()
-        self._is_due = False
-        self._is_closed = False
+        self._work = Worklist(loop.call_soon, {"topics": self._settle})
         self._warned: set[str] = set()
         graph.watch_topics(lambda topic: self.changed(topic.name))
 
@@ -309,7 +298,7 @@ class Ros2Topics:
 
     def close(self) -> None:
         """End all connections; the ROS 2 nodes have left."""
-        self._is_closed = True
+        self._work.close()
         for links in self._links.values():
             for source in list(links.publishers.values()):
                 self._detach_publisher(links, source)
@@ -328,12 +317,8 @@ class Ros2Topics:
 
     def changed(self, name: str) -> None:
         """Update a topic soon."""
-        if self._is_closed or name in LEFT_OUT:
-            return
-        self._dirty[name] = None
-        if not self._is_due:
-            self._is_due = True
-            self._loop.call_soon(self._update)
+        if name not in LEFT_OUT:
+            self._work.add("topics", name)
 
     def detach(self, node: Ros2Node) -> None:
         """Detach, topic by topic, what a node that has left publishes and subscribes to."""
@@ -348,18 +333,6 @@ class Ros2Topics:
                 left.append(subscriber)
             self.changed(name)
         self._graph.abandon(left)
-
-    def _update(self) -> None:
-        until = time.perf_counter() + TURN
-        self._is_due = False
-        while self._dirty and not self._is_closed:
-            name, _ = self._dirty.popitem(last=False)
-            self._settle(name)
-            if self._dirty and time.perf_counter() > until:
-                if not self._is_due:
-                    self._is_due = True
-                    self._loop.call_soon(self._update)
-                return
 
     def _settle(self, name: str) -> None:
         """Attach what should be attached to a topic, and detach what should not."""

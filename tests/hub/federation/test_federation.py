@@ -14,8 +14,9 @@ from patience import PATIENCE
 import fibws
 from fibws.hub.federation import precedence
 from fibws.hub.federation.connections import Join as Joining
+from fibws.hub.federation.records import Kind
 from fibws.hub.federation.remote_nodes import RemoteNode
-from fibws.hub.federation.worklist import Worklist
+from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.publication import Publication
 from fibws.hub.server import Hub
 from fibws.hub.websocket.turns import Turns
@@ -502,7 +503,7 @@ async def test_what_a_lost_hub_has_left_is_removed_one_by_one(
     await until(lambda: topics <= cloud.graph.topics.keys(), cloud)
     changes, step = [0], Worklist._run_one
 
-    def count(work: Worklist) -> bool:
+    def count(work: Worklist[Kind]) -> bool:
         before = cloud.graph.revision
         found = step(work)
         changes.append(cloud.graph.revision - before)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import math
 import random
 import socket
 import struct
@@ -15,6 +16,7 @@ import pytest
 
 import fibws
 from fibws.errors import LimitReached
+from fibws.hub.foreign import worklist
 from fibws.hub.graph.topic import Source
 from fibws.hub.ros1 import inlet
 from fibws.hub.ros1.inlet import AHEAD, SCRATCH, InletConnection
@@ -561,20 +563,22 @@ async def test_changes_of_many_topics_leave_others_their_turn(
 ) -> None:
     assert hub.ros1 is not None
     nodes, turns = hub.ros1.nodes, []
-    update = nodes.topics._update
+    work = nodes.topics._work
+    run = work._run
 
     def counted() -> None:
-        turns.append(len(nodes.topics._dirty))
-        update()
+        turns.append(len(work))
+        run()
 
     talker, listener = await start_peer("/talker"), await start_peer("/listener")
     topics = [f"/t{number}" for number in range(20)]
     for topic in topics:
         await talker.advertise(topic)
         await listener.subscribe(topic)
-    monkeypatch.setattr("fibws.hub.ros1.topic_registrations.TURN", 0.0)
-    monkeypatch.setattr(nodes.topics, "_update", counted)
+    monkeypatch.setattr(work, "_run", counted)
+    monkeypatch.setattr(worklist, "TURN", math.inf)  # All is removed in one turn.
     nodes.remove(nodes.by_name["/talker"])
+    monkeypatch.setattr(worklist, "TURN", 0.0)
     updates = [await listener.called("publisherUpdate") for _ in topics]
     assert sorted(updates) == sorted([topic, []] for topic in topics)
     assert turns[:20] == list(range(20, 0, -1))

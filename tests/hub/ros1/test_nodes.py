@@ -17,6 +17,7 @@ import fibws
 from fibws.errors import HubError, NodeReplaced
 from fibws.files import replace_file
 from fibws.hub import kept_file
+from fibws.hub.foreign import worklist
 from fibws.hub.ros1 import nodes as module
 from fibws.hub.ros1 import state
 from fibws.hub.server import Hub
@@ -109,7 +110,7 @@ async def test_what_a_node_has_left_is_removed_in_slices(
         await reader.subscribe(topic)
     assert hub.ros1 is not None
     nodes = hub.ros1.nodes
-    monkeypatch.setattr(module, "TURN", -1.0)  # Each slice is over after one step.
+    monkeypatch.setattr(worklist, "TURN", -1.0)  # Each slice is over after one step.
     nodes.remove(known(hub)["/peer"])
     assert "/peer" not in hub.graph.nodes
     assert [topic for topic in topics if hub.graph.topics[topic].sources] == topics[1:]

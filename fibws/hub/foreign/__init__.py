@@ -1,0 +1,1 @@
+"""How nodes that are no clients of this hub join its graph: the parts that all bridges share."""
