@@ -10,33 +10,23 @@ from fibws.hub.federation.announced import Announced, PeerGraph
 from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.precedence import Ages, NodeOffer, choose
 from fibws.hub.federation.records import HubInfo, Kind, NodeRecord, Request
+from fibws.hub.foreign.nodes import ForeignNode
 from fibws.hub.graph.graph import Graph, NodeOfHub
 from fibws.hub.log_text import printable
 
 logger = logging.getLogger("fibws.hub")
 
 
-class RemoteNode(NodeOfHub):
+class RemoteNode(ForeignNode, NodeOfHub):
     """A node of another hub; a `Node` of this graph.
 
     Attributes:
         home: the hub that announced it, on the shortest way to it.
         since: when it connected to its hub, by the clock of this hub.
-        published: the topics that it publishes here.
-        subscribed: the topics that it subscribes to here.
-        served: the services and actions that it provides here.
+        served: the services and actions that it provides here, with their kinds.
     """
 
-    __slots__ = (
-        "_on_replaced",
-        "home",
-        "name",
-        "published",
-        "record",
-        "served",
-        "since",
-        "subscribed",
-    )
+    __slots__ = ("home", "record")
 
     def __init__(
         self,
@@ -46,14 +36,10 @@ class RemoteNode(NodeOfHub):
         since: int,
         on_replaced: Callable[[RemoteNode], None],
     ) -> None:
-        self.name = name
+        super().__init__(name, since, on_replaced)
         self.record = record
         self.home = home
-        self.since = since
-        self.published: dict[str, None] = {}
-        self.subscribed: dict[str, None] = {}
-        self.served: dict[tuple[Kind, str], None] = {}
-        self._on_replaced = on_replaced
+        self.served: dict[tuple[Kind, str], None]
 
     @property
     def hub(self) -> HubInfo:
@@ -64,14 +50,6 @@ class RemoteNode(NodeOfHub):
     def hub_name(self) -> str:
         """The name of that hub."""
         return self.record.hub.name
-
-    def publishing(self) -> Iterable[str]:
-        """Return the topics that it publishes."""
-        return self.published
-
-    def subscribing(self) -> Iterable[str]:
-        """Return the topics that it subscribes to."""
-        return self.subscribed
 
     def providing(self) -> Iterable[str]:
         """Return the services that it provides."""
@@ -93,10 +71,6 @@ class RemoteNode(NodeOfHub):
         return peer.backplane.request(
             peer, request, lambda reply: done(str(reply.fields.get("error", "")))
         )
-
-    def replaced(self) -> None:
-        """Leave, since a node of this hub, or of another one, has taken its name."""
-        self._on_replaced(self)
 
 
 def attached_node(graph: Graph, name: str, home: PeerGraph) -> RemoteNode | None:

@@ -26,7 +26,7 @@ from fibws.errors import (
     Ros1Error,
 )
 from fibws.hub.foreign.worklist import Worklist
-from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.ros1.http import NodeCalls
@@ -67,7 +67,7 @@ class SavedNode(NamedTuple):
     """Services with their URIs."""
 
 
-class Ros1Node(Registrant, ExternalNode):
+class Ros1Node(Registrant):
     """A ROS 1 node; a `Node` of the graph.
 
     Args:
@@ -78,37 +78,22 @@ class Ros1Node(Registrant, ExternalNode):
 
     Attributes:
         pid: its process id; None while unknown.
-        services: the URIs of its services, by their names.
+        served: the URIs of its services, by their names.
     """
 
     def __init__(self, name: str, api: str, hub_host: str, since: int, nodes: Ros1Nodes) -> None:
-        super().__init__(name, api, hub_host)
+        super().__init__(name, since, nodes.replaced)
+        self.api = api
+        self.hub_host = hub_host
         self.pid: int | None = None
-        self.services: dict[str, str] = {}
+        self.served: dict[str, str]
         self.fault = ""
-        self.since = since
         self._nodes = nodes
 
     @property
     def is_empty(self) -> bool:
         """Whether it has no registration left."""
-        return not (self.publishers or self.subscribers or self.services)
-
-    def publishing(self) -> Iterable[str]:
-        """Return the topics that it publishes."""
-        return self.publishers
-
-    def subscribing(self) -> Iterable[str]:
-        """Return the topics that it subscribes to."""
-        return self.subscribers
-
-    def providing(self) -> Iterable[str]:
-        """Return the services that it provides."""
-        return self.services
-
-    def replaced(self) -> None:
-        """End, since another node has taken its name."""
-        self._nodes.replaced(self)
+        return not (self.published or self.subscribed or self.served)
 
     def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
         """Ask whether it answers; see `ExternalNode`."""
@@ -168,7 +153,7 @@ class Ros1Nodes:
     def service(self, name: str) -> tuple[Ros1Node, str] | None:
         """Return the node of a service, and the service's URI."""
         node = self._services.get(name)
-        return None if node is None or not self._is_there(node) else (node, node.services[name])
+        return None if node is None or not self._is_there(node) else (node, node.served[name])
 
     def services(self) -> Iterable[tuple[str, Ros1Node]]:
         """Yield all services with their nodes."""
@@ -204,10 +189,10 @@ class Ros1Nodes:
         if node is None:
             return False
         older = self._services.get(service)
-        if older is not None and (older is not node or node.services[service] != uri):
-            self.remove_service(service, older.services[service])
+        if older is not None and (older is not node or node.served[service] != uri):
+            self.remove_service(service, older.served[service])
             node = self._enter(name, api, hub_host) or node  # It may have been its last one.
-        node.services[service] = uri
+        node.served[service] = uri
         self._services[service] = node
         self.service_links.register(node, service, uri)
         self.changed()
@@ -216,25 +201,25 @@ class Ros1Nodes:
     def remove_publisher(self, name: str, topic: str, api: str) -> bool:
         """Remove a registration; return whether it was there."""
         node = self.by_name.get(name)
-        if node is None or node.api != api or topic not in node.publishers:
+        if node is None or node.api != api or topic not in node.published:
             return False
-        self.topics.remove_publisher(node.publishers[topic])
+        self.topics.remove_publisher(node.published[topic])
         self._settle(node)
         return True
 
     def remove_subscriber(self, name: str, topic: str, api: str) -> bool:
         """Remove a registration; return whether it was there."""
         node = self.by_name.get(name)
-        if node is None or node.api != api or topic not in node.subscribers:
+        if node is None or node.api != api or topic not in node.subscribed:
             return False
-        self.topics.remove_subscriber(node.subscribers[topic])
+        self.topics.remove_subscriber(node.subscribed[topic])
         self._settle(node)
         return True
 
     def remove_service(self, service: str, uri: str) -> bool:
         """Remove a service, unless another URI has taken its place; return whether it was there."""
         node = self._services.get(service)
-        if node is None or node.services[service] != uri:
+        if node is None or node.served[service] != uri:
             return False
         self._remove_service(node, service)
         self._settle(node)
@@ -244,7 +229,7 @@ class Ros1Nodes:
         """Forget a service that a client of the hub has taken over."""
         node = self._services.pop(service, None)
         if node is not None:
-            del node.services[service]
+            del node.served[service]
             self._settle(node)
 
     def remove(self, node: Ros1Node) -> None:
@@ -282,7 +267,7 @@ class Ros1Nodes:
             if self.by_name.get(node.name) is not node:
                 continue
             self.topics.apply_rights(node)
-            for service, uri in node.services.items():
+            for service, uri in node.served.items():
                 if not graph.is_allowed(node.name, "provide", service):
                     self.service_links.unregister(node, service)
                 self.service_links.register(node, service, uri)
@@ -366,9 +351,9 @@ class Ros1Nodes:
                 node.api,
                 node.hub_host,
                 node.pid,
-                {topic: each.type for topic, each in node.publishers.items()},
-                {topic: each.type for topic, each in node.subscribers.items()},
-                dict(node.services),
+                {topic: each.type for topic, each in node.published.items()},
+                {topic: each.type for topic, each in node.subscribed.items()},
+                dict(node.served),
             )
             for node in self.by_name.values()
         ]
@@ -388,9 +373,9 @@ class Ros1Nodes:
             self.add_publisher(name, str(topic), str(type_), api, host)
         for topic, type_ in subscriptions.items():
             self.add_subscriber(name, str(topic), str(type_), api, host)
-        for topic in node.publishers.keys() - publications.keys():
+        for topic in node.published.keys() - publications.keys():
             self.remove_publisher(name, topic, api)
-        for topic in node.subscribers.keys() - subscriptions.keys():
+        for topic in node.subscribed.keys() - subscriptions.keys():
             self.remove_subscriber(name, topic, api)
 
     def _set_pid(self, registrant: Registrant, pid: object) -> None:
@@ -445,7 +430,7 @@ class Ros1Nodes:
     # Removing.
 
     def _remove_service(self, node: Ros1Node, service: str) -> None:
-        if node.services.pop(service, None) is None:
+        if node.served.pop(service, None) is None:
             return  # Another node has taken it meanwhile.
         self._services.pop(service, None)
         self.service_links.unregister(node, service)
@@ -460,9 +445,9 @@ class Ros1Nodes:
         """Forget a node, and remove its registrations, in slices if they are many."""
         removals: Iterator[Callable[[], None]] = chain(
             self.topics.abandon(node),
-            (partial(self._remove_service, node, service) for service in list(node.services)),
+            (partial(self._remove_service, node, service) for service in list(node.served)),
         )
-        services = [self._graph.services.get(service) for service in node.services]
+        services = [self._graph.services.get(service) for service in node.served]
         self._graph.abandon(each for each in services if each and each.node == node.name)
         if self._is_there(node):
             del self.by_name[node.name]

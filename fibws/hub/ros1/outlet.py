@@ -124,7 +124,7 @@ class Outlet:
         self.queue_length = _queue_length(self._all_own_sources(topic))
         used = {each: each.type for each in topic.groups if self.own_sources(each)}
         for link in list(self.links):
-            is_subscribed = link.subscriber.owner.subscribers.get(self.name) is link.subscriber
+            is_subscribed = link.subscriber.owner.subscribed.get(self.name) is link.subscriber
             type_ = used.get(link.group)
             if type_ is None or link.md5sum != type_.md5sum or not is_subscribed:
                 link.close()

@@ -16,8 +16,9 @@ from itertools import chain
 from typing import Any, Protocol
 
 from fibws.errors import InterfaceError, InvalidMessage, NotAllowed, OperationError
+from fibws.hub.foreign.nodes import ForeignNode
 from fibws.hub.foreign.worklist import Worklist
-from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Conflict, Receiver, SinkReport, Source, Topic
@@ -53,21 +54,17 @@ class Link(Receiver, Protocol):
         """Return its totals."""
 
 
-class Registrant:
-    """A node, as its registrations know it.
+class Registrant(ForeignNode, ExternalNode):
+    """A ROS 1 node, as its registrations know it.
 
-    Args:
-        name: its global name.
+    Attributes:
         api: the URI of its XML-RPC server.
         hub_host: the address by which it reached the hub.
     """
 
-    def __init__(self, name: str, api: str, hub_host: str) -> None:
-        self.name = name
-        self.api = api
-        self.hub_host = hub_host
-        self.publishers: dict[str, Ros1Publisher] = {}
-        self.subscribers: dict[str, Ros1Subscriber] = {}
+    hub_host: str
+    published: dict[str, Ros1Publisher]
+    subscribed: dict[str, Ros1Subscriber]
 
 
 class Ros1Publisher:
@@ -269,7 +266,7 @@ class TopicRegistrations:
                 return
             self.remove_publisher(older)
         publisher = Ros1Publisher(node, topic, type_)
-        node.publishers[topic] = self._publishers.setdefault(topic, {})[node.name] = publisher
+        node.published[topic] = self._publishers.setdefault(topic, {})[node.name] = publisher
         self._attach_publisher(publisher)
         self._mark(topic)
         self._changed()
@@ -282,7 +279,7 @@ class TopicRegistrations:
                 return
             self.remove_subscriber(older)
         subscriber = Ros1Subscriber(node, topic, type_)
-        node.subscribers[topic] = self._subscribers.setdefault(topic, {})[node.name] = subscriber
+        node.subscribed[topic] = self._subscribers.setdefault(topic, {})[node.name] = subscriber
         self._attach_subscriber(subscriber)
         self._mark(topic)
         self._changed()
@@ -290,7 +287,7 @@ class TopicRegistrations:
     def remove_publisher(self, publisher: Ros1Publisher) -> None:
         """Remove a registration; the second time nothing happens."""
         node, topic = publisher.node, publisher.topic
-        if node.publishers.pop(topic, None) is None:
+        if node.published.pop(topic, None) is None:
             return
         _remove(self._publishers, topic, node.name)
         self._detach_source(publisher)
@@ -301,7 +298,7 @@ class TopicRegistrations:
     def remove_subscriber(self, subscriber: Ros1Subscriber) -> None:
         """Remove a registration; the second time nothing happens."""
         node, topic = subscriber.owner, subscriber.topic
-        if node.subscribers.pop(topic, None) is None:
+        if node.subscribed.pop(topic, None) is None:
             return
         _remove(self._subscribers, topic, node.name)
         found = self._graph.topics.get(topic)
@@ -337,19 +334,19 @@ class TopicRegistrations:
     def apply_rights(self, node: Registrant) -> None:
         """Attach what a node may use now, and detach what it may not."""
         graph = self._graph
-        for topic, publisher in node.publishers.items():
+        for topic, publisher in node.published.items():
             is_allowed = graph.is_allowed(node.name, "publish", topic)
             if is_allowed is not (publisher.source is not None):
                 self._detach_source(publisher)
                 self._detach_conflict(topic, node.name, publishes=True)
                 self._attach_publisher(publisher)
-        for topic, subscriber in node.subscribers.items():
+        for topic, subscriber in node.subscribed.items():
             is_allowed = graph.is_allowed(node.name, "subscribe", topic)
             if is_allowed is not graph.topic(topic).has_sink(subscriber):
                 graph.unsubscribe(graph.topic(topic), subscriber)
                 self._detach_conflict(topic, node.name, publishes=False)
                 self._attach_subscriber(subscriber)
-        for topic in (*node.publishers, *node.subscribers):
+        for topic in (*node.published, *node.subscribed):
             self._mark(topic)
 
     # Attaching to the graph.
@@ -431,7 +428,7 @@ class TopicRegistrations:
 
     def abandon(self, node: Registrant) -> Iterator[Callable[[], None]]:
         """Take note that a node has left; return functions that remove its registrations."""
-        publishers, subscribers = list(node.publishers.values()), list(node.subscribers.values())
+        publishers, subscribers = list(node.published.values()), list(node.subscribed.values())
         sources = (each.source for each in publishers)
         self._graph.abandon(source for source in sources if source is not None)
         self._graph.abandon(each for each in subscribers if not each.fault)

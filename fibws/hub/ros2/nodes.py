@@ -9,7 +9,8 @@ from typing import Protocol, TypeVar
 
 from fibws.access.rights import Principal
 from fibws.errors import NotAllowed, Ros2Error
-from fibws.hub.graph.graph import DistantNode, Graph
+from fibws.hub.foreign.nodes import ForeignNode
+from fibws.hub.graph.graph import Graph
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros2.key_layout import TOPIC_KINDS, Entity, gid_of, is_left_out
 
@@ -23,35 +24,10 @@ MOST_TOKENS = 100_000
 """Tokens of a network that are kept."""
 
 
-class Ros2Node(DistantNode):
-    """A ROS 2 node; a `Node` of the graph.
+class Ros2Node(ForeignNode):
+    """A ROS 2 node; a `Node` of the graph."""
 
-    Attributes:
-        since: when it was found, in nanoseconds since 1970.
-        published: the topics that it publishes; see also `subscribed` and `served`.
-    """
-
-    __slots__ = ("_on_replaced", "name", "published", "served", "since", "subscribed")
-
-    def __init__(self, name: str, since: int, on_replaced: Callable[[Ros2Node], None]) -> None:
-        self.name = name
-        self.since = since
-        self.published: dict[str, None] = {}
-        self.subscribed: dict[str, None] = {}
-        self.served: dict[str, None] = {}
-        self._on_replaced = on_replaced
-
-    def publishing(self) -> Iterable[str]:
-        """Return the topics that it publishes."""
-        return self.published
-
-    def subscribing(self) -> Iterable[str]:
-        """Return the topics that it subscribes to."""
-        return self.subscribed
-
-    def providing(self) -> Iterable[str]:
-        """Return the services that it provides."""
-        return self.served
+    __slots__ = ()
 
     def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
         """Report that it answers: its token would be gone otherwise."""
@@ -61,10 +37,6 @@ class Ros2Node(DistantNode):
         """Report that ROS 2 nodes cannot be ended by others."""
         text = f"{self.name} is a ROS 2 node, which can only be ended on its machine"
         return asyncio.get_running_loop().call_soon(done, text).cancel
-
-    def replaced(self) -> None:
-        """Leave, since a node of this hub has taken its name."""
-        self._on_replaced(self)
 
 
 class Endpoints(Protocol):

@@ -250,7 +250,7 @@ async def test_nodes_are_back_after_a_restart(
         second = await start_hub(ros1=0, ros1_state=path)
         await until(lambda: "/since" in second.graph.topics)
         await until(lambda: "/count" not in second.graph.topics)
-        assert known(second)["/talker"].services == {"/add": "rosrpc://127.0.0.1:1"}
+        assert known(second)["/talker"].served == {"/add": "rosrpc://127.0.0.1:1"}
         assert "/gone" in second.graph.topics["/never"].sources
         await until(lambda: known(second)["/gone"].fault)
 

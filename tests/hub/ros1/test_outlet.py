@@ -65,7 +65,7 @@ class Topic:
     def subscriber(self, name: str = "/listener") -> Ros1Subscriber:
         node = new_node(self.nodes, name)
         subscriber = Ros1Subscriber(node, "/t", "*")
-        node.subscribers["/t"] = subscriber
+        node.subscribed["/t"] = subscriber
         self.graph.subscribe(self.graph.topic("/t"), subscriber, receiver=self._outlet)
         return subscriber
 
