@@ -12,17 +12,23 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import Any
 
 from fibws.errors import FibwsError, LimitReached
 from fibws.hub.delivery.clock import Loop, Timer
+from fibws.hub.foreign.topics import (
+    LINGER,
+    ForeignPublisher,
+    ForeignSubscriber,
+    ForeignTopics,
+    ForeignUsers,
+)
+from fibws.hub.foreign.warnings import OneTimeWarnings
 from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
-from fibws.hub.graph.topic import Conflict, SinkReport, Source, Topic
+from fibws.hub.graph.topic import Source, Topic
 from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import MessageType
-from fibws.hub.log_text import printable
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
@@ -32,74 +38,48 @@ from fibws.interfaces.catalogue import Definitions
 
 logger = logging.getLogger("fibws.hub")
 
-LINGER = 2.0
-"""Seconds for which messages still come when nobody subscribes any more."""
 UNLIMITED = 1000
 """Messages that wait for ROS 2, of a publisher whose queue_size sets no limit."""
 MOST_HISTORY = 1000
 """Earlier messages that are asked for of a publisher that keeps more."""
-MOST_WARNINGS = 1000
-"""Conflicts that are logged, each once."""
 ROS2_NAMES = {"tf/tfMessage": "tf2_msgs/TFMessage"}
 """Types of ROS 1 that have another name in ROS 2."""
 LEFT_OUT = frozenset({"/rosout"})
 """Topics that both have, with other types."""
 
-NOT_TRIED: Any = object()
-"""Stands for a type of a topic that is unlike all others, and unlike None."""
 
-
-class Ros2Publisher:
+class Ros2Publisher(ForeignPublisher):
     """A ROS 2 node as a publisher of a topic, with its source in the graph.
 
     Attributes:
-        type: the name and the hash of its type.
         qos: latched if one of its publishers is.
-        source: None while it cannot be attached; then ``tried_with`` is the topic's type by which
-            that failed.
         message: None while the fields of the type are unknown.
     """
 
-    __slots__ = ("message", "node", "qos", "source", "tried_with", "type")
+    __slots__ = ("message", "qos")
+
+    type: tuple[str, str]
 
     def __init__(self, node: Ros2Node, type_: tuple[str, str], qos: Qos) -> None:
-        self.node = node
-        self.type = type_
+        super().__init__(node, type_, qos)
         self.qos = qos
-        self.source: Source | None = None
         self.message: Ros2Message | None = None
-        self.tried_with: Any = NOT_TRIED
 
 
-class Ros2Subscriber:
-    """A ROS 2 node as a subscriber of a topic; a `Sink`, for which the outlet takes messages.
+class Ros2Subscriber(ForeignSubscriber):
+    """A ROS 2 node as a subscriber of a topic.
 
     Attributes:
-        type: the name and the hash of its type.
-        is_attached: if it is not, ``tried_with`` is the topic's type by which that failed.
+        message: None while the fields of the type are unknown.
     """
 
-    __slots__ = ("is_attached", "message", "node", "outlet", "owner", "tried_with", "type")
+    __slots__ = ("message",)
+
+    type: tuple[str, str]
 
     def __init__(self, owner: Ros2Node, type_: tuple[str, str], outlet: Outlet) -> None:
-        self.owner = owner
-        self.node = owner.name
-        self.type = type_
-        self.outlet = outlet
+        super().__init__(owner, type_, outlet)
         self.message: Ros2Message | None = None
-        self.is_attached = False
-        self.tried_with: Any = NOT_TRIED
-
-    def receive(self, publication: Publication) -> None:
-        """Take a message for this subscriber alone, which all of its topic get."""
-        self.outlet.receive(publication)
-
-    def replay(self, publication: Publication) -> None:
-        """Do nothing: the publishers of `OwnPublisher` keep latched messages."""
-
-    def report(self) -> SinkReport:
-        """Return no totals: nobody tells what has arrived."""
-        return SinkReport()
 
 
 class OwnPublisher:
@@ -235,13 +215,12 @@ class Inlet:
         self.declared.close()
 
 
-class Links:
+class Links(ForeignUsers[Ros2Publisher, Ros2Subscriber]):
     """The connections of a topic with ROS 2; publishers and subscribers by node."""
 
     def __init__(self, topic: str, topics: Ros2Topics) -> None:
+        super().__init__()
         self.topic = topic
-        self.publishers: dict[str, Ros2Publisher] = {}
-        self.subscribers: dict[str, Ros2Subscriber] = {}
         self.outlet = Outlet(self, topics)
         self.inlets: dict[tuple[str, str], Inlet] = {}
         """By the name and the hash of the type."""
@@ -262,7 +241,7 @@ class Links:
         )
 
 
-class Ros2Topics:
+class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
     """Connects the topics of the graph with those of ROS 2 nodes.
 
     Args:
@@ -279,8 +258,8 @@ class Ros2Topics:
         loop: Loop,
         max_latched: int,
     ) -> None:
+        super().__init__(graph, OneTimeWarnings())
         self.network = network
-        self._graph = graph
         self._nodes = nodes
         self._own = own
         self._types = types
@@ -288,7 +267,6 @@ class Ros2Topics:
         self._max_latched = max_latched
         self._links: dict[str, Links] = {}
         self._work = Worklist(loop.call_soon, {"topics": self._settle})
-        self._warned: set[str] = set()
         graph.watch_topics(lambda topic: self.changed(topic.name))
 
     def start(self) -> None:
@@ -300,10 +278,8 @@ class Ros2Topics:
         """End all connections; the ROS 2 nodes have left."""
         self._work.close()
         for links in self._links.values():
-            for source in list(links.publishers.values()):
-                self._detach_publisher(links, source)
-            for sink in list(links.subscribers.values()):
-                self._detach_subscriber(links, sink)
+            for user in (*links.publishers.values(), *links.subscribers.values()):
+                self.drop_user(links.topic, user)
         for links in self._links.values():
             self._stop_lingering(links)
             for publisher in links.own_publishers.values():
@@ -322,17 +298,9 @@ class Ros2Topics:
 
     def detach(self, node: Ros2Node) -> None:
         """Detach, topic by topic, what a node that has left publishes and subscribes to."""
-        left: list[Source | Ros2Subscriber] = []
+        self.abandon(node)
         for name in {**node.published, **node.subscribed}:
-            links = self._links[name]
-            publisher = links.publishers.get(node.name)
-            if publisher is not None and publisher.node is node and publisher.source is not None:
-                left.append(publisher.source)
-            subscriber = links.subscribers.get(node.name)
-            if subscriber is not None and subscriber.owner is node and subscriber.is_attached:
-                left.append(subscriber)
             self.changed(name)
-        self._graph.abandon(left)
 
     def _settle(self, name: str) -> None:
         """Attach what should be attached to a topic, and detach what should not."""
@@ -344,74 +312,56 @@ class Ros2Topics:
         for entity in self._nodes.entities(name, is_topic=True):
             users = publishers if entity.kind == "MP" else subscribers
             users.setdefault(entity.node, []).append(entity)
-        self._settle_publishers(links, publishers)
-        self._settle_subscribers(links, subscribers)
+        nodes = self._nodes.attached
+        self.settle_users(
+            name,
+            links,
+            {node: (nodes[node], *_type_and_qos(each)) for node, each in publishers.items()},
+            {node: (nodes[node], _type_and_qos(each)[0]) for node, each in subscribers.items()},
+            Ros2Publisher,
+            lambda owner, type_: Ros2Subscriber(owner, type_, links.outlet),
+        )
         self._settle_inlets(links)
         self._settle_own(links)
         if links.is_empty:
             self._links.pop(name, None)
 
-    # Publishers of ROS 2.
+    # Publishers and subscribers of ROS 2.
 
-    def _settle_publishers(self, links: Links, wanted: dict[str, list[Entity]]) -> None:
-        for name, old in list(links.publishers.items()):
-            entities = wanted.get(name)
-            is_same = (
-                entities is not None
-                and old.node is self._nodes.attached.get(name)
-                and (old.type, old.qos) == _type_and_qos(entities)
-            )
-            if not is_same or self._is_due_again(links, old):
-                self._detach_publisher(links, old)
-        for name, entities in wanted.items():
-            if name not in links.publishers:
-                type_, qos = _type_and_qos(entities)
-                new = Ros2Publisher(self._nodes.attached[name], type_, qos)
-                self._attach_publisher(links, new)
+    def type_of(self, topic: Topic, user: Ros2Publisher | Ros2Subscriber) -> MessageType | None:
+        """Return the type of what is attached, which somebody may define, or that of the topic."""
+        if isinstance(user, Ros2Subscriber):
+            return topic.type_for(user)
+        return user.source.type if user.source is not None else topic.type
 
-    def _is_due_again(self, links: Links, old: Ros2Publisher | Ros2Subscriber) -> bool:
-        """Return whether its type has been defined, or the topic's changed, since it was tried."""
-        return old.tried_with is not NOT_TRIED and old.tried_with is not self._type_of(links, old)
+    def advertise(self, topic: Topic, publisher: Ros2Publisher) -> Source:
+        """See `ForeignTopics`; without the fields of its type it has no messages."""
+        publisher.source = self._graph.advertise(
+            topic,
+            publisher.name,
+            publisher.type_name,
+            latch=publisher.qos.is_latched,
+            quota=self._graph.latch_quota(self._max_latched),
+            queue_size=publisher.qos.depth,
+            linked=False,
+            on_conflict=self.reporter(publisher),
+        )
+        publisher.message = self._message(publisher.source.type, *publisher.type)
+        return publisher.source
 
-    def _type_of(self, links: Links, each: Ros2Publisher | Ros2Subscriber) -> MessageType | None:
-        """Return the type of what is attached, or else that of the topic."""
-        topic = self._graph.topic(links.topic)
-        if isinstance(each, Ros2Subscriber):
-            return topic.type_for(each)
-        return each.source.type if each.source is not None else topic.type
-
-    def _attach_publisher(self, links: Links, new: Ros2Publisher) -> None:
-        graph, topic, node = self._graph, self._graph.topic(links.topic), new.node.name
-        links.publishers[node] = new
-        new.node.published[links.topic] = None
-        try:
-            new.source = graph.advertise(
-                topic,
-                node,
-                new.type[0],
-                latch=new.qos.is_latched,
-                quota=graph.latch_quota(self._max_latched),
-                queue_size=new.qos.depth,
-                linked=False,
-                on_conflict=partial(self._log_conflict, node),
-            )
-            new.message = self._message(new.source.type, *new.type)
-        except FibwsError as error:
-            source, new.source = new.source, None
-            if source is not None:
-                graph.remove_source(source)
-            self._conflict(links.topic, node, new.type[0], error, publishes=True)
-        # Without its fields it has no messages, until somebody brings the definition.
-        new.tried_with = self._type_of(links, new)
-
-    def _detach_publisher(self, links: Links, old: Ros2Publisher) -> None:
-        node = old.node.name
-        del links.publishers[node]
-        old.node.published.pop(links.topic, None)
-        source, old.source = old.source, None
-        if source is not None:
-            self._graph.remove_source(source)
-        self._remove_conflict(links.topic, node, publishes=True)
+    def subscribe(self, topic: Topic, subscriber: Ros2Subscriber) -> None:
+        """See `ForeignTopics`."""
+        self._graph.subscribe(
+            topic,
+            subscriber,
+            subscriber.type_name,
+            receiver=subscriber.outlet,
+            needs_definition=True,
+            linked=False,
+            on_conflict=self.reporter(subscriber),
+        )
+        subscriber.is_attached = True
+        subscriber.message = self._message(topic.type_for(subscriber), *subscriber.type)
 
     def _message(
         self, type_: MessageType | None, name: str, type_hash: str | None
@@ -435,77 +385,6 @@ class Ros2Topics:
         if type_hash is not None:
             check_hash(message.name, message.type_hash, type_hash)
         return message
-
-    # Subscribers of ROS 2.
-
-    def _settle_subscribers(self, links: Links, wanted: dict[str, list[Entity]]) -> None:
-        for name, old in list(links.subscribers.items()):
-            entities = wanted.get(name)
-            is_same = (
-                entities is not None
-                and old.owner is self._nodes.attached.get(name)
-                and old.type == _type_and_qos(entities)[0]
-            )
-            if not is_same or self._is_due_again(links, old):
-                self._detach_subscriber(links, old)
-        for name, entities in wanted.items():
-            if name not in links.subscribers:
-                type_, _ = _type_and_qos(entities)
-                sink = Ros2Subscriber(self._nodes.attached[name], type_, links.outlet)
-                self._attach_subscriber(links, sink)
-
-    def _attach_subscriber(self, links: Links, new: Ros2Subscriber) -> None:
-        graph, topic = self._graph, self._graph.topic(links.topic)
-        links.subscribers[new.node] = new
-        new.owner.subscribed[links.topic] = None
-        try:
-            graph.subscribe(
-                topic,
-                new,
-                new.type[0],
-                receiver=links.outlet,
-                needs_definition=True,
-                linked=False,
-                on_conflict=partial(self._log_conflict, new.node),
-            )
-            new.is_attached = True
-            new.message = self._message(topic.type_for(new), *new.type)
-        except FibwsError as error:
-            if new.is_attached:
-                new.is_attached = False
-                graph.unsubscribe(topic, new)
-            self._conflict(links.topic, new.node, new.type[0], error, publishes=False)
-        new.tried_with = self._type_of(links, new)
-
-    def _detach_subscriber(self, links: Links, old: Ros2Subscriber) -> None:
-        del links.subscribers[old.node]
-        old.owner.subscribed.pop(links.topic, None)
-        topic = self._graph.topics.get(links.topic)
-        if topic is not None and old.is_attached:
-            self._graph.unsubscribe(topic, old)
-        self._remove_conflict(links.topic, old.node, publishes=False)
-
-    def _conflict(
-        self, name: str, node: str, type_: str, error: Exception, *, publishes: bool
-    ) -> None:
-        """List a conflict at its topic, for all tools."""
-        self._warn(f"{node} exchanges no messages on {name}: {error}")
-        conflict = Conflict(node, type_, publishes, str(error))
-        self._graph.add_conflict(self._graph.topic(name), conflict)
-
-    def _log_conflict(self, node: str, text: str) -> None:
-        if text:
-            self._warn(f"{node}: {text}")
-
-    def _warn(self, text: str) -> None:
-        if text not in self._warned and len(self._warned) < MOST_WARNINGS:
-            self._warned.add(text)
-            logger.warning("%s", printable(text))
-
-    def _remove_conflict(self, name: str, node: str, *, publishes: bool) -> None:
-        topic = self._graph.topics.get(name)
-        if topic is not None and topic.unattached:
-            self._graph.remove_conflict(topic, node, publishes=publishes)
 
     # Messages of ROS 2.
 
