@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
 
-from fibws.errors import InvalidTypeName, UnknownPackage, UnknownType
+from fibws.errors import InterfaceError, InvalidTypeName, UnknownPackage, UnknownType
 from fibws.interfaces import builtin, full_text, md5sum
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.folders import STANDARD as STANDARD
@@ -98,6 +98,17 @@ class Definitions(ABC):
         """The md5 of a service, as ROS 1 computes it; raises as `message` does."""
         return md5sum.service_md5(self.service(name), self.message, self._md5s)
 
+    def md5_of(self, kind: Kind, name: str) -> str:
+        """The md5 that stands for a type; of an action, those of goal, feedback and result."""
+        if kind == "msg":
+            return self.md5(name)
+        if kind == "srv":
+            return self.service_md5(name)
+        action = self.action(name)
+        return ",".join(
+            self.md5(each.type) for each in (action.goal, action.feedback, action.result)
+        )
+
     def full_text(self, name: str) -> str:
         """The text of a message and of all types in it, as genmsg writes it for other programs."""
         return full_text.write_message(self.message(name), self.message)
@@ -172,6 +183,19 @@ class Interfaces(Definitions):
         """The type that a name of an unknown package likely stands for, if there is one."""
         error = self._folders.unknown(kind, name)
         return error.meant if isinstance(error, UnknownPackage) else None
+
+    def has(self, kind: Kind, name: str) -> bool:
+        """Whether there is a type of this name, ``package/Type``, even with a wrong definition."""
+        folders = self._folders
+        finds = {
+            "msg": folders.find_message,
+            "srv": folders.find_service,
+            "action": folders.find_action,
+        }
+        try:
+            return finds[kind](name) is not None
+        except InterfaceError:
+            return True
 
     def messages(self, package: str) -> list[str]:
         """The package's messages as ``package/Name``, sorted, with those made from its actions.

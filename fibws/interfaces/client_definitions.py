@@ -4,16 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from hashlib import sha256
-from itertools import islice
 from typing import NamedTuple, TypeAlias
 
-from fibws.errors import (
-    DefinitionError,
-    DefinitionLimit,
-    InterfaceError,
-    UnknownPackage,
-    UnknownType,
-)
+from fibws.errors import DefinitionLimit, InterfaceError
 from fibws.interfaces import full_text
 from fibws.interfaces.catalogue import Definitions, Interfaces
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
@@ -26,16 +19,14 @@ LONGEST_TEXT = 2**18
 MOST_VALUES = 2**16
 """How many values a message of such a type may have when its fixed arrays are full and the others
 empty: a short definition can declare millions, which are the defaults in every message."""
-MOST_HOLDERS = 3
-"""How many users of a definition are named in an error."""
 
 Key: TypeAlias = tuple[Kind, str]
 """A type: its kind and its name, ``package/Name``."""
-Shows: TypeAlias = Callable[[str, Kind, str], bool]
-"""Takes a client, and the kind and the name of a type that some client brought."""
+Shows: TypeAlias = Callable[[str, Hashable], bool]
+"""Takes a client and a holder; returns whether the client may learn a definition that it holds."""
 
 
-def show_all(client: str, kind: Kind, name: str) -> bool:
+def show_all(client: str, holder: Hashable) -> bool:
     """Return True: every client may learn every type."""
     return True
 
@@ -61,15 +52,15 @@ OF_ALL = Limits(types=4000, characters=2**24, fields=320_000)
 class ClientDefinition(Definitions):
     """A type that a client brought, with all that is needed to use it.
 
-    Types nested in it are its own, as far as no folder has them: it can be used as long as
-    someone holds it, even if others add or remove definitions.
+    Types nested in it are its own, as far as no folder has them with the same fields: it can be
+    used as long as someone holds it, even if others add or remove definitions.
 
     Args:
         base: the types in folders.
         key: the type.
         text: as the client sent it.
         client: the node that brought it.
-        messages: the messages that no folder has, by name: itself, or those nested in it.
+        messages: the messages that no folder has so, by name: itself, or those nested in it.
         service: itself, if it is a service.
         action: itself, if it is an action.
     """
@@ -94,6 +85,8 @@ class ClientDefinition(Definitions):
         self._action = action
         self.fields = dict(self._count_fields())
         """How many fields and constants each of its types counts for."""
+        self.md5s = {key: self.md5_of(*key) for key in self.fields}
+        """The md5s of these types."""
 
     def _find_message(self, name: str) -> MessageDefinition:
         return self.messages.get(name) or self._base.message(name)
@@ -129,8 +122,8 @@ class Usage:
     """The size of definitions, of one client or of all."""
 
     def __init__(self) -> None:
-        self._types: dict[Key, list[int]] = {}
-        """How many definitions have each type, and its fields."""
+        self._types: dict[tuple[Key, str], list[int]] = {}
+        """How many definitions have each type, and its fields, by its key and md5."""
         self._characters = 0
         self._fields = 0
 
@@ -143,7 +136,11 @@ class Usage:
         Args:
             whose: whose definitions these are, for the text.
         """
-        new = [fields for key, fields in added.fields.items() if key not in self._types]
+        new = [
+            fields
+            for key, fields in added.fields.items()
+            if (key, added.md5s[key]) not in self._types
+        ]
         for what, count, limit in (
             ("definitions", len(self._types) + len(new), limits.types),
             ("characters in definitions", self._characters + len(added.text), limits.characters),
@@ -158,7 +155,7 @@ class Usage:
         """Count a definition."""
         self._characters += len(added.text)
         for key, fields in added.fields.items():
-            counted = self._types.setdefault(key, [0, fields])
+            counted = self._types.setdefault((key, added.md5s[key]), [0, fields])
             if not counted[0]:
                 self._fields += fields
             counted[0] += 1
@@ -166,12 +163,12 @@ class Usage:
     def remove(self, removed: ClientDefinition) -> None:
         """Count a definition no longer."""
         self._characters -= len(removed.text)
-        for key in removed.fields:
-            counted = self._types[key]
+        for type_ in removed.md5s.items():
+            counted = self._types[type_]
             counted[0] -= 1
             if not counted[0]:
                 self._fields -= counted[1]
-                del self._types[key]
+                del self._types[type_]
 
 
 class _Refusal(NamedTuple):
@@ -240,18 +237,19 @@ def _copied(error: InterfaceError) -> InterfaceError:
 class ClientDefinitions:
     """The definitions that clients brought, each kept while someone holds it.
 
-    A type has one definition at a time: that of the folders, or the one that is held.
+    Types of one name and other fields, whose md5s differ, are different types. A name alone stands
+    for the type of the folders, or else for the first one that is held.
 
     Args:
         base: the types in folders.
-        shows: returns whether a client may learn a type that clients brought.
+        shows: returns whether a client may learn the definitions of a holder.
     """
 
     def __init__(self, base: Interfaces, shows: Shows = show_all) -> None:
         self._base = base
         self._shows = shows
         self._by_type: dict[Key, list[ClientDefinition]] = {}
-        self._holders: dict[ClientDefinition, dict[Hashable, Callable[[], str]]] = {}
+        self._holders: dict[ClientDefinition, dict[Hashable, None]] = {}
         self._usage: dict[str, Usage] = {}
         """By client."""
         self._usage_of_all = Usage()
@@ -259,7 +257,6 @@ class ClientDefinitions:
         """By client."""
         self._revision = 0
         """Changes with the definitions that are kept."""
-        self._watchers: list[Callable[[str], None]] = []
 
     @property
     def base(self) -> Interfaces:
@@ -267,14 +264,29 @@ class ClientDefinitions:
         return self._base
 
     def find(self, kind: Kind, name: str) -> ClientDefinition | None:
-        """Return the definition that has a type, ``package/Name``, if clients brought it."""
+        """Return what a name, ``package/Name``, stands for, if clients brought the type."""
         found = self._by_type.get((kind, name))
-        return found[0] if found else None
+        return found[0] if found and not self._base.has(kind, name) else None
 
-    def find_for(self, client: str, kind: Kind, name: str) -> ClientDefinition | None:
-        """Return the same for a client, for which types that are hidden from it do not exist."""
-        found = self.find(kind, name)
-        return found if found is not None and self._shows(client, kind, name) else None
+    def find_for(
+        self, client: str, kind: Kind, name: str, md5sum: str | None = None
+    ) -> ClientDefinition | None:
+        """Return the same for a client, for which types that are hidden from it do not exist.
+
+        Args:
+            md5sum: that of the type, if it is to be this one alone.
+        """
+        key: Key = (kind, name)
+        if key not in self._by_type or (md5sum is None and self._base.has(kind, name)):
+            return None
+        return next((each for each in self._shown(client, key, md5sum)), None)
+
+    def _shown(self, client: str, key: Key, md5sum: str | None) -> Iterator[ClientDefinition]:
+        """Yield the definitions that have a type, as far as a client may learn them."""
+        for each in self._by_type[key]:
+            if md5sum in (None, each.md5s[key]):
+                if any(self._shows(client, holder) for holder in self._holders[each]):
+                    yield each
 
     def all_types(self, client: str) -> list[str]:
         """Return all types that a client may learn, as ROS 2 names them: ``package/msg/Name``."""
@@ -284,17 +296,14 @@ class ClientDefinitions:
             for package in self._base.packages()
             for name in self._base.types(package, kind)
         }
-        found.update(key for key in self._by_type if self._shows(client, *key))
+        found.update(key for key in self._by_type if any(self._shown(client, key, None)))
         return sorted(name.replace("/", f"/{kind}/") for kind, name in found)
 
-    def holding(self, kind: Kind, name: str) -> Iterator[Hashable]:
-        """Yield the holders of the definitions that have a type."""
-        for definition in self._by_type.get((kind, name), ()):
-            yield from self._holders[definition]
-
-    def known_to(self, client: str, kind: Kind, name: str) -> Definitions:
-        """Return where a client's type is looked up; as `known`."""
-        return self.find_for(client, kind, Interfaces.canonical(name)) or self._base
+    def known_to(
+        self, client: str, kind: Kind, name: str, md5sum: str | None = None
+    ) -> Definitions:
+        """Return where a client's type is looked up; as `known`, and `find_for`."""
+        return self.find_for(client, kind, Interfaces.canonical(name), md5sum) or self._base
 
     def known(self, kind: Kind, name: str) -> Definitions:
         """Return where a type is looked up: in a client's definition, or in the folders.
@@ -320,12 +329,8 @@ class ClientDefinitions:
         """The full text of a message; as `Interfaces.full_text`."""
         return self.known("msg", name).full_text(name)
 
-    def watch(self, forgotten: Callable[[str], None]) -> None:
-        """Have a function called with the name of each type that is forgotten."""
-        self._watchers.append(forgotten)
-
     def read(self, kind: Kind, name: str, text: str, client: str) -> ClientDefinition | None:
-        """Return the definition that a client sent, or None if the folders have the type.
+        """Return the definition that a client sent, or None if the folders have the same type.
 
         It is kept, and known to others, only once it is held. One that is refused is remembered
         until `forget_refusals`, or until too many are.
@@ -333,12 +338,12 @@ class ClientDefinitions:
         Args:
             kind: msg, srv or action.
             name: ``package/Name``.
-            text: its own text, with nested types that are not known here behind it as in
-                `full_text`.
+            text: its own text, with nested types that are not known here, or not with these
+                fields, behind it as in `full_text`.
             client: the client's node.
 
         Raises:
-            DefinitionError: the text is wrong, or a type is known here with other fields.
+            DefinitionError: the text is wrong.
             DefinitionLimit: it would be one too many.
             InterfaceError: it is too large.
         """
@@ -357,7 +362,7 @@ class ClientDefinitions:
         try:
             parsed = _parse(kind, name, text)
             revision = self._revision
-            found = self._compare(kind, name, text, client, parsed)
+            found = self._find_same(kind, name, text, client, parsed)
         except InterfaceError as error:
             if sum(map(len, self._refusals.values())) >= OF_ALL.types:
                 self._refusals.clear()
@@ -370,30 +375,53 @@ class ClientDefinitions:
         """Take note that a client has left."""
         self._refusals.pop(client, None)
 
-    def _compare(
+    def _find_same(
         self, kind: Kind, name: str, text: str, client: str, parsed: _Parsed
     ) -> ClientDefinition | None:
-        """Return a definition that does not contradict others, and for which there is room."""
-        draft = _Draft(self, name, parsed, client)
-        if draft.is_known:
-            return self.find(kind, name)
+        """Return a definition that has this md5, or a new one for which there is room."""
+        key: Key = (kind, name)
         definition = ClientDefinition(
-            self._base, (kind, name), text, client, draft.messages(), draft.service, draft.action
+            self._base, key, text, client, self._messages(parsed, client), *parsed[:2]
         )
+        md5sum = definition.md5_of(kind, name)
+        if self._base.has(kind, name) and self._base.md5_of(kind, name) == md5sum:
+            return None
+        for known in self._by_type.get(key, ()):
+            if known.md5s[key] == md5sum:
+                return known
         usage = self._usage.get(client, Usage())
         usage.check_room(definition, PER_CLIENT, client or "one client")
         self._usage_of_all.check_room(definition, OF_ALL, "all clients")
         return definition
 
-    def hold(
-        self, definition: ClientDefinition, holder: Hashable, describe: Callable[[], str]
-    ) -> None:
-        """Keep a definition until the holder releases it.
+    def _messages(self, parsed: _Parsed, client: str) -> dict[str, MessageDefinition]:
+        """Return the messages that belong to parsed definitions and that no folder has so."""
+        service, action, drafts = parsed
+        if action is not None:
+            # Parts come first, so that an error names a part and not a message with it.
+            drafts = drafts | {each.type: each for each in reversed(action.messages())}
+
+        def find(name: str) -> MessageDefinition:
+            return drafts.get(name) or self.known_to(client, "msg", name).message(name)
+
+        resolver = Resolver(find)
+        for draft in drafts.values():
+            resolver.message(draft.type)
+        for part in (service.request, service.response) if service is not None else ():
+            resolver.check(part)
+        md5s: dict[str, str] = {}
+        return {
+            name: message
+            for name, message in resolver.known.items()
+            if not self._base.has("msg", name)
+            or self._base.md5(name) != message_md5(message, resolver.message, md5s)
+        }
+
+    def hold(self, definition: ClientDefinition, holder: Hashable) -> None:
+        """Keep a definition until the holder, a user of the type, releases it.
 
         Args:
             definition: as `read` or `find` gave it.
-            holder: the user of the type.
-            describe: returns the holder's name for errors.
         """
         if definition not in self._holders:
             self._revision += 1
@@ -402,7 +430,7 @@ class ClientDefinitions:
             self._usage_of_all.add(definition)
             for key in definition.fields:
                 self._by_type.setdefault(key, []).append(definition)
-        self._holders[definition][holder] = describe
+        self._holders[definition][holder] = None
 
     def release(self, definition: ClientDefinition, holder: Hashable) -> bool:
         """Let a holder use a definition no longer; return whether that was the last one.
@@ -410,7 +438,10 @@ class ClientDefinitions:
         The types that no other definition has are forgotten then.
         """
         holders = self._holders.get(definition, {})
-        if holders.pop(holder, None) is None or holders:
+        if holder not in holders:
+            return False
+        del holders[holder]
+        if holders:
             return False
         del self._holders[definition]
         self._revision += 1
@@ -424,20 +455,7 @@ class ClientDefinitions:
             others.remove(definition)
             if not others:
                 del self._by_type[key]
-                for forgotten in self._watchers:
-                    forgotten(key[1])
         return True
-
-    def holders(self, kind: Kind, name: str) -> str:
-        """Return who uses a type, for errors; it is empty for a type of the folders."""
-        holders = [
-            describe
-            for definition in self._by_type.get((kind, name), ())
-            for describe in self._holders[definition].values()
-        ]
-        named = ", ".join(describe() for describe in islice(holders, MOST_HOLDERS))
-        more = len(holders) - MOST_HOLDERS
-        return f"{named} and {more} more" if more > 0 else named
 
 
 class _Parsed(NamedTuple):
@@ -459,93 +477,3 @@ def _parse(kind: Kind, name: str, text: str) -> _Parsed:
         case "action":
             action, nested = full_text.read_action(text, name)
             return _Parsed(None, action, nested)
-
-
-class _Draft:
-    """The types that a text defines, compared to those that are known.
-
-    Raises:
-        DefinitionError: a type is known with other fields.
-    """
-
-    def __init__(self, known: ClientDefinitions, name: str, parsed: _Parsed, client: str) -> None:
-        self.service, self.action, nested = parsed
-        self.is_known = False
-        """Whether the type is known with the same fields."""
-        self._known = known
-        self._client = client
-        self._known_md5s: dict[str, str] = {}
-        self._md5s: dict[str, str] = {}
-        self._unknown: dict[str, MessageDefinition] = {}
-        self._resolver = Resolver(self._find)
-        if self.service is not None:
-            self._compare_all(nested)
-            self._compare_service(self.service)
-        elif self.action is not None:
-            # Parts come first, so that an error names a part and not a message with it.
-            made = {message.type: message for message in reversed(self.action.messages())}
-            self._compare_all(nested | made)
-            self._compare_action(self.action)
-        else:
-            self._compare_all(nested)
-            self.is_known = name not in self._unknown
-
-    def messages(self) -> dict[str, MessageDefinition]:
-        """Return the messages that no folder has: those of the text, and known ones in them."""
-        found = dict(self._unknown)
-        names = list(self._resolver.known)
-        for name in names:  # It grows: a known type may have others in it than its draft.
-            client = self._known.find("msg", name)
-            if client is not None and name not in found:
-                message = found[name] = client.messages[name]
-                names.extend(field.type for field in message.fields if field.is_nested)
-        return found
-
-    def _find(self, name: str) -> MessageDefinition:
-        draft = self._drafts.get(name)
-        return draft or self._known.known_to(self._client, "msg", name).message(name)
-
-    def _compare_all(self, drafts: dict[str, MessageDefinition]) -> None:
-        self._drafts = drafts
-        for draft in drafts.values():
-            self._resolver.message(draft.type)
-            try:
-                known = self._known.message(draft.type)
-            except (UnknownType, UnknownPackage):
-                self._unknown[draft.type] = draft
-            else:
-                self._compare(draft, known, "msg", draft.type)
-
-    def _compare_service(self, service: ServiceDefinition) -> None:
-        parts = (service.request, service.response)
-        for part in parts:
-            self._resolver.check(part)
-        try:
-            known = self._known.service(service.type)
-        except (UnknownType, UnknownPackage):
-            return
-        self.is_known = True
-        for part, other in zip(parts, (known.request, known.response), strict=True):
-            self._compare(part, other, "srv", service.type)
-
-    def _compare_action(self, action: ActionDefinition) -> None:
-        try:
-            self._known.known("action", action.type).action(action.type)
-        except (UnknownType, UnknownPackage):
-            return
-        self.is_known = True  # Its messages have been compared.
-
-    def _compare(
-        self, draft: MessageDefinition, known: MessageDefinition, kind: Kind, name: str
-    ) -> None:
-        """Check that both have the same fields; they are, or belong to, the type of that name."""
-        md5 = message_md5(known, self._known.message, self._known_md5s)
-        if message_md5(draft, self._resolver.message, self._md5s) == md5:
-            return
-        fault = f"{draft.type} is known here with other fields"
-        if self._known.known_to(self._client, kind, name) is self._known.known(kind, name):
-            fault = f"{fault} (md5 {md5})"
-        holders = self._known.holders(kind, name)
-        if holders:
-            fault = f"{fault}, in use by {holders}"
-        raise DefinitionError(draft.source, 1, draft.text[:200], fault)

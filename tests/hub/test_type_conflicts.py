@@ -15,6 +15,8 @@ from typing import Any
 import pytest
 
 from fibws.hub.graph.conflicts import MOST_TYPES
+from fibws.interfaces import client_definitions
+from fibws.interfaces.client_definitions import Limits
 from fibws.protocol.serialized import publish_head, read_delivery
 
 from .fakes import INT32, STRING, FakeHub, number
@@ -376,3 +378,120 @@ def test_log_keeps_its_type() -> None:
     client.send("advertise", "/rosout", type=INT32)
     assert "rosgraph_msgs/Log (by /talker)" in client.receive_statuses()[0]
     assert len(hub.graph.topics["/rosout"].groups) == 1
+
+
+# Types of one name with other fields.
+
+THING = "my_msgs/Thing"
+MINE, YOURS = "int8 x", "int8 x\nint8 y"
+
+
+def messages(client: Any) -> list[Any]:
+    """Return the messages that came, without statuses."""
+    return [each["msg"] for each in client.receive() if each["op"] == "publish"]
+
+
+def bring(client: Any, op: str, fields: str, **more: Any) -> None:
+    client.send(op, TOPIC, type=THING, definition=fields, **more)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("is_publisher", [True, False])
+def test_types_of_one_name_with_other_fields_are_in_conflict(
+    order: tuple[str, ...], is_publisher: bool
+) -> None:
+    hub = FakeHub()
+    clients = {each: hub.client(f"/{each}") for each in order}
+    ops = {"wrong": "advertise" if is_publisher else "subscribe"}
+    ops |= {"talker": "advertise", "listener": "subscribe"}
+    for each in order:
+        bring(clients[each], ops[each], YOURS if each == "wrong" else MINE)
+    talker, listener, wrong = (clients[each] for each in ("talker", "listener", "wrong"))
+    talker.send("publish", TOPIC, msg={"x": 1})
+    assert messages(listener) == [{"x": 1}]
+    if is_publisher:
+        wrong.send("publish", TOPIC, msg={"x": 1, "y": 2})
+        assert messages(listener) == []
+    status = wrong.receive()[-1]["msg"]
+    assert f"{THING} with other fields (md5sum " in status
+    assert "(published by /talker)" in status
+    assert set(conflicts(hub)) in ({"/wrong"}, {"/talker", "/listener"})
+    wrong.disconnect()
+    assert conflicts(hub) == {}
+    late = hub.client()
+    bring(late, "subscribe", MINE)
+    talker.send("publish", TOPIC, msg={"x": 2})
+    assert messages(late) == [{"x": 2}]
+    for client in (talker, listener, late):
+        client.disconnect()
+    assert hub.empty
+
+
+def test_definition_is_of_no_concern_to_other_topics() -> None:
+    hub = FakeHub()
+    first, second = hub.client(), hub.client()
+    first.send("advertise", "/a", type=INT32, definition="int8 data\nint8 more")
+    second.send("advertise", "/b", type=INT32)
+    second.send("publish", "/b", msg=number(2**20))
+    first.send("publish", "/a", msg={"data": 1, "more": 2})
+    assert first.receive() == second.receive() == []
+    first.send("publish", "/a", msg=number(2**20))
+    assert "is not in -128..127" in first.receive_statuses()[0]
+
+
+@pytest.mark.parametrize("serialized", [False, True])
+def test_subscriber_that_only_names_a_type_follows_its_publishers(serialized: bool) -> None:
+    hub = FakeHub()
+    older, newer, keeper = hub.client("/older"), hub.client("/newer"), hub.client("/keeper")
+    page = hub.client("/page", serialized=serialized)
+    compression = {"compression": "ros1"} if serialized else {}
+    bring(keeper, "subscribe", MINE)
+    page.send("subscribe", TOPIC, type=THING, peers=True, **compression)
+    bring(older, "advertise", MINE, latch=True)
+    bring(newer, "advertise", YOURS, latch=True)
+    older.send("publish", TOPIC, msg={"x": 1})
+    newer.send("publish", TOPIC, msg={"x": 2, "y": 3})
+    first = page.receive_frames()
+    assert [data[-1:] == b"\x01" for one, data in first if one == 0x82] == [True] * serialized
+    assert any(b"with other fields" in data for _, data in first)
+    older.disconnect()
+    frames = page.receive_frames()
+    if serialized:
+        assert [bytes(data[-2:]) for one, data in frames if one == 0x82] == [b"\x02\x03"]
+    else:
+        found = [json.loads(data) for _, data in frames]
+        assert [each["msg"] for each in found if each["op"] == "publish"] == [{"x": 2, "y": 3}]
+    peers = [json.loads(data)["nodes"] for one, data in frames if b'"peers"' in data]
+    assert peers[-1] == ["/newer"]
+    # A subscriber that knows the fields waits for a publisher with these.
+    assert messages(keeper) == [{"x": 1}]
+    assert conflicts(hub) == {"/keeper": THING}
+    for each in (newer, keeper, page):
+        each.disconnect()
+    assert hub.empty
+
+
+def test_publisher_with_the_md5_of_a_type_that_another_one_brought_has_that_type() -> None:
+    hub = FakeHub()
+    clients = [hub.client() for _ in range(3)]
+    for client, fields in zip(clients, (MINE, YOURS), strict=False):
+        bring(client, "advertise", fields)
+    md5s = [group.type and group.type.md5sum for group in hub.graph.topics[TOPIC].groups]
+    clients[2].send("advertise", TOPIC, type=THING, md5sum=md5s[1])
+    clients[2].send("publish", TOPIC, msg={"y": 1})
+    assert not [each for each in clients[2].receive() if each.get("level") == "error"]
+    assert [len(group.sources) for group in hub.graph.topics[TOPIC].groups] == [1, 2]
+
+
+def test_without_room_for_its_definition_a_publisher_shares_no_type(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(client_definitions, "OF_ALL", Limits(1, 1000, 1000))
+    hub = FakeHub()
+    first, second = hub.client(), hub.client(serialized=True)
+    bring(first, "advertise", MINE)
+    bring(second, "advertise", "int16 x", publisher=1)
+    assert "limit is 1" in second.receive_statuses()[0]
+    bring(second, "advertise", "int16 x")
+    second.send("publish", TOPIC, msg={"x": 1000})
+    assert [each["level"] for each in second.receive()] == ["warning"]

@@ -40,7 +40,7 @@ class Keeper(ClientDefinitions):
         """Hold a definition as its client; return where its type is looked up."""
         definition = self.read(kind, Interfaces.canonical(name), text, client)
         if definition is not None:
-            self.hold(definition, (client, kind, name), lambda: f"{client} ({name})")
+            self.hold(definition, (client, kind, name))
         return definition or self.interfaces
 
     def drop(self, kind: Kind, name: str, client: str = "/client") -> bool:
@@ -84,7 +84,7 @@ def test_type_is_known_only_while_it_is_used() -> None:
     with pytest.raises(UnknownPackage):
         definitions.message("new_msgs/Outer")
     for holder in ("first", "second"):
-        definitions.hold(definition, holder, lambda: "")
+        definitions.hold(definition, holder)
     assert definitions.message("new_msgs/Point") is definition.message("new_msgs/Point")
     assert definitions.read("msg", "new_msgs/Outer", text, "/other") is definition
     assert not definitions.release(definition, "first")
@@ -125,46 +125,21 @@ def test_type_keeps_nested_types_of_other_clients() -> None:
     definitions.drop("msg", "new_msgs/Point", "/first")
     assert definitions.names() == ["new_msgs/Outer", "new_msgs/Point"]
     assert definitions.message("new_msgs/Point") is outer.message("new_msgs/Point")
-    with pytest.raises(DefinitionError, match=r"in use by /second \(new_msgs/Outer\)"):
-        definitions.learn("new_msgs/Point", "int64 x")
     definitions.drop("msg", "new_msgs/Outer", "/second")
     assert definitions.names() == []
 
 
-def test_known_type_in_a_new_one_includes_its_nested_types() -> None:
+def test_nested_types_with_equal_fields_keep_the_names_of_their_own_text() -> None:
     """Equal md5s do not mean that the types in a type have equal names."""
     definitions = Keeper()
     inner = f"{SEPARATOR}\nMSG: new_msgs/Inner\n"
     definitions.learn("new_msgs/First", f"Inner i\n{inner}Point p\n{POINT}")
     other = f"{SEPARATOR}\nMSG: new_msgs/Other\nint32 x\n"
     second = definitions.bring("msg", "new_msgs/Second", f"Inner i\n{inner}Other p\n{other}")
+    assert definitions.message("new_msgs/Inner").fields[0].type == "new_msgs/Point"
     definitions.drop("msg", "new_msgs/First")
-    assert second.message("new_msgs/Inner").fields[0].type == "new_msgs/Point"
-    assert definitions.message("new_msgs/Point").fields == (Field("x", "int32"),)
-
-
-def test_watchers_are_notified_of_forgotten_types() -> None:
-    definitions, forgotten = Keeper(), list[str]()
-    definitions.watch(forgotten.append)
-    definitions.bring("srv", "new_msgs/Ask", f"Point at\n---\n{POINT}")
-    definitions.learn("new_msgs/Outer", f"Point at\n{POINT}")
-    definitions.drop("srv", "new_msgs/Ask")
-    assert forgotten == ["new_msgs/Ask"]
-    definitions.drop("msg", "new_msgs/Outer")
-    assert sorted(forgotten[1:]) == ["new_msgs/Outer", "new_msgs/Point"]
-
-
-def test_error_names_the_users_of_a_type() -> None:
-    definitions = Keeper()
-    for number in range(5):
-        definitions.bring("msg", "new_msgs/Mine", "int32 x", f"/client{number}")
-    with pytest.raises(DefinitionError) as caught:
-        definitions.learn("new_msgs/Mine", "int64 x")
-    used = ", ".join(f"/client{number} (new_msgs/Mine)" for number in range(3))
-    assert f"), in use by {used} and 2 more" in str(caught.value)
-    with pytest.raises(DefinitionError) as caught:
-        definitions.learn("std_msgs/Int32", "int64 x")
-    assert "in use" not in str(caught.value)
+    assert second.message("new_msgs/Inner").fields[0].type == "new_msgs/Other"
+    assert definitions.message("new_msgs/Other").fields == (Field("x", "int32"),)
 
 
 def test_standard_types_are_not_added() -> None:
@@ -228,12 +203,72 @@ def test_every_standard_type_may_be_repeated() -> None:
             assert same.learn(name, interfaces.full_text(name)) == interfaces.message(name)
 
 
-@pytest.mark.parametrize("name", ["std_msgs/Int32", "new_msgs/Outer"])
-def test_type_cannot_be_redefined_with_other_fields(name: str) -> None:
-    interfaces = Keeper()
-    text = f"std_msgs/Int32 data\n{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
-    with pytest.raises(DefinitionError, match="is known here with other fields"):
-        interfaces.learn(name, text)
+TEXTS: list[tuple[Kind, str, str, str]] = [
+    ("msg", "std_msgs/Int32", "int32 data", "int64 data"),
+    ("msg", "new_msgs/Mine", "int32 x", "int64 x"),
+    ("msg", "new_msgs/Outer", f"Point p\n{POINT}", f"Point p\n{POINT}int32 y\n"),
+    ("srv", "std_srvs/SetBool", "bool data\n---\nbool success\nstring message", "bool data\n---"),
+    # All fields of both sides together are the same.
+    ("srv", "new_msgs/Ask", "int8 x\n---\nint8 y", "int8 x\nint8 y\n---"),
+    ("action", "new_msgs/Go", "int8 x\n---\n---", "int8 y\n---\n---"),
+    ("action", "new_msgs/Go", f"Point x\n---\n---\n{POINT}", f"Point x\n---\n---\n{POINT}int8 y"),
+]
+
+
+@pytest.mark.parametrize(("kind", "name", "first", "second"), TEXTS)
+def test_types_of_one_name_with_other_fields_are_different_types(
+    kind: Kind, name: str, first: str, second: str
+) -> None:
+    definitions = Keeper()
+    brought = [
+        definitions.bring(kind, name, first, "/first"),
+        definitions.bring(kind, name, second, "/second"),
+        definitions.bring(kind, name, second + "\n# The same.", "/third"),
+    ]
+    md5s = [each.md5_of(kind, name) for each in brought]
+    assert md5s[0] != md5s[1]
+    assert brought[1] is brought[2]
+    # The name alone stands for the first one, and an md5 for its own.
+    assert definitions.known(kind, name) is brought[0]
+    assert definitions.known_to("/client", kind, name, md5s[1]) is brought[1]
+    assert not definitions.release(brought[1], ("/second", kind, name))  # type: ignore[arg-type]
+    assert definitions.release(brought[1], ("/third", kind, name))  # type: ignore[arg-type]
+    assert definitions.find_for("/client", kind, name, md5s[1]) is None
+    assert definitions.known(kind, name) is brought[0]
+    definitions.drop(kind, name, "/first")
+    assert definitions.names() == []
+
+
+def test_type_of_the_folders_in_which_a_nested_type_has_other_fields_is_another_one() -> None:
+    definitions = Keeper()
+    point = f"{SEPARATOR}\nMSG: geometry_msgs/Point\nint8 x"
+    brought = definitions.bring("msg", "new_msgs/Mine", f"geometry_msgs/Pose pose\n{point}")
+    assert definitions.names() == ["geometry_msgs/Point", "geometry_msgs/Pose", "new_msgs/Mine"]
+    assert len(brought.message("geometry_msgs/Point").fields) == 1
+    assert len(definitions.message("geometry_msgs/Point").fields) == 3
+
+
+def test_definitions_of_one_name_count_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    limit(monkeypatch, types=2)
+    definitions = Keeper()
+    definitions.learn("new_msgs/Mine", "int8 x")
+    definitions.bring("msg", "new_msgs/Mine", "int16 x")
+    with pytest.raises(DefinitionLimit, match="limit is 2"):
+        definitions.bring("msg", "new_msgs/Mine", "int32 x")
+
+
+def test_types_are_hidden_with_their_holders() -> None:
+    interfaces = Interfaces()
+    definitions = ClientDefinitions(interfaces, lambda client, holder: holder == client)
+    for client, text in (("/first", "int8 x"), ("/second", "int16 x")):
+        definition = definitions.read("msg", "new_msgs/Mine", text, client)
+        assert definition is not None
+        definitions.hold(definition, client)
+    found = [definitions.find_for(each, "msg", "new_msgs/Mine") for each in ("/first", "/second")]
+    assert [each and each.text for each in found] == ["int8 x", "int16 x"]
+    assert definitions.find_for("/third", "msg", "new_msgs/Mine") is None
+    listed = [len(definitions.all_types(each)) for each in ("/first", "/second", "/third")]
+    assert listed == [listed[2] + 1, listed[2] + 1, listed[2]]
 
 
 @pytest.mark.parametrize(
@@ -315,40 +350,6 @@ def test_definition_sent_by_a_node_is_complete(tmp_path: Path) -> None:
     assert brought.service_md5("my_msgs/Ask") == mine.service_md5("my_msgs/Ask")
     brought = hubs.bring("action", "my_msgs/Go", mine.action_text("my_msgs/Go"))
     assert brought.md5("my_msgs/GoAction") == mine.md5("my_msgs/GoAction")
-
-
-def test_service_cannot_be_redefined_with_other_fields() -> None:
-    interfaces = Keeper()
-    with pytest.raises(DefinitionError, match="std_srvs/SetBoolResponse is known here with other"):
-        interfaces.learn_service("std_srvs/SetBool", "bool data\n---\nbool success")
-    # All fields of both sides together are the same.
-    with pytest.raises(DefinitionError, match="std_srvs/TriggerRequest is known here with other"):
-        interfaces.learn_service("std_srvs/Trigger", "bool success\nstring message\n---\n")
-    interfaces.learn_service("new_msgs/Ask", "int32 x\n---")
-    with pytest.raises(DefinitionError, match="new_msgs/AskRequest is known here with other"):
-        interfaces.learn_service("new_msgs/Ask", "int64 x\n---")
-
-
-def test_action_cannot_be_redefined_with_other_fields() -> None:
-    interfaces = Keeper()
-    with pytest.raises(DefinitionError, match="actionlib/TwoIntsResult is known here"):
-        interfaces.learn_action("actionlib/TwoInts", "int64 a\nint64 b\n---\nint8 sum\n---")
-    interfaces.learn("new_msgs/GoGoal", "int32 x")
-    with pytest.raises(DefinitionError, match="new_msgs/GoGoal is known here with other"):
-        interfaces.learn_action("new_msgs/Go", "int64 x\n---\n---")
-    assert interfaces.learn_action("new_msgs/Go", "int32 x\n---\n---").goal.fields[0].name == "x"
-    with pytest.raises(DefinitionError, match="new_msgs/GoResult is known here with other"):
-        interfaces.learn("new_msgs/GoResult", "int32 x")
-
-
-def test_nested_type_cannot_be_redefined_with_other_fields() -> None:
-    interfaces = Keeper()
-    other = f"{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
-    with pytest.raises(DefinitionError, match="std_msgs/Int32 is known here with other"):
-        interfaces.learn_service("new_msgs/Ask", f"std_msgs/Int32 x\n---\n{other}")
-    with pytest.raises(DefinitionError, match="std_msgs/Int32 is known here with other"):
-        interfaces.learn_action("new_msgs/Go", f"std_msgs/Int32 x\n---\n---\n{other}")
-    assert interfaces.names() == []
 
 
 @pytest.mark.parametrize(
@@ -444,8 +445,6 @@ def test_repeated_definition_is_not_parsed_again(monkeypatch: pytest.MonkeyPatch
         with monkeypatch.context() as patch:
             patch.delattr(full_text, read)
             assert learn("new_msgs/Mine", text) == first
-        with pytest.raises(DefinitionError, match="is known here with other"):
-            learn("new_msgs/Mine", text.replace("int8", "int16"))
 
 
 # Refused definitions.
@@ -478,19 +477,6 @@ def test_refused_definition_is_read_once(texts: list[str]) -> None:
     definitions.learn("new_msgs/Other", "int32 x")
     assert refusal(definitions, "new_msgs/Mine", "int32 1x") == first
     assert texts == ["int32 1x", "int32 x"]
-
-
-def test_definition_that_contradicts_another_is_read_again_when_that_is_forgotten(
-    texts: list[str],
-) -> None:
-    definitions = Keeper()
-    definitions.bring("msg", "new_msgs/Mine", "int32 x", "/first")
-    texts.clear()
-    for _ in range(3):
-        assert "known here with other fields" in refusal(definitions, "new_msgs/Mine", "int8 x")
-    assert texts == ["int8 x"]
-    definitions.drop("msg", "new_msgs/Mine", "/first")
-    definitions.learn("new_msgs/Mine", "int8 x")
 
 
 def test_definition_without_room_is_read_again_when_there_is_room(
@@ -526,7 +512,6 @@ def test_every_error_is_remembered_as_it_was() -> None:
         ("new_msgs/Mine", "int32 1x"),
         ("new_msgs/Mine", "new_msgs/Unknown x"),
         ("std_msgs/Mine", "std_msgs/Unknown x"),
-        ("std_msgs/Int32", "int8 data"),
         ("new_msgs/Mine", "int32[100000] x"),
     ):
         found = []

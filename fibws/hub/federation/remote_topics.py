@@ -41,7 +41,7 @@ class RemotePublisher:
     Attributes:
         type: the name and the md5 of its type.
         source: None while it cannot be attached.
-        tried_with: the topic's type when that failed.
+        tried_with: the topic's types when that failed.
         is_wanted: whether the hub was asked for its messages.
         is_flowing: whether they pass.
         sequence: that of the last message; None before the first.
@@ -121,8 +121,8 @@ class RemoteSubscriber:
 
     Attributes:
         type: the name and the md5 of its type.
-        is_stuck: whether it could not be attached; then ``tried_with`` is the topic's type by which
-            that failed.
+        is_stuck: whether it could not be attached; then ``tried_with`` are the topic's types
+            by which that failed.
     """
 
     __slots__ = ("is_stuck", "node", "outlet", "remote", "tried_with", "type")
@@ -266,7 +266,7 @@ class RemoteTopics:
                 (old.node, old.publisher, old.type)
                 == (found[0], found[1], (found[2].type, found[2].md5sum))
             )
-            is_due = old.source is None and old.tried_with is not self._graph.topic(name).type
+            is_due = old.source is None and old.tried_with != self._graph.topic(name).types()
             if not is_same or is_due:
                 self._detach_publisher(name, attached, old)
         for node, (remote, publisher, record) in wanted.items():
@@ -286,7 +286,7 @@ class RemoteTopics:
         except (OperationError, InterfaceError) as error:
             self._conflict(topic, node, new.type[0], error, publishes=True)
         if new.source is None:
-            new.tried_with = self._graph.topic(name).type
+            new.tried_with = self._graph.topic(name).types()
             return
         new.sequence = self._remembered.pop(new.id, None)
         self._by_number[new.home, new.publisher.number] = new
@@ -347,7 +347,7 @@ class RemoteTopics:
         for key, sink in list(attached.subscribers.items()):
             found = wanted.get(key)
             type_ = (found[1].type, found[1].md5sum) if found is not None else None
-            is_due = sink.is_stuck and sink.tried_with is not self._graph.topic(name).type
+            is_due = sink.is_stuck and sink.tried_with != self._graph.topic(name).types()
             if found is None or sink.remote is not found[0] or sink.type != type_ or is_due:
                 self._detach_subscriber(name, attached, key)
         for key, (remote, record) in wanted.items():
@@ -368,13 +368,14 @@ class RemoteTopics:
                 topic,
                 sink,
                 sink.type[0] or None,
-                receiver=sink.outlet,
+                md5sum=sink.type[1] or None,
+                receiver=lambda group: sink.outlet,
                 linked=self._has_interest(topic, sink.node),
                 on_conflict=partial(self._warn_of_conflict, sink.node),
             )
         except (OperationError, InterfaceError) as error:
             self._conflict(topic, sink.node, sink.type[0], error, publishes=False)
-            sink.is_stuck, sink.tried_with = True, self._graph.topic(name).type
+            sink.is_stuck, sink.tried_with = True, self._graph.topic(name).types()
 
     def _detach_subscriber(self, name: str, attached: Attached, key: tuple[str, str]) -> None:
         sink = attached.subscribers.pop(key)

@@ -35,7 +35,7 @@ class ForeignPublisher:
     Attributes:
         type: the name of its type, and its hash or md5; only the name at ROS 1's.
         source: None while it cannot be attached.
-        tried_with: the topic's type by which that failed; see `ForeignTopics.type_of`.
+        tried_with: the topic's types by which that failed; see `ForeignTopics.type_of`.
         offer: all that it is made of; another one replaces it.
     """
 
@@ -145,8 +145,8 @@ class ForeignTopics(ABC, Generic[P, S]):
         """Subscribe; raises as `advertise`."""
 
     def type_of(self, topic: Topic, user: P | S) -> Any:
-        """Return what a user is attached again for when it changes: the type of the topic."""
-        return NOT_TRIED if user.is_attached else topic.type
+        """Return what a user is attached again for when it changes: the types of the topic."""
+        return NOT_TRIED if user.is_attached else topic.types()
 
     # Attaching.
 
@@ -191,7 +191,7 @@ class ForeignTopics(ABC, Generic[P, S]):
 
     def is_due_again(self, topic: Topic, user: Any) -> bool:
         """Return whether the type with which a user was tried has changed."""
-        return user.tried_with is not self.type_of(topic, user)
+        return bool(user.tried_with != self.type_of(topic, user))
 
     def drop_user(self, name: str, user: Any) -> None:
         """Detach a publisher or subscriber that its node has no more."""

@@ -159,7 +159,9 @@ class Subscription:
 
     def join(self) -> None:
         """Subscribe; raises as `Graph.subscribe`."""
-        self.client.graph.subscribe(self.topic, self, receiver=self._group, serialized=True)
+        self.client.graph.subscribe(
+            self.topic, self, receiver=lambda group: self._group, serialized=True
+        )
         self._group.add(self)
 
     def leave(self) -> None:

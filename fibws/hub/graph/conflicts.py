@@ -38,18 +38,33 @@ def summary(topic: Topic, group: TypeGroup) -> tuple[tuple[str, bool], ...]:
     The members of the group are told of a conflict again when this changes.
     """
     found = rivals(topic, group)
-    return tuple((each.type.name, bool(each.sources)) for each in found if each.type is not None)
+    return tuple((_label(each, group), bool(each.sources)) for each in found)
 
 
 def describe(topic: Topic, group: TypeGroup, view: GraphView) -> str:
     """Return why a group exchanges no messages with others, for a node that sees the view."""
-    own = group.type.name if group.type is not None else ""
+    found = rivals(topic, group)
     others = " and ".join(
-        f"type {each.type.name}{_users(topic, each, view)}"
-        for each in rivals(topic, group)
-        if each.type is not None
+        f"type {_label(each, group)}{_users(topic, each, view)}" for each in found
     )
+    own = _name(group)
+    if own in map(_name, found):
+        own = f"{own} (md5sum {_md5sum(group)})"
     return f"{topic.name} has {others}: no messages pass from or to type {own}"
+
+
+def _label(group: TypeGroup, other: TypeGroup) -> str:
+    """Return the name of a group's type, and how it differs from another type of that name."""
+    name = _name(group)
+    return name if name != _name(other) else f"{name} with other fields (md5sum {_md5sum(group)})"
+
+
+def _name(group: TypeGroup) -> str:
+    return group.type.name if group.type is not None else ""
+
+
+def _md5sum(group: TypeGroup) -> str:
+    return (group.type.md5sum if group.type is not None else None) or "unknown"
 
 
 def list_conflicts(topic: Topic, view: GraphView) -> Iterator[Conflict]:

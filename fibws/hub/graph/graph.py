@@ -11,8 +11,8 @@ from __future__ import annotations
 import logging
 import secrets
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import partial
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from functools import cache, partial
 from typing import Any, Literal, Protocol, TypeAlias
 from uuid import uuid4
 from weakref import WeakValueDictionary
@@ -58,9 +58,9 @@ from fibws.hub.graph.topic import (
 )
 from fibws.hub.graph.totals import CallTotals, TopicTotals
 from fibws.hub.graph.type_group import TypeGroup
-from fibws.hub.graph.types import MessageType, ServiceType, Types, unknown_service
+from fibws.hub.graph.types import ANY_TYPE, MessageType, ServiceType, Types, unknown_service
 from fibws.hub.graph.view import GraphView
-from fibws.interfaces import Interfaces, folders
+from fibws.interfaces import Interfaces
 
 logger = logging.getLogger("fibws.hub")
 
@@ -261,8 +261,8 @@ class Graph:
         """Return the graph as a node sees it, from which that node gets all its answers."""
         return GraphView(self, caller)
 
-    def _shows_type(self, node: str, kind: folders.Kind, name: str) -> bool:
-        return not node or self.view(node).sees_type(kind, name)
+    def _shows_type(self, node: str, holder: Hashable) -> bool:
+        return not node or self.view(node).sees_holder(holder)
 
     # Nodes.
 
@@ -520,7 +520,8 @@ class Graph:
         sink: Sink,
         type_: str | None = None,
         *,
-        receiver: Receiver | None = None,
+        receiver: Callable[[TypeGroup | None], Receiver] | None = None,
+        follow: Callable[[], object] | None = None,
         keeps_type: bool = False,
         takes_all: bool = False,
         needs_definition: bool = False,
@@ -534,7 +535,11 @@ class Graph:
 
         Args:
             type_: the type of its messages, if the sink names one; else it gets those of all types.
-            receiver: takes the messages for the sink; see `Topic.attach`.
+            receiver: returns what takes the messages of a group, or of all, for the sink; see
+                `Topic.attach`.
+            follow: called when publishers have another type of the name that the sink has given,
+                without a definition or an md5, and those of its own type have gone; it subscribes
+                the sink again.
             keeps_type: whether the sink still names the type that it has named before.
             takes_all: whether it gets the messages of all types although it names one.
             needs_definition: whether the topic keeps the definition of its type, too, and not only
@@ -556,7 +561,8 @@ class Graph:
             present = topic.named_by(sink)
             group = present if keeps_type else None
             if type_ is not None:
-                group, named, _ = self._join_type(topic, type_, definition, md5sum, sink.node)
+                own = present if keeps_type else None
+                group, named, _ = self._join_type(topic, type_, definition, md5sum, sink.node, own)
                 if keeps_type and present not in (None, group):
                     raise TypeConflict(topic.name, named.name, _type_name(present), sink.node)
                 if not group.is_used and len(topic.groups) > MOST_TYPES:
@@ -566,8 +572,9 @@ class Graph:
                 wanted.check_known()
             topic.attach(
                 sink,
-                sink if receiver is None else receiver,
+                sink if receiver is None else receiver(None if takes_all else group),
                 group,
+                follow=follow,
                 takes_all=takes_all,
                 # A node without the right to publish must not fix the type for those that have it.
                 holds_type=self.is_allowed(sink.node, "publish", topic.name),
@@ -590,24 +597,34 @@ class Graph:
         self._settle(topic)
 
     def _join_type(
-        self, topic: Topic, type_: str, definition: str | None, md5sum: str | None, node: str
+        self,
+        topic: Topic,
+        type_: str,
+        definition: str | None,
+        md5sum: str | None,
+        node: str,
+        own: TypeGroup | None = None,
     ) -> tuple[TypeGroup, MessageType, MessageType | None]:
         """Return the group of the type that a node names, its type, and that which it had before.
 
         A group keeps its type when a node names another type with equal fields: as in ROS 1, where
         the md5 counts when nodes connect.
+
+        Args:
+            own: the group that the node is in already and may not leave.
         """
         name = Interfaces.canonical(type_)
-        group = self._find_group(topic, name, definition, node)
+        known = cache(partial(self._known_type, name, definition, md5sum, node))
+        is_exact = definition is not None or md5sum not in (None, ANY_TYPE)
+        group = _named_group(topic, name, own) if not is_exact else None
+        group = group or self._find_group(topic, name, known)
         present = group.type if group is not None else None
-        if group is not None and present is not None and group.is_held:
+        if group is not None and present is not None and (group.is_held or group is own):
             wanted = present
-            if present.name == name:
-                wanted = self._update(present, definition, node)
+            if present.name == name and not present.checked:
+                wanted = _updated(present, known, needs_definition=definition is not None)
         else:
-            is_own = node in self.internal
-            types = self._types
-            wanted = types.own_message(name) if is_own else types.message(name, definition, node)
+            wanted = known()
         _check_md5sum(wanted, md5sum)
         if group is None:
             group = topic.add_group()
@@ -617,39 +634,33 @@ class Graph:
             self._change_type(group, wanted)
         return group, wanted, present
 
+    def _known_type(
+        self, name: str, definition: str | None, md5sum: str | None, node: str
+    ) -> MessageType:
+        """Return the type that a node means."""
+        if node in self.internal:
+            return self._types.own_message(name)
+        return self._types.message(name, definition, node, md5sum)
+
     def _find_group(
-        self, topic: Topic, name: str, definition: str | None, node: str
+        self, topic: Topic, name: str, known: Callable[[], MessageType]
     ) -> TypeGroup | None:
-        """Return the group of a type, or one that nobody has named a type for."""
-        for group in topic.groups:
-            if group.type is not None and group.type.name == name:
+        """Return the group of a type, or one whose fields are unknown, or that has no type.
+
+        Types of one name with other fields are other types.
+        """
+        try:
+            md5sum = known().md5sum
+        except InterfaceError:
+            md5sum = None
+        named = [each for each in topic.groups if each.type is not None and each.type.name == name]
+        for group in (*named, *topic.groups):
+            if md5sum is not None and group.type is not None and group.type.md5sum == md5sum:
                 return group
-        known = {each.type.md5sum: each for each in reversed(topic.groups) if each.type is not None}
-        known.pop(None, None)
-        if known and (alike := known.get(self._md5sum_of(name, definition, node))) is not None:
-            return alike
+        for group in named:
+            if group.type is not None and not group.type.checked:
+                return group
         return next((each for each in topic.groups if each.type is None), None)
-
-    def _md5sum_of(self, name: str, definition: str | None, node: str) -> str | None:
-        """Return the md5 of a type, if its fields are known."""
-        try:
-            return self._types.message(name, definition, node).md5sum
-        except InterfaceError:
-            return None
-
-    def _update(self, type_: MessageType, definition: str | None, node: str) -> MessageType:
-        """Return a type that is held, or one in its place if its fields have become known."""
-        if definition is None and type_.checked:
-            return type_
-        try:
-            found = self._types.message(type_.name, definition, node)
-        except InterfaceError:
-            if definition is None:
-                return type_
-            raise
-        if type_.checked:
-            return type_
-        return found if found.checked or found.fault else type_
 
     def _change_type(self, group: TypeGroup, type_: MessageType | None) -> None:
         """Set a group's type, or None, and hold its definition."""
@@ -666,7 +677,7 @@ class Graph:
         if older is not None:
             self._types.release(older, group)
         if type_ is not None:
-            self._types.hold(type_, group, partial(self._described, group))
+            self._types.hold(type_, group)
 
     def _keep(self, topic: Topic) -> None:
         """Add a topic to the graph, since it has a user."""
@@ -701,6 +712,7 @@ class Graph:
                     self._change_type(group, type_)
         if len(topic.groups) > 1:
             self._settle_groups(topic)
+            self._move_followers(topic)
         self._tell_conflicts(topic)
         self._changed(topic)
 
@@ -713,6 +725,16 @@ class Graph:
         main = next((each for each in used if each.sources), None)
         main = main or next((each for each in used if each.is_held), used[0])
         topic.groups = [main, *(each for each in used if each is not main)]
+
+    def _move_followers(self, topic: Topic) -> None:
+        """Let sinks follow the publishers of the type that they name to another definition."""
+        for group in topic.groups:
+            if group.followers and not group.sources and not group.is_left:
+                name = group.type.name if group.type is not None else ""
+                others = (each for each in topic.groups if each.sources and each.type is not None)
+                if any(each.type.name == name for each in others if each.type is not None):
+                    group.is_left = True
+                    self.finish(_leave(group))
 
     def _tell_conflicts(self, topic: Topic) -> None:
         """Tell the members of each group when the types have changed with which it conflicts."""
@@ -767,13 +789,6 @@ class Graph:
             self._remove_idle(topic)
             self.revision += 1
 
-    def _described(self, group: TypeGroup) -> str:
-        """Return who uses a type, for errors that any node may get."""
-        return self._named(next(iter(group.members()), ""), group.name)
-
-    def _named(self, node: str, name: str) -> str:
-        return f"{node} ({name})" if self.policy.allows_all else "another node"
-
     # Services.
 
     def serve(
@@ -814,14 +829,13 @@ class Graph:
             md5sum: the md5 of the type as the server knows it.
 
         Raises:
-            InterfaceError: the type's name is not valid, its package does not have it, or it is
-                known with other fields.
+            InterfaceError: the type's name is not valid, or its package does not have it.
             DefinitionMismatch: the md5 is another one.
             UnknownDefinition: the fields are unknown.
         """
         name = Interfaces.canonical(type_)
         try:
-            found = self._types.service(name, definition, service.node)
+            found = self._types.service(name, definition, service.node, md5sum)
             if found.codecs is None:
                 raise UnknownDefinition(name, found.fault)
             if found.md5sum != md5sum:
@@ -833,15 +847,12 @@ class Graph:
 
     def _set_service_type(self, service: Service, type_: ServiceType) -> None:
         if self.services.get(service.name) is service:
-            self._types.hold(type_, service, partial(self._described_service, service))
+            self._types.hold(type_, service)
             if type_.codecs is not service.type.codecs:
                 self._types.release(service.type, service)
             service.type = type_
             self._report("service", service.name)
         service.type = type_
-
-    def _described_service(self, service: Service) -> str:
-        return self._named(service.node, service.name)
 
     def serve_internally(self, name: str, type_: str, node: str, function: Function) -> None:
         """Let the hub itself serve a service, as one of its own nodes."""
@@ -850,7 +861,7 @@ class Graph:
     def _serve(self, service: Service) -> Service:
         older = self._service(service.name)
         self.services[service.name] = service
-        self._types.hold(service.type, service, partial(self._described_service, service))
+        self._types.hold(service.type, service)
         if older is not None:
             self._types.release(older.type, older)
             older.server.displaced(older)
@@ -917,7 +928,7 @@ class Graph:
             self.remove_action(older)
         goals = self._goals.setdefault(name, Goals())
         action = self.actions[name] = Action(name, action_type, server, goals)
-        self._types.hold(action_type, action, lambda: self._named(action.node, name))
+        self._types.hold(action_type, action)
         self.serve_internally(
             cancel_service(action.name),
             CANCEL_GOAL,
@@ -1007,5 +1018,37 @@ class Graph:
 
 def _check_md5sum(type_: MessageType, md5sum: str | None) -> None:
     """Refuse a client whose definition of a type is another one."""
-    if md5sum is not None and type_.md5sum is not None and md5sum not in (type_.md5sum, "*"):
+    if md5sum is not None and type_.md5sum is not None and md5sum not in (type_.md5sum, ANY_TYPE):
         raise DefinitionMismatch(type_.name, md5sum, type_.md5sum)
+
+
+def _named_group(topic: Topic, name: str, own: TypeGroup | None) -> TypeGroup | None:
+    """Return the group of a type that is only named: the node's own, or one that publishes."""
+    named = [each for each in topic.groups if each.type is not None and each.type.name == name]
+    if own in named:
+        return own
+    held = [each for each in named if each.is_held]
+    return next((each for each in held if each.sources), held[0] if held else None)
+
+
+def _updated(
+    type_: MessageType, known: Callable[[], MessageType], *, needs_definition: bool
+) -> MessageType:
+    """Return a type of unknown fields, or the one in its place if they have become known."""
+    try:
+        found = known()
+    except InterfaceError:
+        if needs_definition:
+            raise
+        return type_
+    return found if found.checked or found.fault else type_
+
+
+def _leave(group: TypeGroup) -> Iterator[None]:
+    """Let the followers of a group subscribe again, one by one."""
+    for sink in tuple(group.followers):
+        follow = group.followers.get(sink)
+        if follow is not None and not group.sources:
+            follow()
+        yield
+    group.is_left = False

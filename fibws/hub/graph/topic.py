@@ -120,6 +120,10 @@ class Topic:
         main = self.groups[0]
         return main.type if main.is_held else None
 
+    def types(self) -> list[MessageType | None]:
+        """Return the types of all groups, the main one first."""
+        return [each.type for each in self.groups]
+
     @property
     def number(self) -> int:
         """The number of the main group."""
@@ -212,6 +216,7 @@ class Topic:
         receiver: Receiver,
         group: TypeGroup | None = None,
         *,
+        follow: Callable[[], object] | None = None,
         takes_all: bool = False,
         holds_type: bool = False,
         needs_definition: bool = False,
@@ -223,6 +228,7 @@ class Topic:
             receiver: takes its messages: the sink itself, or something that it shares with others
                 of its group, which gets each message once for all of them.
             group: that of the type that it names; None if it names none.
+            follow: as of `Graph.subscribe`.
             takes_all: whether it gets the messages of all types although it names one.
             holds_type: whether the group keeps its type while the sink is there.
             needs_definition: whether it keeps the definition of that, too.
@@ -243,6 +249,9 @@ class Topic:
                 older.detach(sink)
             self._detach_untyped(sink)
         if group is not None:
+            group.followers.pop(sink, None)
+            if follow is not None and not takes_all:
+                group.followers[sink] = follow
             group.holding.pop(sink, None)
             if holds_type:
                 group.holding[sink] = needs_definition

@@ -113,6 +113,11 @@ class TypeGroup:
         """Those that name it, and get the messages of all types."""
         self.holding: dict[Sink, bool] = {}
         """Those that hold the topic to it, and whether they need its definition."""
+        self.followers: dict[Sink, Callable[[], object]] = {}
+        """The sinks that only name its type, with what lets them subscribe to another definition
+        of it."""
+        self.is_left = False
+        """Whether they are about to do that."""
         self.told: tuple[tuple[str, bool], ...] = ()
         """The other types that its members were told of, and whether these were published."""
         self.reports: dict[Source | Sink, Callable[[str], object]] = {}
@@ -189,6 +194,7 @@ class TypeGroup:
         self.watching_sources.forget(sink)
         self.holding.pop(sink, None)
         self.reports.pop(sink, None)
+        self.followers.pop(sink, None)
         self.also.discard(sink)
         if sink not in self.typed.receivers:
             return

@@ -457,27 +457,41 @@ class Types:
         self._brought: dict[ClientDefinition, Codecs] = {}
         """The codecs of the definitions that are held."""
 
-    def message(self, name: str, definition: str | None = None, client: str = "") -> MessageType:
+    def message(
+        self,
+        name: str,
+        definition: str | None = None,
+        client: str = "",
+        md5sum: str | None = None,
+    ) -> MessageType:
         """Return the type of a topic.
 
         Args:
             name: ``package/Type``.
             definition: its text, if the client brought one.
             client: the client's node.
+            md5sum: that of the type, if the client knows it. Without a definition, it chooses from
+                the types of this name that are known; if it is that of none, any may be returned.
 
         Raises:
             InterfaceError: the definition is wrong, or the type's package does not have it.
         """
         try:
-            return self._codecs("msg", name, definition, client).message(name)
+            return self._codecs("msg", name, definition, client, md5sum).message(name)
         except (UnknownPackage, DefinitionLimit) as error:
             fault, meant = self._fault(error)
         return UncheckedType(name, fault, meant)
 
-    def service(self, name: str, definition: str | None = None, client: str = "") -> ServiceType:
+    def service(
+        self,
+        name: str,
+        definition: str | None = None,
+        client: str = "",
+        md5sum: str | None = None,
+    ) -> ServiceType:
         """Return the type of a service; arguments and errors as with `message`."""
         try:
-            return self._codecs("srv", name, definition, client).service(name)
+            return self._codecs("srv", name, definition, client, md5sum).service(name)
         except (UnknownPackage, DefinitionLimit) as error:
             fault, meant = self._fault(error)
         return ServiceType(name, _relayed(name), _relayed(name), fault=fault, meant=meant)
@@ -485,7 +499,7 @@ class Types:
     def action(self, name: str, definition: str | None = None, client: str = "") -> ActionType:
         """Return the type of an action; arguments and errors as with `message`."""
         try:
-            return self._codecs("action", name, definition, client).action(name)
+            return self._codecs("action", name, definition, client, None).action(name)
         except (UnknownPackage, DefinitionLimit) as error:
             fault, meant = self._fault(error)
         relayed = _relayed(name)
@@ -496,31 +510,29 @@ class Types:
 
         If that of the folders is the same, it is that object.
         """
-        return self._own_codecs(lambda definitions: definitions.md5(name)).message(name)
+        return self._own_codecs("msg", name).message(name)
 
     def own_service(self, name: str) -> ServiceType:
         """Return the type of one of the hub's own services; as `own_message`."""
-        return self._own_codecs(lambda definitions: definitions.service_md5(name)).service(name)
+        return self._own_codecs("srv", name).service(name)
 
-    def _own_codecs(self, md5: Callable[[Definitions], str]) -> Codecs:
-        if self._own is self._installed:
-            return self._own
-        try:
-            if md5(self._installed.definitions) == md5(self._own.definitions):
-                return self._installed
-        except InterfaceError:  # of the user's definition
-            pass
-        return self._own
+    def _own_codecs(self, kind: Kind, name: str) -> Codecs:
+        own = self._own
+        if own is self._installed or _has_md5(
+            self._installed, kind, name, own.definitions.md5_of(kind, name)
+        ):
+            return self._installed
+        return own
 
     def without_definition(self, type_: MessageType) -> MessageType:
         """Return a type without the definition that a client brought."""
         return type_ if self._strict or _brought(type_) is None else UncheckedType(type_.name)
 
-    def hold(self, type_: AnyType, holder: Hashable, describe: Callable[[], str]) -> None:
+    def hold(self, type_: AnyType, holder: Hashable) -> None:
         """Keep the definition of a type until its holder releases it; see `ClientDefinitions`."""
         definition = _brought(type_)
         if definition is not None and type_.codecs is not None:
-            self.definitions.hold(definition, holder, describe)
+            self.definitions.hold(definition, holder)
             self._brought[definition] = type_.codecs
 
     def release(self, type_: AnyType, holder: Hashable) -> None:
@@ -529,12 +541,29 @@ class Types:
         if definition is not None and self.definitions.release(definition, holder):
             del self._brought[definition]
 
-    def _codecs(self, kind: Kind, name: str, text: str | None, client: str) -> Codecs:
+    def _codecs(
+        self, kind: Kind, name: str, text: str | None, client: str, md5sum: str | None
+    ) -> Codecs:
         """Return the codecs of a type that the folders or clients have, or this client brings."""
         if text is None:
+            if md5sum not in (None, ANY_TYPE):
+                found = self._with_md5(kind, name, client, md5sum)
+                if found is not None:
+                    return found
             definition = self.definitions.find_for(client, kind, name)
         else:
             definition = self.definitions.read(kind, name, text, client)
+        return self._codecs_of(definition)
+
+    def _with_md5(self, kind: Kind, name: str, client: str, md5sum: str) -> Codecs | None:
+        """Return the codecs of the type of this name and md5, if it is known."""
+        for each in (self._installed, self._own):
+            if _has_md5(each, kind, name, md5sum):
+                return each
+        definition = self.definitions.find_for(client, kind, name, md5sum)
+        return None if definition is None else self._codecs_of(definition)
+
+    def _codecs_of(self, definition: ClientDefinition | None) -> Codecs:
         if definition is None:
             return self._installed
         return self._brought.get(definition) or Codecs(definition, self._now)
@@ -556,6 +585,14 @@ def _brought(type_: AnyType) -> ClientDefinition | None:
     """Return the definition of a type, if a client brought it."""
     definitions = type_.codecs.definitions if type_.codecs is not None else None
     return definitions if isinstance(definitions, ClientDefinition) else None
+
+
+def _has_md5(codecs: Codecs, kind: Kind, name: str, md5sum: str) -> bool:
+    """Return whether a type is among these, with this md5."""
+    try:
+        return codecs.definitions.md5_of(kind, name) == md5sum
+    except InterfaceError:
+        return False
 
 
 def _fields(definition: MessageDefinition) -> tuple[str, ...]:

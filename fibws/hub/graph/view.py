@@ -18,7 +18,6 @@ from fibws.hub.graph.policy import RIGHTS_OF, Kind
 from fibws.hub.graph.service import Service
 from fibws.hub.graph.topic import Conflict, Sink, Source, Topic
 from fibws.hub.graph.type_group import TypeGroup
-from fibws.interfaces import folders
 
 if TYPE_CHECKING:
     from fibws.hub.graph.graph import Graph, Node
@@ -86,19 +85,10 @@ class GraphView:
         policy = self._graph.policy
         return policy.is_admin(self.caller) or policy.is_same_owner(self.caller, node)
 
-    def sees_type(self, kind: folders.Kind, name: str) -> bool:
-        """Return whether it may learn the definition of a type, ``package/Name``.
-
-        It may if no client has brought it, or if it sees anything that has this type.
-        """
+    def sees_holder(self, holder: Hashable) -> bool:
+        """Return whether it sees what has a type that a client brought, and so may learn it."""
         if self._sees_all:
             return True
-        definitions = self._graph.definitions
-        if definitions.find(kind, name) is None:
-            return True
-        return any(map(self._sees_holder, definitions.holding(kind, name)))
-
-    def _sees_holder(self, holder: Hashable) -> bool:
         match holder:
             case TypeGroup(name=name):
                 return self.sees("topic", name)

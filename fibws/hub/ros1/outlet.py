@@ -71,6 +71,7 @@ class Outlet:
             TcprosError: the subscriber knows the type by another definition.
         """
         topic = self._graph.topic(self.name)
+        self._nodes.topics.name_md5(subscriber, header.get("md5sum", ANY))
         group = self._group_for(topic, header, subscriber)
         type_ = group.type if group is not None else None
         if group is None or type_ is None:

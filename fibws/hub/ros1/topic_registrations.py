@@ -379,14 +379,29 @@ class TopicRegistrations:
         else:
             publisher.fault = ""
 
-    def _attach_subscriber(self, subscriber: Ros1Subscriber) -> None:
+    def name_md5(self, subscriber: Ros1Subscriber, md5sum: str) -> None:
+        """Subscribe with the md5 that a subscriber tells, if others publish that type."""
+        topic = self._graph.topic(subscriber.topic)
+        own = topic.type_for(subscriber)
+        is_known = own is None or md5sum in (ANY, own.md5sum) or own.name != subscriber.type
+        if not is_known and any(each and each.md5sum == md5sum for each in topic.types()):
+            self._attach_subscriber(subscriber, md5sum)
+
+    def _attach_subscriber(self, subscriber: Ros1Subscriber, md5sum: str | None = None) -> None:
         topic = self._graph.topic(subscriber.topic)
         type_ = None if subscriber.type == ANY else subscriber.type
         try:
-            receiver = self.links.outlet(topic.name)
+            outlet = self.links.outlet(topic.name)
             report = partial(self._log_conflict, subscriber.node)
             self._graph.subscribe(
-                topic, subscriber, type_, receiver=receiver, linked=False, on_conflict=report
+                topic,
+                subscriber,
+                type_,
+                receiver=lambda group: outlet,
+                follow=partial(self._attach_subscriber, subscriber) if md5sum is None else None,
+                md5sum=md5sum,
+                linked=False,
+                on_conflict=report,
             )
         except (NotAllowed, OperationError, InterfaceError) as error:
             self._conflict(topic, subscriber, subscriber.node, str(error), publishes=False)

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
+from typing import Any
 
 from fibws.errors import FibwsError, LimitReached
 from fibws.hub.delivery.clock import Loop, Timer
@@ -328,11 +329,11 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
 
     # Publishers and subscribers of ROS 2.
 
-    def type_of(self, topic: Topic, user: Ros2Publisher | Ros2Subscriber) -> MessageType | None:
-        """Return the type of what is attached, which somebody may define, or that of the topic."""
+    def type_of(self, topic: Topic, user: Ros2Publisher | Ros2Subscriber) -> Any:
+        """Return the type of what is attached, which somebody may define, or those of the topic."""
         if isinstance(user, Ros2Subscriber):
             return topic.type_for(user)
-        return user.source.type if user.source is not None else topic.type
+        return user.source.type if user.source is not None else topic.types()
 
     def advertise(self, topic: Topic, publisher: Ros2Publisher) -> Source:
         """See `ForeignTopics`; without the fields of its type it has no messages."""
@@ -355,7 +356,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
             topic,
             subscriber,
             subscriber.type_name,
-            receiver=subscriber.outlet,
+            receiver=lambda group: subscriber.outlet,
             needs_definition=True,
             linked=False,
             on_conflict=self.reporter(subscriber),

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Generic, NamedTuple, TypeAlias, TypeVar
+from weakref import WeakKeyDictionary
 
 from fibws.hub.graph.graph import Graph
+from fibws.interfaces.catalogue import Definitions
 
 LARGE = 256 * 1024
 """Bytes from which on a response takes so long to make that it is not made for every caller."""
@@ -126,31 +128,31 @@ def _fresh_for(text: bytes) -> int:
 
 
 class TextCache:
-    """JSON texts by the names of types.
+    """JSON texts of types, by the definitions in which these are and by their names.
 
     Args:
         make: makes the text of a type; its errors are not cached.
         max_bytes: limit of all texts together; beyond it, all are dropped and made again on use.
     """
 
-    def __init__(self, make: Callable[[str], bytes], max_bytes: int = MOST_TEXT_BYTES) -> None:
+    def __init__(
+        self, make: Callable[[Definitions, str], bytes], max_bytes: int = MOST_TEXT_BYTES
+    ) -> None:
         self._make = make
         self._max_bytes = max_bytes
-        self._texts: dict[str, bytes] = {}
+        self._texts: WeakKeyDictionary[Definitions, dict[str, bytes]] = WeakKeyDictionary()
         self._bytes = 0
+        """Those of definitions that are forgotten count until all are dropped."""
 
-    def get(self, name: str) -> bytes:
+    def get(self, definitions: Definitions, name: str) -> bytes:
         """Return the text of a type."""
-        text = self._texts.get(name)
+        texts = self._texts.get(definitions, {})
+        text = texts.get(name)
         if text is None:
-            text = self._make(name)
+            text = self._make(definitions, name)
             self._bytes += len(text)
             if self._bytes > self._max_bytes:
                 self._texts.clear()
                 self._bytes = len(text)
-            self._texts[name] = text
+            self._texts.setdefault(definitions, {})[name] = text
         return text
-
-    def forget(self, name: str) -> None:
-        """Drop the text of a type, if it is cached."""
-        self._bytes -= len(self._texts.pop(name, b""))

@@ -17,7 +17,7 @@ from fibws.errors import InterfaceError, InvalidName, InvalidTypeName
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Function, Response, Service
 from fibws.hub.graph.topic import Topic
-from fibws.hub.graph.view import GraphView
+from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosapi.cache import ResponseCache, TextCache
 from fibws.interfaces import Interfaces
@@ -47,8 +47,7 @@ class Introspection:
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._full_texts = TextCache(lambda name: to_json(graph.definitions.full_text(name)))
-        graph.definitions.watch(self._full_texts.forget)
+        self._full_texts = TextCache(lambda known, name: to_json(known.full_text(name)))
         self._cached = ResponseCache(graph).get
         self._times_too_long = 0
 
@@ -189,10 +188,9 @@ class Introspection:
 
     def _topics_and_raw_types(self, caller: str) -> bytes:
         texts, room = [], MOST_TEXT
-        view = self._graph.view(caller)
-        for _, type_ in self._types_of_topics(caller):
+        for topic in self._graph.view(caller).all_topics():
             # Once there is no room left, no more texts are made.
-            text = self._full_text(type_, view) if room >= 0 else _NO_TEXT
+            text = self._full_text(topic.type, caller) if room >= 0 else _NO_TEXT
             room -= len(text)
             texts.append(text if room >= 0 else _NO_TEXT)
         if room < 0:
@@ -239,11 +237,15 @@ class Introspection:
         """Return a service that the caller may see."""
         return self._graph.view(caller).service(global_name(self._graph, name, caller))
 
-    def _full_text(self, type_: str, view: GraphView) -> bytes:
-        """Return the full text of a type as JSON, which is empty if the type is unknown."""
+    def _full_text(self, type_: MessageType | None, caller: str) -> bytes:
+        """Return the full text of a topic's type as JSON, which is empty if that is unknown."""
+        if type_ is None:
+            return _NO_TEXT
         try:
-            is_known = type_ and view.sees_type("msg", type_)
-            return self._full_texts.get(type_) if is_known else _NO_TEXT
+            if type_.codecs is not None:
+                return self._full_texts.get(type_.codecs.definitions, type_.name)
+            known = self._graph.definitions.known_to(caller, "msg", type_.name)
+            return self._full_texts.get(known, type_.name)
         except InterfaceError:
             return _NO_TEXT
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any, TypeAlias
 
 from pydantic_core import to_json
@@ -15,8 +16,7 @@ from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.definition import Field
 from fibws.interfaces.folders import Kind
 
-Known: TypeAlias = Definitions | ClientDefinitions
-Find: TypeAlias = Callable[[Known, str], MessageDefinition]
+Find: TypeAlias = Callable[[Definitions, str], MessageDefinition]
 """Finds a message, or a part of a service or an action, by the name of the type."""
 
 
@@ -29,19 +29,12 @@ class TypeDefs:
 
     def __init__(self, definitions: Interfaces | ClientDefinitions) -> None:
         self._definitions = definitions
-        self._messages = self._cache(_message)
-        self._requests = self._cache(_request)
-        self._responses = self._cache(_response_of)
-        self._goals = self._cache(_goal)
-        self._feedback = self._cache(_feedback)
-        self._results = self._cache(_result)
-
-    def _cache(self, find: Find) -> TextCache:
-        definitions = self._definitions
-        cache = TextCache(lambda name: self._text(find(definitions, name)))
-        if isinstance(definitions, ClientDefinitions):
-            definitions.watch(cache.forget)
-        return cache
+        self._messages = TextCache(partial(_text, _message))
+        self._requests = TextCache(partial(_text, _request))
+        self._responses = TextCache(partial(_text, _response_of))
+        self._goals = TextCache(partial(_text, _goal))
+        self._feedback = TextCache(partial(_text, _feedback))
+        self._results = TextCache(partial(_text, _result))
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """Return all services by their global names, each with its type and handler."""
@@ -69,48 +62,52 @@ class TypeDefs:
             return _response([_time(name)])
         if name in builtin.NAMES:
             return _response([])
-        return self._get(self._messages, "msg", _message, name, caller)
+        return self._get(self._messages, "msg", name, caller)
 
     def request(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of a service's request."""
-        return self._get(self._requests, "srv", _request, name, caller)
+        return self._get(self._requests, "srv", name, caller)
 
     def response(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of a service's response."""
-        return self._get(self._responses, "srv", _response_of, name, caller)
+        return self._get(self._responses, "srv", name, caller)
 
     def goal(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of an action's goal."""
-        return self._get(self._goals, "action", _goal, name, caller)
+        return self._get(self._goals, "action", name, caller)
 
     def feedback(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of an action's feedback."""
-        return self._get(self._feedback, "action", _feedback, name, caller)
+        return self._get(self._feedback, "action", name, caller)
 
     def result(self, name: str, caller: str = "") -> bytes:
         """Return the definitions of an action's result."""
-        return self._get(self._results, "action", _result, name, caller)
+        return self._get(self._results, "action", name, caller)
 
-    def _get(self, texts: TextCache, kind: Kind, find: Find, name: str, caller: str) -> bytes:
+    def _get(self, texts: TextCache, kind: Kind, name: str, caller: str) -> bytes:
         name, definitions = Interfaces.canonical(name), self._definitions
         if isinstance(definitions, ClientDefinitions):
             # A type that is hidden from the caller is unknown to it, even if its text is cached.
-            find(definitions.known_to(caller, kind, name), name)
-        return texts.get(name)
+            return texts.get(definitions.known_to(caller, kind, name), name)
+        return texts.get(definitions, name)
 
-    def _text(self, definition: MessageDefinition) -> bytes:
-        return _response(list(self._typedefs(definition, set())))
 
-    def _typedefs(self, definition: MessageDefinition, seen: set[str]) -> Iterator[dict[str, Any]]:
-        yield _typedef(definition)
-        for field in definition.fields:
-            if field.type in seen:
-                continue
-            seen.add(field.type)
-            if field.is_nested:
-                yield from self._typedefs(self._definitions.message(field.type), seen)
-            elif field.type in builtin.TIMES:
-                yield _time(field.type)
+def _text(find: Find, definitions: Definitions, name: str) -> bytes:
+    return _response(list(_typedefs(definitions, find(definitions, name), set())))
+
+
+def _typedefs(
+    definitions: Definitions, definition: MessageDefinition, seen: set[str]
+) -> Iterator[dict[str, Any]]:
+    yield _typedef(definition)
+    for field in definition.fields:
+        if field.type in seen:
+            continue
+        seen.add(field.type)
+        if field.is_nested:
+            yield from _typedefs(definitions, definitions.message(field.type), seen)
+        elif field.type in builtin.TIMES:
+            yield _time(field.type)
 
 
 def _for_type(respond: Callable[[str, str], bytes]) -> Function:
@@ -118,27 +115,27 @@ def _for_type(respond: Callable[[str, str], bytes]) -> Function:
     return lambda request, caller: respond(request["type"], caller)
 
 
-def _message(definitions: Known, name: str) -> MessageDefinition:
+def _message(definitions: Definitions, name: str) -> MessageDefinition:
     return definitions.message(name)
 
 
-def _request(definitions: Known, name: str) -> MessageDefinition:
+def _request(definitions: Definitions, name: str) -> MessageDefinition:
     return definitions.service(name).request
 
 
-def _response_of(definitions: Known, name: str) -> MessageDefinition:
+def _response_of(definitions: Definitions, name: str) -> MessageDefinition:
     return definitions.service(name).response
 
 
-def _goal(definitions: Known, name: str) -> MessageDefinition:
+def _goal(definitions: Definitions, name: str) -> MessageDefinition:
     return definitions.action(name).goal
 
 
-def _feedback(definitions: Known, name: str) -> MessageDefinition:
+def _feedback(definitions: Definitions, name: str) -> MessageDefinition:
     return definitions.action(name).feedback
 
 
-def _result(definitions: Known, name: str) -> MessageDefinition:
+def _result(definitions: Definitions, name: str) -> MessageDefinition:
     return definitions.action(name).result
 
 

@@ -16,6 +16,7 @@ from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Topic
+from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.rosbridge.encodings import PLAIN, EncodeFrame, Encoding, text_frame
@@ -264,9 +265,9 @@ class _Job:
         member.queue.dropped += 1
 
 
-GroupKey = tuple[Topic, str, str, Encoding]
-"""A topic, the type that the members name or "", the topic's name as they spell it, and how they
-want messages."""
+GroupKey = tuple[Topic, TypeGroup | None, str, Encoding]
+"""A topic, the group of the type that the members name, the topic's name as they spell it, and how
+they want messages."""
 
 
 class Groups(dict[GroupKey, Group]):
@@ -290,6 +291,8 @@ class Subscription:
         queue: the client's send queue.
         groups: those of the hub.
         queue_length: messages kept for a slow client that named no queue_length.
+        follow: calls `name_again`, when the publishers of the type that the client names have
+            another definition of it.
     """
 
     __slots__ = (
@@ -298,6 +301,7 @@ class Subscription:
         "_complained",
         "_conflict",
         "_default",
+        "_follow",
         "_graph",
         "_group",
         "_groups",
@@ -328,6 +332,7 @@ class Subscription:
         statuses: Statuses,
         *,
         queue_length: int,
+        follow: Callable[[Subscription], object],
     ) -> None:
         self.node = node
         self.topic = topic
@@ -352,6 +357,7 @@ class Subscription:
         """Why messages of others do not pass, as it was reported."""
         self._reported_text = False
         self._default = queue_length
+        self._follow = partial(follow, self)
 
     # As a sink.
 
@@ -420,6 +426,15 @@ class Subscription:
         self._graph.unsubscribe(self.topic, self)
         self.queue.forget(self.lane)
 
+    def name_again(self) -> None:
+        """Subscribe again with the type that the requests name; raises as `request`."""
+        named = next((each for each in self.requests.values() if each.type is not None), None)
+        if named is not None:
+            self._change(self.requests, named, keeps_type=False)
+            type_ = self.topic.type_for(self)
+            if type_ is not None:
+                self.answer(type_)
+
     def acknowledge(self, count: int) -> None:
         """Take messages as processed by the client."""
         if self._group is not None:
@@ -484,27 +499,32 @@ class Subscription:
                 "their invalid bytes are replaced by U+FFFD",
             )
 
-    def _change(self, requests: dict[Id, Subscribe], new: Subscribe | None) -> None:
+    def _change(
+        self, requests: dict[Id, Subscribe], new: Subscribe | None, *, keeps_type: bool = True
+    ) -> None:
         """Subscribe to the topic as the requests ask, in the group of those who ask the same."""
         encoding = Encoding.merged(requests.values())
         others = [each for each in requests.values() if new is None or each.id != new.id]
         type_ = next((each.type for each in others if each.type is not None), None)
-        keeps_type = type_ is not None
+        keeps_type = keeps_type and type_ is not None
         if new is not None and new.type is not None:
             type_ = new.type
-        takes_all = any(each.type is None for each in requests.values())
-        group = self._group_of(
-            encoding, "" if takes_all or type_ is None else self._graph.type_name(type_)
-        )
+        joined: list[Group] = []
+
+        def receiver(type_group: TypeGroup | None) -> Group:
+            joined.append(self._group_of(encoding, type_group))
+            return joined[0]
+
+        names_fields = any(map(_names_fields, requests.values()))
         self._graph.subscribe(
             self.topic,
             self,
             new.type if new is not None else None,
-            receiver=group,
+            receiver=receiver,
+            follow=None if type_ is None or names_fields else self._follow,
             keeps_type=keeps_type,
-            takes_all=takes_all,
-            needs_definition=encoding.needs_definition
-            or any(map(_names_fields, requests.values())),
+            takes_all=any(each.type is None for each in requests.values()),
+            needs_definition=encoding.needs_definition or names_fields,
             serialized=encoding.needs_definition,
             definition=new.definition if new is not None else None,
             md5sum=new.md5sum if new is not None else None,
@@ -512,13 +532,13 @@ class Subscription:
         )
         self.requests = requests
         self.encoding = encoding
-        self._join(group, requests)
+        self._join(joined[0], requests)
         if type_ is None:
             self._conflict = ""
         elif new is not None and self._conflict:
             self._send_conflict(new)
 
-    def _group_of(self, encoding: Encoding, type_: str) -> Group:
+    def _group_of(self, encoding: Encoding, type_: TypeGroup | None) -> Group:
         # Frames of `ROS1` do not hold the topic's name.
         spelling = "" if encoding.compression == ROS1 else self.spelling
         key = (self.topic, type_, spelling, encoding)

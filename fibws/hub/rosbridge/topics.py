@@ -364,6 +364,7 @@ class Topics:
                 client.clock,
                 client.statuses,
                 queue_length=client.settings.queue_length,
+                follow=self._follow,
             )
         topic = subscription.topic
         if request.peers:
@@ -406,6 +407,20 @@ class Topics:
             elif (watching := topic.watching(subscription)) is not watched:
                 for each in subscription.requests.values():
                     self._watch(each, topic, watching, subscription)
+
+    def _follow(self, subscription: Subscription) -> None:
+        """Subscribe again, since a type that the client names has another definition now."""
+        topic, statuses = subscription.topic, self._client.statuses
+        try:
+            subscription.name_again()
+            watching = topic.watching(subscription)
+            for each in subscription.requests.values():
+                self._watch(each, topic, watching, subscription)
+            topic.replay(subscription)
+        except FibwsError as error:
+            statuses.error(
+                next(iter(subscription.requests)), f"subscribe: {error}", code=error.code
+            )
 
     def acknowledge(self, request: Acknowledge) -> None:
         """Take messages as processed by the client, unless it has unsubscribed since."""

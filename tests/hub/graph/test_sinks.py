@@ -75,7 +75,7 @@ def test_sinks_that_share_a_receiver_get_each_message_through_it_once() -> None:
     graph, topic, source = topic_and_source()
     group, sinks = Recorder(), [Recorder("/x"), Recorder("/y")]
     for sink in sinks:
-        graph.subscribe(topic, sink, receiver=group)
+        graph.subscribe(topic, sink, receiver=lambda _: group)
     source.publish({"data": 1})
     graph.unsubscribe(topic, sinks[0])
     source.publish({"data": 2})

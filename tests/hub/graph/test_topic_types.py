@@ -242,15 +242,6 @@ def test_invalid_definition_is_refused_and_leaves_nothing_behind() -> None:
     assert hub.graph.topics == {}
 
 
-def test_definition_of_a_known_type_must_agree() -> None:
-    hub = FakeHub()
-    client = hub.client()
-    client.send("advertise", "/a", type=INT32, definition="int32 data\n")
-    assert client.receive() == []
-    client.send("advertise", "/b", type=INT32, definition="int64 data\n")
-    assert "is known here with other fields" in client.receive_statuses()[0]
-
-
 def test_unknown_types_are_logged_without_filling_the_log(
     caplog: pytest.LogCaptureFixture,
 ) -> None:

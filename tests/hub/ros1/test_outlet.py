@@ -66,7 +66,7 @@ class Topic:
         node = new_node(self.nodes, name)
         subscriber = Ros1Subscriber(node, "/t", "*")
         node.subscribed["/t"] = subscriber
-        self.graph.subscribe(self.graph.topic("/t"), subscriber, receiver=self._outlet)
+        self.graph.subscribe(self.graph.topic("/t"), subscriber, receiver=lambda _: self._outlet)
         return subscriber
 
     def link(self, subscriber: Ros1Subscriber) -> tuple[OutletLink, FakeTransport]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Hashable
 
 import pytest
@@ -21,6 +22,7 @@ from fibws.hub.rosapi.cache import (
     Views,
 )
 from fibws.interfaces import Interfaces
+from fibws.interfaces.catalogue import Definitions, TextDefinitions
 
 from ..fakes import INT32, FakeHub
 
@@ -212,17 +214,24 @@ class MakeText:
     def __init__(self) -> None:
         self.made: list[str] = []
 
-    def __call__(self, name: str) -> bytes:
+    def __call__(self, definitions: Definitions, name: str) -> bytes:
         self.made.append(name)
         if name == "wrong":
             raise LookupError(name)
         return name.encode().ljust(10)
 
 
+KNOWN = Interfaces()
+
+
 def test_text_is_made_once() -> None:
     make = MakeText()
     texts = TextCache(make)
-    assert [texts.get(name) for name in "aba"] == [b"a         ", b"b         ", b"a         "]
+    assert [texts.get(KNOWN, name) for name in "aba"] == [
+        b"a         ",
+        b"b         ",
+        b"a         ",
+    ]
     assert make.made == ["a", "b"]
 
 
@@ -231,7 +240,7 @@ def test_error_is_not_cached() -> None:
     texts = TextCache(make)
     for _ in range(2):
         with pytest.raises(LookupError):
-            texts.get("wrong")
+            texts.get(KNOWN, "wrong")
     assert make.made == ["wrong", "wrong"]
 
 
@@ -239,21 +248,20 @@ def test_all_texts_are_dropped_when_they_exceed_the_limit() -> None:
     make = MakeText()
     texts = TextCache(make, max_bytes=30)
     for name in "abcabc":
-        texts.get(name)
+        texts.get(KNOWN, name)
     assert make.made == ["a", "b", "c"]
     for name in "dad":
-        texts.get(name)
+        texts.get(KNOWN, name)
     assert make.made == ["a", "b", "c", "d", "a"]
 
 
-def test_forgotten_response_is_encoded_again_and_takes_no_room() -> None:
+def test_texts_of_forgotten_definitions_are_made_again_and_take_no_room() -> None:
     make = MakeText()
-    texts = TextCache(make, max_bytes=20)
-    for name in "aaba":
-        texts.get(name)
-    for _ in range(2):
-        texts.forget("b")
-        texts.forget("unknown")
-    texts.get("c")
-    assert texts.get("a") == b"a         "
-    assert make.made == ["a", "b", "c"]
+    texts = TextCache(make, max_bytes=30)
+    mine, same = TextDefinitions("a/A", "int8 x"), TextDefinitions("a/A", "int8 x")
+    for definitions in (mine, mine, same):
+        texts.get(definitions, "a/A")
+    assert make.made == ["a/A", "a/A"]
+    del mine, definitions
+    gc.collect()
+    assert len(texts._texts) == 1

@@ -164,7 +164,7 @@ def test_texts_beyond_the_limit_are_not_made(
         read.append(name)
         return "much"
 
-    monkeypatch.setattr(rosapi.graph.definitions, "full_text", much)
+    monkeypatch.setattr(rosapi.graph.definitions.base, "full_text", much)
     assert set(texts(rosapi).values()) == {""}
     assert read == [OWN_TOPICS["/client_count"]]
 
@@ -202,13 +202,13 @@ def test_response_is_made_once_for_each_revision(
     rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read: list[str] = []
-    full_text = rosapi.graph.definitions.full_text
+    full_text = rosapi.graph.definitions.base.full_text
 
     def counted(name: str) -> str:
         read.append(name)
         return full_text(name)
 
-    monkeypatch.setattr(rosapi.graph.definitions, "full_text", counted)
+    monkeypatch.setattr(rosapi.graph.definitions.base, "full_text", counted)
     names = ("topics", "topics_and_raw_types", "services", "nodes", "action_servers")
     servers = [rosapi.graph.services[f"/rosapi/{name}"].server for name in names]
     first = [response(server) for server in servers]

@@ -134,6 +134,9 @@ EXCEPTIONS = {
     ("advertise", "definition"): Kind(
         ABSENT | {"empty text"}, "it is optional, and a message may be empty", "Expected|line 1|The"
     ),
+    ("subscribe", "definition"): Kind(
+        ABSENT | {"empty text"}, "it is optional, and a message may be empty", "Expected|line 1|The"
+    ),
     ("advertise", "headers"): HEADERS,
     ("call_service", "headers"): HEADERS,
     ("advertise_service", "md5sum"): OTHER_MD5,
