@@ -266,15 +266,104 @@ def test_page_that_also_names_a_wrong_type_still_gets_what_it_asked_for_without_
     assert hub.empty
 
 
-@pytest.mark.parametrize("op", ["advertise", "subscribe"])
-def test_client_cannot_have_two_types_of_one_topic_itself(op: str) -> None:
+def test_client_cannot_publish_two_types_of_one_topic_itself() -> None:
     hub = FakeHub()
     client = hub.client("/talker")
-    client.send(op, "/a", type=INT32, id="x")
-    client.send(op, "/a", type=STRING, id="y")
+    client.send("advertise", "/a", type=INT32, id="x")
+    client.send("advertise", "/a", type=STRING, id="y")
     [status] = client.receive_statuses()
     assert f"{INT32} (by /talker)" in status
     assert [each.type and each.type.name for each in hub.graph.topics["/a"].groups] == [INT32]
+
+
+@pytest.mark.parametrize("first", [INT32, STRING])
+@pytest.mark.parametrize("serialized", [False, True])
+def test_client_may_subscribe_with_a_wrong_type_beside_the_right_one(
+    first: str, serialized: bool
+) -> None:
+    hub = FakeHub()
+    talker, client = hub.client("/talker"), hub.client("/page", serialized=serialized)
+    compression = {"compression": "ros1", "credit": 2} if serialized else {}
+    second = STRING if first == INT32 else INT32
+    for type_ in (first, second):
+        client.send("subscribe", TOPIC, type=type_, id=type_, peers=True, **compression)
+    client.receive_frames()
+    talker.send("advertise", TOPIC, type=INT32)
+    talker.send("publish", TOPIC, msg=number(1))
+    frames = client.receive_frames()
+    found = [json.loads(data) for one, data in frames if one != 0x82]
+    assert [each["id"] for each in found if each["op"] == "status"] == [STRING]
+    peers = [(each["id"], each["nodes"]) for each in found if each["op"] == "peers"]
+    assert peers == [(INT32, ["/talker"])]
+
+    def received() -> int:
+        """Return how many messages came."""
+        frames = client.receive_frames()
+        return sum(one == 0x82 or b'"publish"' in data for one, data in frames)
+
+    assert sum(one == 0x82 or b'"op":"publish"' in data for one, data in frames) == 1
+    for _ in range(3):
+        talker.send("publish", TOPIC, msg=number(2))
+    if serialized:
+        assert received() == 1
+        client.send("acknowledge", TOPIC, count=2)
+        assert received() == 1  # The newest one.
+        client.send("acknowledge", TOPIC, count=2)
+    else:
+        assert received() == 3
+    client.send("unsubscribe", TOPIC, id=STRING)
+    talker.send("publish", TOPIC, msg=number(3))
+    assert received() == 1
+    client.send("unsubscribe", TOPIC)
+    talker.send("publish", TOPIC, msg=number(4))
+    assert received() == 0
+    assert client.session.topics.subscription_count == 0
+    for each in (talker, client):
+        each.disconnect()
+    assert hub.empty
+
+
+def test_request_that_comes_again_with_another_type_leaves_its_first_subscription() -> None:
+    hub = FakeHub()
+    client = hub.client("/page")
+    for id_, type_ in (("x", INT32), ("y", INT32), ("z", STRING), ("x", STRING)):
+        client.send("subscribe", TOPIC, type=type_, id=id_)
+    groups = hub.graph.topics[TOPIC].groups
+    assert [group.type and group.type.name for group in groups] == [INT32, STRING]
+    client.send("unsubscribe", TOPIC, id="y")
+    assert [group.type and group.type.name for group in groups if group.is_used] == [STRING]
+
+
+def test_client_that_subscribes_without_a_type_too_gets_each_message_once() -> None:
+    hub = FakeHub()
+    first, second, page = hub.client(), hub.client(), hub.client("/page")
+    first.send("advertise", TOPIC, type=INT32)
+    second.send("advertise", TOPIC, type=STRING)
+
+    def expect(count: int) -> None:
+        page.receive()
+        for talker, value in ((first, 1), (second, "x")):
+            talker.send("publish", TOPIC, msg={"data": value})
+        assert len(messages(page)) == count
+
+    for request, count in (
+        ({"type": INT32, "id": "i"}, 1),
+        ({"type": STRING, "id": "s"}, 2),
+        ({"id": "any"}, 2),
+        ({"type": "std_msgs/Bool", "id": "b"}, 2),
+    ):
+        page.send("subscribe", TOPIC, **request)
+        expect(count)
+    page.send("unsubscribe", TOPIC)
+    expect(0)
+
+
+def test_subscriptions_with_further_types_are_limited() -> None:
+    client = FakeHub(max_subscriptions=2).client()
+    for type_ in (INT32, STRING, "std_msgs/Bool"):
+        client.send("subscribe", TOPIC, type=type_, id=type_)
+    assert "limit 2" in client.receive()[-1]["msg"]
+    assert client.session.registrations("subscriptions") == 2
 
 
 def test_types_with_equal_fields_are_no_conflict() -> None:

@@ -443,7 +443,7 @@ class Session(NodeSession[Client]):
     def registrations(self, what: Registration) -> int:
         """Return how many of something the client has registered."""
         if what == "subscriptions":
-            return len(self.topics.subscriptions)
+            return self.topics.subscription_count
         services = self._services.names() if self._services is not None else ()
         actions = self._actions.services() if self._actions is not None else ()
         return len(self.topics.sources) + len(services) + len(actions)

@@ -435,6 +435,11 @@ class Subscription:
             if type_ is not None:
                 self.answer(type_)
 
+    @property
+    def takes_all(self) -> bool:
+        """Whether a request names no type, so that it gets the messages of all."""
+        return any(each.type is None for each in self.requests.values())
+
     def acknowledge(self, count: int) -> None:
         """Take messages as processed by the client."""
         if self._group is not None:

@@ -16,6 +16,7 @@ from fibws.errors import (
     InvalidName,
     LimitReached,
     OperationError,
+    TypeConflict,
     UnknownPublisher,
 )
 from fibws.hub.delivery.clock import Timer
@@ -69,6 +70,7 @@ class Topics:
         "_client",
         "_grace_ends",
         "_latch_quota",
+        "_more",
         "_numbered",
         "_pending",
         "_refused",
@@ -96,6 +98,8 @@ class Topics:
         """By the number that binary frames name."""
         self.subscriptions: dict[str, Subscription] = {}
         """By the spelling of the topic's name that the client used."""
+        self._more: dict[str, list[Subscription]] = {}
+        """By the same: those of further types that it has named."""
 
     @property
     def pending_bytes(self) -> int:
@@ -349,26 +353,9 @@ class Topics:
     # Subscribing.
 
     def subscribe(self, request: Subscribe) -> None:
-        """Add a request to the subscription of the topic that is spelled so."""
+        """Add a request to the subscription of the topic that is spelled so, and of its type."""
         client = self._client
-        subscription = self.subscriptions.get(request.topic)
-        if subscription is None:
-            client.check_room("subscriptions", len(self.subscriptions))
-            subscription = Subscription(
-                client.node,
-                self._topic(request.topic),
-                request.topic,
-                client.graph,
-                client.groups,
-                client.queue,
-                client.clock,
-                client.statuses,
-                queue_length=client.settings.queue_length,
-                follow=self._follow,
-            )
-        topic = subscription.topic
-        if request.peers:
-            topic.watching(subscription).check_room(subscription, request.id)
+        topic = self._topic(request.topic)
         if request.compression not in COMPRESSIONS:
             request = self._with_known_compression(request, topic)
         if request.credit is not None and request.compression != ROS1:
@@ -376,9 +363,13 @@ class Topics:
                 f"credit needs serialized messages: subscribe with the compression {ROS1} "
                 f"on a connection of {SUBPROTOCOL}"
             )
-        watched = topic.watching(subscription)
-        subscription.request(request)
-        self.subscriptions[request.topic] = subscription
+        present = self._present(request.topic)
+        if len(present) > 1 and request.type is None:
+            present = self._merge(present)
+        subscription = self._request(request, topic, present)
+        for each in present:
+            if each is not subscription and request.id in each.requests:
+                self._cancel(each, request.id)
         client.check_legal(request.id, request.topic, topic.name)
         type_ = topic.type_for(subscription)
         if type_ is not None and (
@@ -388,25 +379,113 @@ class Topics:
             client.statuses.unchecked(request.id, text, type_)
         if type_ is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
+        topic.replay(subscription)
+
+    def _present(self, spelling: str) -> list[Subscription]:
+        """Return the subscriptions of a topic; several if the client names several types."""
+        first = self.subscriptions.get(spelling)
+        return [] if first is None else [first, *self._more.get(spelling, ())]
+
+    def _request(
+        self, request: Subscribe, topic: Topic, present: list[Subscription]
+    ) -> Subscription:
+        """Add a request to one of the present subscriptions, or to a new one; return that."""
+        for subscription in present:
+            try:
+                self._request_of(subscription, request)
+            except TypeConflict:
+                if not subscription.takes_all:
+                    continue
+                # It gets the messages of all types anyway, each of them once.
+                self._request_of(subscription, request.model_copy(update={"type": None}))
+            return subscription
+        client = self._client
+        client.check_room("subscriptions", self.subscription_count)
+        subscription = Subscription(
+            client.node,
+            topic,
+            request.topic,
+            client.graph,
+            client.groups,
+            client.queue,
+            client.clock,
+            client.statuses,
+            queue_length=client.settings.queue_length,
+            follow=self._follow,
+        )
+        self._request_of(subscription, request)
+        if present:
+            self._more.setdefault(request.topic, []).append(subscription)
+        else:
+            self.subscriptions[request.topic] = subscription
+        return subscription
+
+    def _request_of(self, subscription: Subscription, request: Subscribe) -> None:
+        """Add a request to a subscription, and have its peers reported."""
+        topic = subscription.topic
+        watched = topic.watching(subscription)
+        if request.peers:
+            watched.check_room(subscription, request.id)
+        subscription.request(request)
         watching = topic.watching(subscription)
         # All of them, if the first request that names a type has brought other publishers.
         for each in (request,) if watching is watched else subscription.requests.values():
             self._watch(each, topic, watching, subscription)
-        topic.replay(subscription)
+
+    def _merge(self, present: list[Subscription]) -> list[Subscription]:
+        """Return one subscription for the requests of several, before one for all types comes."""
+        first, *others = present
+        if sum(len(each.requests) for each in present) >= MAX_REGISTRATIONS:
+            raise LimitReached(
+                f"too many subscriptions to {first.topic.name} (limit {MAX_REGISTRATIONS})"
+            )
+        for subscription in others:
+            requests = tuple(subscription.requests.values())
+            self._cancel(subscription, None)
+            for each in requests:
+                self._request_of(first, each.model_copy(update={"type": None}))
+        return [first]
+
+    @property
+    def subscription_count(self) -> int:
+        """How many subscriptions there are, by topics and types."""
+        return len(self.subscriptions) + sum(map(len, self._more.values()))
 
     def unsubscribe(self, request: Unsubscribe) -> None:
         """Take back one request, or all; the subscription goes with the last."""
-        subscription = self.subscriptions.get(request.topic)
-        if subscription is not None:
-            topic = subscription.topic
-            watched = topic.watching(subscription)
-            watched.cancel(subscription, request.id)
-            subscription.cancel(request.id)
-            if not subscription.requests:
-                del self.subscriptions[request.topic]
-            elif (watching := topic.watching(subscription)) is not watched:
-                for each in subscription.requests.values():
-                    self._watch(each, topic, watching, subscription)
+        for subscription in self._present(request.topic):
+            self._cancel(subscription, request.id)
+
+    def _cancel(self, subscription: Subscription, id_: Id) -> None:
+        topic = subscription.topic
+        watched = topic.watching(subscription)
+        watched.cancel(subscription, id_)
+        subscription.cancel(id_)
+        if not subscription.requests:
+            self._remove(subscription)
+        elif (watching := topic.watching(subscription)) is not watched:
+            for each in subscription.requests.values():
+                self._watch(each, topic, watching, subscription)
+
+    def _remove(self, subscription: Subscription) -> None:
+        """Forget a subscription that has no requests."""
+        spelling = subscription.spelling
+        others = [each for each in self._present(spelling) if each is not subscription]
+        self._more.pop(spelling, None)
+        if others:
+            self.subscriptions[spelling] = others[0]
+            if others[1:]:
+                self._more[spelling] = others[1:]
+        else:
+            del self.subscriptions[spelling]
+
+    def acknowledge(self, request: Acknowledge) -> None:
+        """Take messages as processed by the client, unless it has unsubscribed since."""
+        count = request.count
+        for subscription in self._present(request.topic):
+            taken = min(count, subscription.unacknowledged)
+            subscription.acknowledge(taken)
+            count -= taken
 
     def _follow(self, subscription: Subscription) -> None:
         """Subscribe again, since a type that the client names has another definition now."""
@@ -421,12 +500,6 @@ class Topics:
             statuses.error(
                 next(iter(subscription.requests)), f"subscribe: {error}", code=error.code
             )
-
-    def acknowledge(self, request: Acknowledge) -> None:
-        """Take messages as processed by the client, unless it has unsubscribed since."""
-        subscription = self.subscriptions.get(request.topic)
-        if subscription is not None:
-            subscription.acknowledge(request.count)
 
     def _with_known_compression(self, request: Subscribe, topic: Topic) -> Subscribe:
         """Return the request with a compression that is possible."""
@@ -463,7 +536,9 @@ class Topics:
         if self._wills is not None:
             self._wills.publish()
         sources, self._spellings = list(self._spellings), {}
-        subscriptions, self.subscriptions = list(self.subscriptions.values()), {}
+        subscriptions = [*self.subscriptions.values(), *chain(*self._more.values())]
+        self.subscriptions = {}
+        self._more.clear()
         self.sources.clear()
         self._advertisements.clear()
         self._numbered.clear()
