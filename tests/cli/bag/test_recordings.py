@@ -6,11 +6,12 @@ Splits, full disks, and many topics; other programs read the files.
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import re
 import signal
 import subprocess
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,12 +23,14 @@ from patience import PATIENCE
 from rosbags.rosbag1 import Reader as Rosbag1Reader
 
 import fibws
+from fibws import Time
 from fibws.bags import open_reader
 from fibws.client.hub_client import HubClient
 from fibws.hub import Settings
 from fibws.hub.recording import STATE
 from fibws.hub.server import Hub
 from fibws.msg.fibws_msgs import RecordingState
+from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.std_msgs import Int32
 
 from .test_record_and_play import Recorder, numbers, recorder, wait_for_subscriber
@@ -36,7 +39,7 @@ SIZE = 100_000
 """Bytes of a message that fills files."""
 BLOBS = 60
 VALID = "Bag file does not need any migrations.\n"
-TOPICS, ROUNDS, RATE = 500, 400, 200
+TOPICS, ROUNDS, RATE = 500, 200, 200
 
 each_suffix = pytest.mark.parametrize("suffix", ["bag", "mcap"])
 
@@ -242,17 +245,54 @@ def test_recording_that_fills_a_disk_is_complete_up_to_then(
 
 # Many topics.
 
+SECOND = 10**9
+START = 1_700_000_000 * SECOND
+CLOCKS = ["live", "simulated", "looping", "late"]
+"""The times of messages: real ones, or those of a clock that runs, starts again, or begins late."""
+LATE = ROUNDS // 4
+"""The round in which a late clock begins."""
+LOOP = ROUNDS // 3
+"""The rounds after which a looping clock starts again."""
+
 
 def load(number: int) -> str:
     return f"/load/{number}"
 
 
-async def publish_load(url: str) -> int:
-    """Publish numbers on `TOPICS` topics once all are subscribed; return how many were sent.
+def time_of(clock: str, number: int) -> int:
+    """Return the simulated time of a round in ns; 0 before a late clock has begun."""
+    if clock == "late" and number < LATE:
+        return 0
+    return START + (number % LOOP if clock == "looping" else number) * SECOND // RATE
+
+
+def begin_clock(url: str, clock: str) -> None:
+    """Let the hub have a clock, before the nodes that follow it start."""
+    with HubClient("simulator", url) as client:
+        client.call(
+            "/rosapi/set_param", {"name": "/use_sim_time", "value": str(clock != "live").lower()}
+        )
+        if clock in ("simulated", "looping"):
+            client.send({"op": "advertise", "topic": "/clock", "type": "rosgraph_msgs/Clock"})
+            msg = {"clock": {"secs": START // SECOND, "nsecs": 0}}
+            client.send({"op": "publish", "topic": "/clock", "msg": msg})
+            client.call("/rosapi/get_time")
+
+
+async def publish_load(url: str, clock: str = "live") -> int:
+    """Publish numbers on `TOPICS` topics once all are subscribed.
 
     Half of the topics appear while the recording runs, every tenth is latched from before.
+
+    Returns:
+        How many messages were sent that should be recorded, without those of /clock.
     """
     async with fibws.Node("load", hub=url) as node:
+        ticks = await node.advertise("/clock", Clock)
+
+        async def tick(number: int) -> None:
+            if clock != "live" and (time := time_of(clock, number)):
+                await ticks.publish(Clock(clock=Time(*divmod(time, SECOND))))
 
         async def advertise(these: range) -> list[fibws.Publisher[Int32]]:
             return [
@@ -275,6 +315,9 @@ async def publish_load(url: str) -> int:
         begin = loop.time()
         for number in range(ROUNDS):
             await asyncio.sleep(begin + number / RATE - loop.time())
+            await tick(number)
+            if clock == "late" and number == LATE:
+                sent = TOPICS // 10  # The last latched message of each.
             for publisher in publishers:
                 await publisher.publish(number)
                 sent += 1
@@ -282,8 +325,10 @@ async def publish_load(url: str) -> int:
         return sent - sum(publisher.dropped for publisher in publishers)
 
 
-def check_load(path: Path, sent: int, told: int, *, is_cut: bool = False) -> None:
-    """See that a recording has all messages that it does not tell of.
+def check_load(
+    path: Path, sent: int, told: int, clock: str = "live", *, is_cut: bool = False
+) -> None:
+    """See that a recording has all messages that it does not tell of, with their times.
 
     Args:
         is_cut: whether it ended while the last ones were on their way.
@@ -291,32 +336,130 @@ def check_load(path: Path, sent: int, told: int, *, is_cut: bool = False) -> Non
     found: dict[str, list[int]] = defaultdict(list)
     with open_reader(path) as bag:
         assert list(bag.faults()) == []
-        for each, _, data in bag.messages():
-            if each.topic != "/rosout":
-                found[each.topic].append(int.from_bytes(data, "little"))
+        for each, time, data in bag.messages():
+            if each.topic.startswith("/load/"):
+                number = int.from_bytes(data, "little")
+                found[each.topic].append(number)
+                assert clock == "live" or time == (time_of(clock, number) or time_of(clock, LATE))
     assert len(found) == TOPICS
+    check_by_others(path, found)
     recorded = sum(map(len, found.values()))
-    assert recorded + told == sent or (is_cut and recorded + told < sent)
+    is_early = clock == "late" and told > 0  # Some were dropped that are not to be recorded.
+    assert recorded + told == sent or (is_cut and recorded + told < sent) or is_early
     if told == 0:
-        for numbers in found.values():
-            without_gaps = [*range(numbers[-1] + 1)]
-            assert numbers in (without_gaps, [0, *without_gaps])  # Some are latched from before.
+        first = LATE if clock == "late" else 0
+        for topic, numbers in found.items():
+            is_latched = int(topic.removeprefix("/load/")) % 10 == 0
+            without_gaps = [*range(first, max(numbers) + 1)]
+            if first and is_latched:
+                without_gaps.insert(0, first - 1)
+            # Some of the others are latched from before.
+            assert sorted(numbers) in (without_gaps, [0, *without_gaps])
+
+
+def check_by_others(path: Path, found: dict[str, list[int]]) -> None:
+    """See that another program finds as many messages of each topic, and those of some topics."""
+    counts: dict[str, int]
+    some: dict[str, list[int]] = {load(number): [] for number in range(0, TOPICS, 25)}
+    if path.suffix == ".bag":
+        with Rosbag1Reader(path) as bag:
+            counts = {topic: found.msgcount for topic, found in bag.topics.items()}
+            # It reads a chunk again for each message where chunks overlap in time.
+            wanted = [each for each in bag.connections if each.topic in some]
+            for each, _, data in bag.messages(wanted):
+                some[each.topic].append(int.from_bytes(data, "little"))
+    else:
+        with path.open("rb") as file:
+            reader = make_reader(file, validate_crcs=True)
+            summary = reader.get_summary()
+            assert summary is not None and summary.statistics is not None
+            channels = {number: each.topic for number, each in summary.channels.items()}
+            listed = summary.statistics.channel_message_counts
+            counts = {channels[number]: count for number, count in listed.items()}
+            for _, channel, message in reader.iter_messages(topics=list(some)):
+                some[channel.topic].append(int.from_bytes(message.data, "little"))
+    assert {topic: counts[topic] for topic in found} == {
+        topic: len(numbers) for topic, numbers in found.items()
+    }
+    assert {topic: sorted(numbers) for topic, numbers in some.items()} == {
+        topic: sorted(found[topic]) for topic in some
+    }
+
+
+def record_load(
+    run: Run, hub: HubThread, path: Path, clock: str, end: signal.Signals
+) -> tuple[int, int]:
+    """Record the load; return how many messages were sent, and how many were told as dropped."""
+    begin_clock(hub.url, clock)
+    with recorder(hub.url, path, "-e", "/load/.*") as recording:
+        recording.wait_for("Recording to")
+        sent = asyncio.run(publish_load(hub.url, clock))
+        told = dropped_by_hub(hub.url) if end == signal.SIGKILL else 0
+        recording.process.send_signal(end)
+        output, _ = recording.process.communicate(timeout=PATIENCE)
+    if end == signal.SIGKILL:
+        active = path.with_name(f"{path.name}.active")
+        assert run("bag", "reindex", "-q", str(active)).exit_code == 0
+        active.rename(path)
+    else:
+        assert recording.process.returncode == 0
+    return sent, told + told_as_dropped(recording, output)
 
 
 @pytest.mark.slow
 @each_suffix
+@pytest.mark.parametrize(
+    ("clock", "end"),
+    [
+        *((clock, signal.SIGINT) for clock in CLOCKS),
+        ("live", signal.SIGKILL),
+        ("looping", signal.SIGKILL),
+    ],
+)
 def test_messages_of_many_topics_are_recorded_or_told_as_dropped(
-    hub: HubThread, tmp_path: Path, suffix: str
+    run: Run, hub: HubThread, tmp_path: Path, suffix: str, clock: str, end: signal.Signals
 ) -> None:
     """500 topics at 200 Hz take more than the CPUs of many machines."""
-    with recorder(hub.url, tmp_path / f"b.{suffix}", "-e", "/load/.*") as recording:
-        recording.wait_for("Recording to")
-        sent = asyncio.run(publish_load(hub.url))
-        recording.process.send_signal(signal.SIGINT)
-        output, _ = recording.process.communicate(timeout=PATIENCE)
-        assert recording.process.returncode == 0
-    told = told_as_dropped(recording, output)
-    check_load(tmp_path / f"b.{suffix}", sent, told, is_cut=True)
+    path = tmp_path / f"b.{suffix}"
+    sent, told = record_load(run, hub, path, clock, end)
+    check_load(path, sent, told, clock, is_cut=True)
+
+
+COUNT = """
+import json, sys, rosbag
+counts = {}
+with rosbag.Bag(sys.argv[1]) as bag:
+    for topic, message, time in bag.read_messages():
+        counts[topic] = counts.get(topic, 0) + 1
+print(json.dumps(counts))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("clock", CLOCKS)
+@pytest.mark.parametrize("mark", [pytest.param(None, marks=needs_ros(PYTHON))], ids=["real"])
+def test_rosbag_of_ros_reads_many_topics(
+    run: Run, hub: HubThread, tmp_path: Path, clock: str, mark: None
+) -> None:
+    """500 topics at 200 Hz take more than the CPUs of many machines."""
+    path = tmp_path / "b.bag"
+    record_load(run, hub, path, clock, signal.SIGINT)
+    with open_reader(path) as bag:
+        counts = Counter(each.topic for each, _, _ in bag.messages())
+    assert json.loads(in_python(COUNT, path)) == counts
+    assert len(counts) == TOPICS
+
+
+def dropped_by_hub(url: str) -> int:
+    """Return how many messages the hub had no room for on their way to recorders."""
+    with HubClient("look", url) as client:
+        topics = client.call("/rosapi/statistics")["topics"]
+    return sum(
+        subscription["dropped"]
+        for topic in topics
+        if topic["topic"].startswith("/load/")
+        for subscription in topic["subscriptions"]
+    )
 
 
 def told_as_dropped(recording: Recorder, output: str) -> int:
@@ -328,17 +471,19 @@ def told_as_dropped(recording: Recorder, output: str) -> int:
 
 
 @pytest.mark.slow
-async def test_hub_records_all_messages_of_many_topics(tmp_path: Path) -> None:
+@pytest.mark.parametrize("clock", CLOCKS)
+async def test_hub_records_all_messages_of_many_topics(tmp_path: Path, clock: str) -> None:
     """500 topics at 200 Hz take more than the CPUs of many machines."""
     options = Settings(port=0, close_timeout=0.1, record=tmp_path, record_min_space=0)
     async with Hub(options) as hub:
+        await asyncio.to_thread(begin_clock, hub.url, clock)
         watcher = fibws.Node("watcher", hub=hub.url)
         async with watcher:
             states = watcher.subscribe(STATE, RecordingState)
-            sent = await publish_load(hub.url)
+            sent = await publish_load(hub.url, clock)
             async with asyncio.timeout(PATIENCE):
                 async for state in states:
                     if state.messages + state.dropped >= sent:
                         break
     [path] = list(tmp_path.iterdir())  # noqa: ASYNC240 - nothing else runs here
-    check_load(path, sent, state.dropped)
+    check_load(path, sent, state.dropped, clock)
