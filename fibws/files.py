@@ -183,17 +183,21 @@ def check_not_written(path: str | os.PathLike[str]) -> None:
 
 
 def _being_written(path: str | os.PathLike[str]) -> BlockingIOError:
-    text = f"being written by {_holder(path) or 'another program'}"
+    text = f"being written by {lock_holder(path) or 'another program'}"
     return BlockingIOError(errno.EAGAIN, text, os.fspath(path))
 
 
-def _holder(path: str | os.PathLike[str]) -> str:
-    """Return which process holds the lock of a file; empty if the system does not tell."""
+def lock_holder(path: str | os.PathLike[str], kind: str = "FLOCK") -> str:
+    """Return which process has locked a file; empty if none has, or the system does not tell.
+
+    Args:
+        kind: of the lock, as in /proc/locks: ``FLOCK`` or ``POSIX``.
+    """
     try:
         inode = str(os.stat(path).st_ino)
         for line in Path("/proc/locks").read_text(encoding="ascii").splitlines():
             words = line.split()
-            if words[1] == "FLOCK" and words[5].rpartition(":")[2] == inode:
+            if words[1] == kind and words[5].rpartition(":")[2] == inode:
                 command = Path(f"/proc/{int(words[4])}/cmdline").read_bytes().split(b"\0")
                 words_of = b" ".join(command).decode("utf-8", "replace").strip()
                 return f"process {words[4]} ({words_of})"

@@ -9,7 +9,7 @@ from fibws.bags.bag_reader import BagReader
 from fibws.bags.bag_writer import CHUNK_SIZE, BagWriter
 from fibws.bags.mcap_files import MAGIC, McapWriter
 from fibws.bags.reader import Reader
-from fibws.bags.rosbag2 import MCAP_SUFFIX, is_zstd, open_file, open_folder
+from fibws.bags.rosbag2 import MCAP_SUFFIX, check_not_empty, is_zstd, open_file, open_folder
 from fibws.bags.sqlite_files import is_sqlite
 from fibws.errors import BagNotIndexed
 from fibws.files import check_not_written
@@ -35,6 +35,7 @@ def open_reader(path: str | os.PathLike[str], *, allow_unindexed: bool = False) 
     try:
         if os.path.isdir(path):
             return open_folder(path, allow_unindexed=allow_unindexed)
+        check_not_empty(path)
         if is_mcap(path) or is_sqlite(path) or is_zstd(path):
             return open_file(path, allow_unindexed=allow_unindexed)
         return BagReader(path, allow_unindexed=allow_unindexed)

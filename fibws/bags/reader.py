@@ -67,6 +67,8 @@ class Reader(ABC):
     """Why connections are not in the encoding that was asked for, by their ids."""
     differences: Sequence[str] = ()
     """How types that were converted differ from those of the same names in ROS 1."""
+    notices: Sequence[str] = ()
+    """What users should know of the file: it is being written, or was not closed."""
 
     @property
     @abstractmethod

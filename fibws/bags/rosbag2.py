@@ -17,7 +17,7 @@ from fibws.bags import compression
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.bags.mcap_files import McapReader
 from fibws.bags.reader import MAX_FILE, ChunkMessages, Reader
-from fibws.bags.sqlite_files import MAGIC, SqliteReader, is_sqlite
+from fibws.bags.sqlite_files import MAGIC, SqliteReader, is_sqlite, open_sqlite
 from fibws.bags.sqlite_files import SUFFIX as SQLITE_SUFFIX
 from fibws.bags.transformed_reader import TransformedReader
 from fibws.errors import BagError, BagFormatError, UnsupportedBag
@@ -64,9 +64,10 @@ def open_file(path: str, *, allow_unindexed: bool = False) -> Reader:
 
 def open_storage(path: str, *, allow_unindexed: bool = False) -> Reader:
     """Open a .mcap or .db3 file, or one that is compressed as a whole, for reading."""
+    check_not_empty(path)
     if not is_zstd(path):
         if is_sqlite(path):
-            return SqliteReader(path)
+            return open_sqlite(path)
         return McapReader(path, allow_unindexed=allow_unindexed)
     file = _decompressed(path)
     try:
@@ -98,6 +99,12 @@ def _named_copy(file: BinaryIO) -> str:
         os.unlink(path)
         raise
     return path
+
+
+def check_not_empty(path: str) -> None:
+    """Raise BagFormatError if there is nothing in a file, and OSError if there is none."""
+    if not os.path.getsize(path) and os.path.isfile(path):
+        raise BagFormatError(f"{path}: the file is empty")
 
 
 def is_zstd(path: str) -> bool:
@@ -220,6 +227,7 @@ class CombinedReader(Reader):
         self._readers = list(readers)
         self.version = self._readers[0].version
         self.is_indexed = all(each.is_indexed for each in readers)
+        self.notices = [notice for each in readers for notice in each.notices]
         self.connections = []
         self.chunks = []
         self._ids: list[dict[int, int]] = []

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import os
+import shutil
 from array import array
 from collections import Counter
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.bags.reader import ChunkMessages, Reader
 from fibws.errors import BagFormatError
+from fibws.files import lock_holder
 
 if TYPE_CHECKING:
     import sqlite3
 
 MAGIC = b"SQLite format 3\0"
 SUFFIX = ".db3"
+WAL, JOURNAL, MEMORY = "-wal", "-journal", "-shm"
+"""The ends of the names of files beside a database: messages that are to be added to it, pages as
+they were before changes that are not complete, and what programs share that have it open."""
 CHUNK_SIZE, CHUNK_ROWS = 2**20, 1000
 """Bytes and messages that are read at once."""
 MAX_TOPICS = 65_535
@@ -37,25 +42,26 @@ class SqliteReader(Reader):
 
     Args:
         path: names the file in errors.
-        file: where it is, if not there; it is removed when this is closed.
+        file: a copy of it, which is read in its place, and removed when this is closed.
+        notices: see `Reader`.
 
     Raises:
         BagFormatError: it is damaged, or not of rosbag2.
         OSError: it cannot be read.
     """
 
-    def __init__(self, path: str, *, file: str = "") -> None:
-        self.path = path
+    def __init__(self, path: str, *, file: str = "", notices: Sequence[str] = ()) -> None:
+        self.path, self.notices = path, tuple(notices)
         self.is_indexed = True
         self._copy = file
         place = file or path
         self._size = os.path.getsize(place)
-        with self._errors():
-            self._database = _connect(place, self._size)
+        with errors_of(path):
+            self._database = _connect(place, "mode=ro&immutable=1", self._size)
         self._unknown: Counter[int] = Counter()
         """How many messages have a topic that the file does not list, by its id."""
         try:
-            with self._errors():
+            with errors_of(self.path):
                 self._check_tables()
                 self.connections, self._ids = self._read_topics()
                 self.chunks, self._rows = self._read_chunks()
@@ -79,16 +85,6 @@ class SqliteReader(Reader):
         self._database.close()
         if self._copy:
             Path(self._copy).unlink(missing_ok=True)
-
-    @contextmanager
-    def _errors(self) -> Iterator[None]:
-        """Turn errors of SQLite into a BagFormatError."""
-        import sqlite3
-
-        try:
-            yield
-        except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
-            raise BagFormatError(f"{self.path}: {error}") from None
 
     def _check_tables(self) -> None:
         """Check that the tables have rows, and do not compute them: a file may be made to harm."""
@@ -199,7 +195,7 @@ class SqliteReader(Reader):
         times, ids, places = array("Q"), array("Q"), array("q")
         begins, ends = array("Q"), array("Q")
         data = bytearray()
-        with self._errors():
+        with errors_of(self.path):
             for row, id_, time, content in self._select(chunk, wanted, "data"):
                 if not isinstance(content, bytes):
                     raise BagFormatError(f"{self.path}: invalid message in row {row}")
@@ -212,7 +208,7 @@ class SqliteReader(Reader):
         return ChunkMessages(bytes(data), times, ids, places, begins, ends)
 
     def _chunk_times(self, chunk: ChunkInfo, wanted: Collection[int]) -> list[int]:
-        with self._errors():
+        with errors_of(self.path):
             return [time for _, _, time, _ in self._select(chunk, wanted, "0")]
 
     def _select(
@@ -229,7 +225,7 @@ class SqliteReader(Reader):
             yield row, topics[topic], time, value
 
     def _index_faults(self) -> Iterator[str]:
-        with self._errors():
+        with errors_of(self.path):
             for (text,) in self._read("PRAGMA integrity_check(20)"):
                 if text != "ok":
                     yield " ".join(str(text).split())
@@ -237,19 +233,104 @@ class SqliteReader(Reader):
             yield f"messages of the topic {topic}, which the file does not list: {count}"
 
 
-def is_sqlite(path: str) -> bool:
-    """Return whether a file is one of SQLite; raise OSError if it cannot be read."""
-    with open(path, "rb") as file:
-        return file.read(len(MAGIC)) == MAGIC
-
-
-def _connect(path: str, size: int) -> sqlite3.Connection:
-    """Open a database for reading only, in any thread."""
+@contextmanager
+def errors_of(path: str) -> Iterator[None]:
+    """Turn errors of SQLite into a BagFormatError that names a file."""
     import sqlite3
 
-    address = f"{Path(os.path.abspath(path)).as_uri()}?mode=ro"
-    if not os.path.exists(f"{path}-wal"):
-        address += "&immutable=1"  # No files beside it: the folder may be read-only.
+    try:
+        yield
+    except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
+        raise BagFormatError(f"{path}: {error}") from None
+
+
+def is_sqlite(path: str) -> bool:
+    """Return whether a file is one of SQLite; raise OSError if it cannot be read.
+
+    The name decides, too: a .db3 file that does not begin as one of SQLite is damaged.
+    """
+    with open(path, "rb") as file:
+        return file.read(len(MAGIC)) == MAGIC or path.endswith(SUFFIX)
+
+
+def open_sqlite(path: str) -> SqliteReader:
+    """Open a .db3 file for reading; raise as `SqliteReader`.
+
+    What is beside a file that was not closed belongs to the program that writes it, or to the next
+    one that opens it: the file is copied then, together with that.
+    """
+    writer = lock_holder(path, "POSIX")
+    beside = [path + end for end in (WAL, JOURNAL) if _has_content(path + end)]
+    if writer:
+        notices = [f"{path} is open in {writer}, which may still write it: it is read as it is now"]
+    else:
+        notices = [f"{path} was not closed by its recorder; {each} is read, too" for each in beside]
+    if not beside:
+        return SqliteReader(path, notices=notices)
+    copy = _copied(path, beside)
+    try:
+        return SqliteReader(path, file=copy, notices=notices)
+    except BaseException:
+        with suppress(FileNotFoundError):
+            os.unlink(copy)
+        raise
+
+
+def _has_content(path: str) -> bool:
+    return os.path.isfile(path) and os.path.getsize(path) > 0
+
+
+def _copied(path: str, beside: Collection[str]) -> str:
+    """Return the path of a copy of a file, in a single file.
+
+    Args:
+        beside: the files beside it that belong to it.
+
+    Raises:
+        BagFormatError: it is damaged.
+        OSError: it cannot be read, or the copy cannot be written.
+    """
+    import sqlite3
+    from tempfile import TemporaryDirectory, mkstemp
+
+    descriptor, copy = mkstemp(suffix=SUFFIX)
+    os.close(descriptor)
+    try:
+        with errors_of(path), TemporaryDirectory() as folder:
+            size = sum(map(os.path.getsize, [path, *beside]))
+            if os.path.exists(path + MEMORY):
+                # Programs that have the file open share this: SQLite copies all of one moment.
+                with suppress(sqlite3.Error), closing(_connect(path, "mode=ro", size)) as source:
+                    with closing(_connect(copy, "mode=rw", size)) as target:
+                        source.backup(target)
+                    return _in_one_file(copy, size)
+            place = os.path.join(folder, os.path.basename(path))
+            for each in (path, *beside):
+                shutil.copyfile(each, os.path.join(folder, os.path.basename(each)))
+            shutil.move(_in_one_file(place, size), copy)
+    except BaseException:
+        os.unlink(copy)
+        raise
+    return copy
+
+
+def _in_one_file(path: str, size: int) -> str:
+    """Move to a database what is beside it; return its path."""
+    with closing(_connect(path, "mode=rw", size)) as database:
+        database.execute("PRAGMA journal_mode = DELETE").fetchall()
+    return path
+
+
+def _connect(path: str, mode: str, size: int) -> sqlite3.Connection:
+    """Open a database, in any thread.
+
+    Args:
+        mode: parameters of the address.
+        size: of the file, in bytes.
+    """
+    import sqlite3
+
+    address = f"{Path(os.path.abspath(path)).as_uri()}?{mode}"
     database = sqlite3.connect(address, uri=True, check_same_thread=False)
     # A file may be made to harm: no value is larger than the file, and no text runs programs.
     database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(size, 2**20))

@@ -20,7 +20,7 @@ class TransformedReader(Reader):
         self._reader = reader
         self.path, self.version, self.mended = reader.path, reader.version, reader.mended
         self.connections, self.chunks = reader.connections, reader.chunks
-        self.is_indexed = reader.is_indexed
+        self.is_indexed, self.notices = reader.is_indexed, reader.notices
 
     @abstractmethod
     def _transform(self, connection: Connection, data: bytes) -> bytes:

@@ -23,9 +23,14 @@ if TYPE_CHECKING:
 
 
 def open_bag(path: str | PathLike[str]) -> Reader:
-    """Open a bag for reading; raise as `open_reader`, but ClickException if there is no file."""
+    """Open a bag for reading, and print what users should know of it.
+
+    Raises:
+        click.ClickException: there is no such file, or it cannot be read.
+        BagError: as `open_reader`.
+    """
     try:
-        return open_reader(path)
+        reader = open_reader(path)
     except OSError as error:
         path = fspath(path)
         place = fspath(error.filename or path)
@@ -33,6 +38,14 @@ def open_bag(path: str | PathLike[str]) -> Reader:
         if place == path and os.path.exists(active := f"{path}.active"):
             fault = _active_fault(path, active)
         raise click.ClickException(visible(fault)) from None
+    for each in reader.notices:
+        warn(each)
+    return reader
+
+
+def warn(text: str) -> None:
+    """Print a warning."""
+    click.echo(visible(f"Warning: {text}"), err=True)
 
 
 def _active_fault(path: str, active: str) -> str:

@@ -14,7 +14,7 @@ from fibws.bags import Connection, Reader, Writer, open_writer
 from fibws.bags.ros2_messages import CDR, ROS1, with_encoding
 from fibws.bags.rosbag2 import MCAP_SUFFIX
 from fibws.cli import output
-from fibws.cli.bag.bag_messages import BagMessage, BagType, check_new_name, open_bag
+from fibws.cli.bag.bag_messages import BagMessage, BagType, check_new_name, open_bag, warn
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
 from fibws.cli.exit_handling import clean_exit
@@ -111,7 +111,7 @@ def command(
                 )
             if not copy.count:
                 hint = "" if condition is None else condition.unknown_topic(original)
-                _warn(f"no message passed the filter, {target} is empty{hint}")
+                warn(f"no message passed the filter, {target} is empty{hint}")
 
 
 def _check_topics(topics: tuple[str, ...], reader: Reader) -> None:
@@ -131,13 +131,9 @@ def _report_conversion(reader: Reader, topics: tuple[str, ...]) -> None:
     if left_out and len(left_out) == len(found):
         raise BagError(f"nothing can be converted: {reader.not_converted[left_out[0]]}")
     for id_ in left_out:
-        _warn(f"left out: {reader.not_converted[id_]}")
+        warn(f"left out: {reader.not_converted[id_]}")
     for each in reader.differences:
-        _warn(f"{each}: nodes with ROS 1's definition cannot receive it")
-
-
-def _warn(text: str) -> None:
-    click.echo(output.visible(f"Warning: {text}"), err=True)
+        warn(f"{each}: nodes with ROS 1's definition cannot receive it")
 
 
 def _compression(reader: Reader, target: Path) -> str:
