@@ -3,6 +3,8 @@
  *
  * It reconnects by itself, and then advertises again. Messages come on another connection.
  */
+import { Clock } from "./clock";
+import { DataClient } from "./messages/data_client";
 import { type Signal, Source } from "./signal";
 
 export type Message = Record<string, unknown>;
@@ -95,6 +97,8 @@ export class Hub {
   readonly failures: Signal<number>;
   /** Why the hub wants a token, or another one; empty if it does not. */
   readonly denied: Signal<string>;
+  /** The time that is shown. */
+  readonly clock = new Clock();
 
   readonly #state = new Source<State>("connecting");
   readonly #reason = new Source("");
@@ -108,6 +112,7 @@ export class Hub {
   readonly #advertised = new Map<string, Operation>();
   /** Who receives the errors about an operation, by its id. */
   readonly #onError = new Map<string, (why: string) => void>();
+  #data: DataClient | undefined;
   #socket: WebSocket | undefined;
   #ids = 0;
   #retryTime = MIN_RETRY;
@@ -144,6 +149,19 @@ export class Hub {
       this.#ended.set(true);
     }
   }
+
+  /** The connection on which messages come, which is opened when it is first needed. */
+  get data(): DataClient {
+    if (this.#data === undefined) {
+      this.#data = new DataClient(this.clock);
+      this.#data.follow(this);
+    }
+    return this.#data;
+  }
+
+  /** Stream messages; returns a function for further requests. */
+  readonly open: DataClient["open"] = (request, transfer, listener) =>
+    this.data.open(request, transfer, listener);
 
   /** The address and the token for another connection of the page, which is a node of its own. */
   second(): { url: string; token: string } {

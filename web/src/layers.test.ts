@@ -90,3 +90,18 @@ it("every folder has a floor, and uses those below it", () => {
   }
   expect(wrong).toEqual([]);
 });
+
+it("only the page's frame knows the hub: all others take messages from a source", () => {
+  const knowHub = Object.entries(SOURCES)
+    .filter(
+      ([path, text]) => /\bHub\b[^"\n]* from "[./]+\/hub"/.test(text) && !path.includes(".test."),
+    )
+    .map(([path]) => path);
+  expect(knowHub.filter((path) => path.split("/").length > 2)).toEqual([]);
+  const stream = Object.keys(SOURCES).filter((path) =>
+    /\bnew (Feed|DataClient|Worker)\(/.test(SOURCES[path] ?? ""),
+  );
+  expect(
+    stream.filter((path) => path.startsWith("./panels/") && !/mesh_client|test/.test(path)),
+  ).toEqual([]);
+});

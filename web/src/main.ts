@@ -5,7 +5,7 @@ import { h, replace } from "./dom";
 import { isHidden } from "./hidden_names";
 import { Hub, hubUrl, splitToken } from "./hub";
 import { Login, loginForm } from "./login";
-import { Model } from "./model";
+import { HubModel } from "./model";
 import { Shell, TABS, type Tab } from "./shell";
 import { type MakeView, pathOf, stateOf, type View } from "./view";
 import { welcome } from "./welcome";
@@ -24,7 +24,7 @@ function start(address: string): void {
   const { url, token } = splitToken(address);
   const hub = new Hub(url, token);
   const login = new Login(hub);
-  const model = new Model(hub);
+  const model = new HubModel(hub);
   const shell = new Shell(hub, model, login);
   shell.stage.before(connectionProblem(hub), loginForm(hub, login));
   void login.identify();

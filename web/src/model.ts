@@ -82,12 +82,15 @@ export interface Graph {
   actions: ActionInfo[];
 }
 
+/** What there is, and how it flows. */
+export type Model = Pick<HubModel, keyof HubModel>;
+
 /** Time from a response to the next request, in ms. */
 const INTERVAL = 1000;
 /** Seconds until a request times out. */
 const TIMEOUT = 10;
 
-export class Model {
+export class HubModel {
   /** null until the first response. */
   readonly graph: Signal<Graph | null>;
   readonly rates: Signal<Rates>;

@@ -1,5 +1,5 @@
-import type { Hub } from "./hub";
 import type { Model } from "./model";
+import type { DataSource } from "./source";
 
 /** One tab of the page. */
 export interface View {
@@ -16,7 +16,7 @@ export interface View {
 }
 
 /** What each folder's `view.ts` exports as `makeView`. */
-export type MakeView = (hub: Hub, model: Model) => View;
+export type MakeView = (hub: DataSource, model: Model) => View;
 
 /** The URL fragment of a view: `route("topics", "/chatter")` is `#/topics/%2Fchatter`. */
 export function route(...path: string[]): string {

@@ -3,9 +3,9 @@ import { browsePage } from "../browse";
 import { h, replace, setText } from "../dom";
 import { MessageForm } from "../form/message_form";
 import { plural, timeOfDay } from "../format";
-import type { Hub } from "../hub";
 import { MessageTree, type PlotPath } from "../message_tree";
 import type { ActionInfo, Model } from "../model";
+import type { DataSource } from "../source";
 import type { Plot } from "../topics/plot";
 import { Types } from "../types";
 import { route } from "../view";
@@ -42,7 +42,7 @@ export class ActionPage {
   readonly element: HTMLElement;
   readonly name: string;
   readonly type: string;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #overTopics: boolean;
   readonly #node = h("p", { class: "soft small" });
@@ -62,7 +62,7 @@ export class ActionPage {
 
   /** `plot` plots a number of the feedback; by default, in a plot on the page itself. */
   constructor(
-    hub: Hub,
+    hub: DataSource,
     model: Model,
     { name, type, over_topics }: Omit<ActionInfo, "node">,
     plot?: (topic: string, path: string) => void,

@@ -1,7 +1,8 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 
-import type { GoalEnd, Hub, Message } from "../hub";
+import type { GoalEnd, Message } from "../hub";
 import { Source } from "../signal";
+import type { DataSource } from "../source";
 import { OperationSender, TopicSender } from "./goals";
 
 vi.mock("../messages/data_client", () => ({
@@ -69,7 +70,7 @@ class FakeHub {
 }
 
 let fake: FakeHub;
-let hub: Hub;
+let hub: DataSource;
 let sender: TopicSender;
 
 const status = (number: number, text = "", id = fake.id) => ({
@@ -83,7 +84,7 @@ beforeEach(() => {
   vi.useFakeTimers({ now: 1_700_000_000_125 });
   vi.stubGlobal("window", globalThis);
   fake = new FakeHub();
-  hub = fake as unknown as Hub;
+  hub = fake as unknown as DataSource;
   sender = new TopicSender(hub, "/count", "a/Count");
 });
 afterEach(() => {

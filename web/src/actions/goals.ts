@@ -4,9 +4,10 @@
  * Source: http://wiki.ros.org/actionlib/DetailedDescription. ROS 2 has fewer statuses
  * (action_msgs/GoalStatus); each has the name of one of actionlib here.
  */
-import type { Hub, Message, Publication } from "../hub";
+import type { Message, Publication } from "../hub";
 import { subscribe } from "../messages/data_client";
 import { type Signal, Source } from "../signal";
+import type { DataSource } from "../source";
 import { own } from "../types";
 
 /** The names of the statuses, at the numbers of actionlib_msgs/GoalStatus. */
@@ -112,11 +113,11 @@ export interface GoalSender {
 
 /** Sends goals by the operations that rosbridge has for ROS 2. */
 export class OperationSender implements GoalSender {
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #action: string;
   readonly #type: string;
 
-  constructor(hub: Hub, action: string, type: string) {
+  constructor(hub: DataSource, action: string, type: string) {
     this.#hub = hub;
     this.#action = action;
     this.#type = type;
@@ -149,7 +150,7 @@ export class OperationSender implements GoalSender {
 
 /** Sends goals over the five topics of an action in ROS 1. */
 export class TopicSender implements GoalSender {
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #now: () => number;
   readonly #goals = new Map<string, Followed>();
   readonly #goalTopic: Publication;
@@ -163,7 +164,7 @@ export class TopicSender implements GoalSender {
   #count = 0;
 
   /** `now` returns the time in ms since 1970. */
-  constructor(hub: Hub, action: string, type: string, now: () => number = Date.now) {
+  constructor(hub: DataSource, action: string, type: string, now: () => number = Date.now) {
     this.#hub = hub;
     this.#now = now;
     const follow = (topic: string, listener: (message: Message) => void): (() => void) =>

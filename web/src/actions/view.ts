@@ -3,9 +3,9 @@ import { h, replace, setText } from "../dom";
 import { FilterInput, fieldsOf } from "../filter";
 import { plural } from "../format";
 import { isHidden } from "../hidden_names";
-import type { Hub } from "../hub";
 import type { ActionInfo, Graph, Model } from "../model";
 import { NameTable } from "../name_table";
+import type { DataSource } from "../source";
 import { type MakeView, route, saveState } from "../view";
 import { ActionPage } from "./action_page";
 
@@ -15,7 +15,7 @@ const EXAMPLE = "python -m fibws.examples.action_server";
 
 class ActionsView {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #filter = new FilterInput("Filter actions", () => this.#changed());
   readonly #debug: HTMLInputElement;
@@ -30,7 +30,7 @@ class ActionsView {
   #path: string[] = [];
   #stop: (() => void) | undefined;
 
-  constructor(hub: Hub, model: Model) {
+  constructor(hub: DataSource, model: Model) {
     this.#hub = hub;
     this.#model = model;
     this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });

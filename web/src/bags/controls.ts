@@ -3,9 +3,9 @@ import "./bags.css";
 
 import { type Child, h, replace, setText } from "../dom";
 import { bytes, plural } from "../format";
-import type { Hub } from "../hub";
 import { subscribe } from "../messages/data_client";
 import type { Graph, Model, Time } from "../model";
+import type { DataSource } from "../source";
 import { route } from "../view";
 import { clockText } from "./clock_text";
 import { downloadUrl, nameOf } from "./download";
@@ -25,7 +25,7 @@ interface RecordingState {
   fault: string;
 }
 
-export function bagControls(hub: Hub, model: Model): HTMLElement[] {
+export function bagControls(hub: DataSource, model: Model): HTMLElement[] {
   return [playbackLinks(model), recordingControl(hub, model)];
 }
 
@@ -48,7 +48,7 @@ function playbackLinks(model: Model): HTMLElement {
 }
 
 /** A button that starts and stops the hub's recording, and how far that has come. */
-function recordingControl(hub: Hub, model: Model): HTMLElement {
+function recordingControl(hub: DataSource, model: Model): HTMLElement {
   const progress = h("span", { class: "bags-progress" });
   const problem = h("span", { class: "bags-problem", role: "alert" });
   const button = h(

@@ -1,9 +1,10 @@
 /** The messages that nodes log on `/rosout` while the page is open. */
 import type { Filter } from "../filter";
 import { timeOfDay } from "../format";
-import type { Hub, Message } from "../hub";
+import type { Message } from "../hub";
 import { subscribe } from "../messages/data_client";
 import { type Signal, Source } from "../signal";
+import type { DataSource } from "../source";
 
 /** One logged message. */
 export interface Entry {
@@ -87,7 +88,7 @@ export class Log {
   #visible = false;
   #frame: number | undefined;
 
-  constructor(hub: Hub) {
+  constructor(hub: DataSource) {
     this.newest = this.#newest;
     this.unseen = this.#unseen;
     this.isSettled = this.#isSettled;

@@ -3,8 +3,9 @@
  *
  * The browser keeps what is on the screen at once; the hub gets a layout only when somebody saves it.
  */
-import type { Hub } from "../hub";
+
 import { ParameterServer } from "../parameters/parameters";
+import type { DataSource } from "../source";
 import { own } from "../types";
 import { fromFile, isSame, type Layout, toFile } from "./layout";
 
@@ -23,7 +24,7 @@ export class LayoutStore {
   readonly #prefix: string;
   readonly #parameters: ParameterServer;
 
-  constructor(hub: Hub) {
+  constructor(hub: DataSource) {
     this.#prefix = `fibws.layout ${hub.url} `;
     this.#parameters = new ParameterServer(hub);
   }

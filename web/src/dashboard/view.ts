@@ -3,8 +3,8 @@ import "./dashboard.css";
 
 import { copyable } from "../copy_button";
 import { h, reorder, replace, setText } from "../dom";
-import type { Hub } from "../hub";
 import type { Graph, Model } from "../model";
+import type { DataSource } from "../source";
 import { curvesText } from "../topics/plot_state";
 import type { MakeView, View } from "../view";
 import { autoLayout } from "./auto";
@@ -102,7 +102,7 @@ class DashboardView implements View {
   #timer: number | undefined;
   #hiddenTimer: number | undefined;
 
-  constructor(hub: Hub, model: Model) {
+  constructor(hub: DataSource, model: Model) {
     this.#model = model;
     this.#store = new LayoutStore(hub);
     this.#context = { hub, model, plot: (topic, path) => this.#plot(topic, path) };

@@ -3,7 +3,7 @@ import "./hubs.css";
 
 import { type Child, h, replace } from "../dom";
 import { ago, bandwidth, hertz, whole } from "../format";
-import type { Hub } from "../hub";
+import type { DataSource } from "../source";
 import type { MakeView, View } from "../view";
 import { type HubLink, type Hubs, ratesOf } from "./links";
 
@@ -21,7 +21,7 @@ export const makeView: MakeView = (hub) => new HubsView(hub);
 
 class HubsView implements View {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #title = h("h2", {});
   readonly #links = h("tbody");
   readonly #behind = h("tbody");
@@ -38,7 +38,7 @@ class HubsView implements View {
   #timer: number | undefined;
   #stop: (() => void) | undefined;
 
-  constructor(hub: Hub) {
+  constructor(hub: DataSource) {
     this.#hub = hub;
     const head = (text: string): HTMLElement => h("th", { scope: "col" }, text);
     const number = (text: string): HTMLElement => h("th", { scope: "col", class: "number" }, text);

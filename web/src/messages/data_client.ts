@@ -1,9 +1,10 @@
 /** The page's side of its connection for messages, which is in a worker. */
-import type { Hub } from "../hub";
+import type { Clock } from "../clock";
 import { dataWorker } from "../script_urls";
+import type { Signal } from "../signal";
 import type { Delivery, Subscription } from "./feed";
 import type { Fields } from "./reader";
-import type { Report, Request } from "./worker_messages";
+import type { ClockReport, Report, Request } from "./worker_messages";
 
 interface Numbered {
   readonly kind: string;
@@ -15,16 +16,17 @@ type Unnumbered<T> = T extends { id: number } ? Omit<T, "id"> : never;
 /** Sends further requests about what is open. */
 export type Send<Request> = (request: Unnumbered<Request>) => void;
 
-const clients = new WeakMap<Hub, DataClient>();
+/** What the worker needs of a hub for a connection of its own. */
+export interface Link {
+  readonly state: Signal<string>;
+  readonly denied: Signal<string>;
+  /** The address and the token. */
+  second(): { url: string; token: string };
+}
 
-/** The one connection of a hub's page, which is opened when it is first needed. */
-export function dataClient(hub: Hub): DataClient {
-  let client = clients.get(hub);
-  if (client === undefined) {
-    client = new DataClient(hub);
-    clients.set(hub, client);
-  }
-  return client;
+/** What streams messages from the worker. */
+export interface Streams {
+  open: DataClient["open"];
 }
 
 export class DataClient {
@@ -32,24 +34,35 @@ export class DataClient {
   readonly #listeners = new Map<number, (report: Numbered) => void>();
   #ids = 0;
 
-  constructor(hub: Hub) {
+  constructor(clock: Clock) {
     this.#worker = new Worker(dataWorker, { type: "module" });
-    this.#worker.onmessage = ({ data }: MessageEvent<Numbered>) =>
-      this.#listeners.get(data.id)?.(data);
+    this.#worker.onmessage = ({ data }: MessageEvent<ClockReport | Numbered>) => {
+      if ("id" in data) this.#listeners.get(data.id)?.(data);
+      else if (data.kind === "clock") clock.report(data.playback);
+      else clock.jump();
+    };
     this.#worker.onerror = ({ message }) => {
       const why = message || "the worker did not start";
       for (const [id, listener] of this.#listeners) {
         listener({ kind: "fault", id, why } as Numbered);
       }
     };
-    // Again whenever the page has connected: the hub may want another token by then.
-    hub.state.watch((state) => {
-      if (state !== "open") return;
-      this.#worker.postMessage({ kind: "connect", ...hub.second() } satisfies Request);
+  }
+
+  /** Connect the worker whenever the page connects to its hub. */
+  follow(link: Link): void {
+    // Again each time: the hub may want another token by then.
+    link.state.watch((state) => {
+      if (state === "open") this.send({ kind: "connect", ...link.second() });
     });
-    hub.denied.watch((why) => {
-      if (why !== "") this.#worker.postMessage({ kind: "disconnect" } satisfies Request);
+    link.denied.watch((why) => {
+      if (why !== "") this.send({ kind: "disconnect" });
     });
+  }
+
+  /** Send what is about no single stream. */
+  send(request: Exclude<Request, { id: number }>): void {
+    this.#worker.postMessage(request);
   }
 
   /** Open something in the worker; returns a function for further requests. */
@@ -79,7 +92,7 @@ export type Wanted = Pick<Subscription, "topic"> & Partial<Subscription>;
  * called when the hub has subscribed, after each time that the connection was lost, too.
  */
 export function subscribe(
-  hub: Hub,
+  source: Streams,
   { throttle = 0, queue = 1, ...wanted }: Wanted,
   receive: (message: Fields, delivery: Delivery) => void,
   fail: (why: string) => void = () => undefined,
@@ -87,7 +100,7 @@ export function subscribe(
 ): () => void {
   type Sent = Extract<Request, { id: number }>;
   const request = { kind: "messages", throttle, queue, ...wanted } as const;
-  const send = dataClient(hub).open<Sent, Report>(request, [], (report) => {
+  const send = source.open<Sent, Report>(request, [], (report) => {
     if (report.kind === "fault") fail(report.why);
     if (report.kind === "ready") ready();
     if (report.kind !== "message") return;

@@ -1,4 +1,5 @@
 /** What the page and the worker of its second connection say to each other about messages. */
+import type { Playback } from "../clock";
 import type { Delivery, Subscription } from "./feed";
 
 export type Request =
@@ -16,3 +17,6 @@ export type Report =
   /** The hub has subscribed. */
   | { kind: "ready"; id: number }
   | { kind: "fault"; id: number; why: string };
+
+/** About the time of all streams; those that follow a jump are of another moment. */
+export type ClockReport = { kind: "jump" } | { kind: "clock"; playback: Playback };

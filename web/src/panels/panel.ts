@@ -1,6 +1,7 @@
 /** What a panel is: it shows topics of certain types, or publishes on them. */
-import type { Hub } from "../hub";
+
 import type { Model } from "../model";
+import type { DataSource } from "../source";
 import { own } from "../types";
 
 /** A panel's own settings, as JSON has them: they are part of the dashboard's layouts. */
@@ -19,7 +20,7 @@ export interface Panel {
 
 export interface PanelModule {
   /** `config` is what a panel's `config` returned once, or anything that somebody wrote in its place. */
-  makePanel(hub: Hub, model: Model, topic: string, type: string, config?: Config): Panel;
+  makePanel(hub: DataSource, model: Model, topic: string, type: string, config?: Config): Panel;
 }
 
 /** A number of a panel's settings; undefined if it is none, or out of its range. */

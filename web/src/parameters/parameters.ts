@@ -1,13 +1,13 @@
 /** Parameters: the services of rosapi for them, their namespaces, and their values as text. */
-import type { Hub } from "../hub";
+import type { DataSource } from "../source";
 
 /** The value in the response if there are no parameters at all. */
 const MISSING = "{}";
 
 export class ParameterServer {
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
 
-  constructor(hub: Hub) {
+  constructor(hub: DataSource) {
     this.#hub = hub;
   }
 

@@ -4,7 +4,7 @@ import "./parameters.css";
 import { breakable, h, replace, setText } from "../dom";
 import { FilterInput } from "../filter";
 import { plural } from "../format";
-import type { Hub } from "../hub";
+import type { DataSource } from "../source";
 import { type MakeView, saveState, type View } from "../view";
 import {
   fromText,
@@ -28,7 +28,7 @@ export const makeView: MakeView = (hub) => new ParametersView(hub);
 
 class ParametersView implements View {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #server: ParameterServer;
   readonly #list = h("div", { class: "parameters-tree scroll panel" });
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
@@ -45,7 +45,7 @@ class ParametersView implements View {
   #timer: number | undefined;
   #stop: (() => void) | undefined;
 
-  constructor(hub: Hub) {
+  constructor(hub: DataSource) {
     this.#hub = hub;
     this.#server = new ParameterServer(hub);
     const refresh = h("button", { type: "button", onclick: () => void this.#refresh() }, "Refresh");

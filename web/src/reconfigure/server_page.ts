@@ -2,8 +2,9 @@
 import "../form/form.css";
 import { browsePage } from "../browse";
 import { type Child, h, replace, setText } from "../dom";
-import type { Hub, Message } from "../hub";
+import type { Message } from "../hub";
 import { subscribe } from "../messages/data_client";
+import type { DataSource } from "../source";
 import {
   type Config,
   type ConfigDescription,
@@ -37,7 +38,7 @@ export class ServerPage {
   readonly element: HTMLElement;
   /** The server's name: that of its node, or a name below it. */
   readonly name: string;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #form = h("form", { class: "reconfigure-form" });
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
   readonly #controls = new Map<string, Control>();
@@ -51,7 +52,7 @@ export class ServerPage {
   #isCalling = false;
   #stops: (() => void)[] = [];
 
-  constructor(hub: Hub, name: string, node: string) {
+  constructor(hub: DataSource, name: string, node: string) {
     this.#hub = hub;
     this.name = name;
     replace(this.#form, h("p", { class: "empty" }, `Waiting for ${name}/parameter_descriptions …`));

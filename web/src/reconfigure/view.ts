@@ -4,9 +4,9 @@ import "./reconfigure.css";
 import { h, replace, setText } from "../dom";
 import { FilterInput, fieldsOf } from "../filter";
 import { plural } from "../format";
-import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { NameTable } from "../name_table";
+import type { DataSource } from "../source";
 import { type MakeView, route, saveState, type View } from "../view";
 import { SERVICE, TYPE } from "./configuration";
 import { ServerPage } from "./server_page";
@@ -15,7 +15,7 @@ export const makeView: MakeView = (hub, model) => new ReconfigureView(hub, model
 
 class ReconfigureView implements View {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #filter = new FilterInput("Filter servers", () => this.#changed());
   readonly #count = h("span", { class: "soft small", role: "status" });
@@ -26,7 +26,7 @@ class ReconfigureView implements View {
   #name = "";
   #stop: (() => void) | undefined;
 
-  constructor(hub: Hub, model: Model) {
+  constructor(hub: DataSource, model: Model) {
     this.#hub = hub;
     this.#model = model;
     const list = h(

@@ -3,9 +3,10 @@ import { browsePage } from "../browse";
 import { copyButton } from "../copy_button";
 import { h, replace, setText } from "../dom";
 import { MessageForm } from "../form/message_form";
-import type { Hub, Message } from "../hub";
+import type { Message } from "../hub";
 import { MessageTree } from "../message_tree";
 import type { Model } from "../model";
+import type { DataSource } from "../source";
 import { Types } from "../types";
 import { route } from "../view";
 
@@ -13,7 +14,7 @@ export class ServicePage {
   readonly element: HTMLElement;
   readonly name: string;
   readonly type: string;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #node = h("p", { class: "soft small" });
   readonly #request = h("div", { class: "browse-body" });
@@ -25,7 +26,7 @@ export class ServicePage {
   #responseTypes: Types | undefined;
   #shownNode: string | undefined;
 
-  constructor(hub: Hub, model: Model, name: string, type: string) {
+  constructor(hub: DataSource, model: Model, name: string, type: string) {
     this.#hub = hub;
     this.#model = model;
     this.name = name;

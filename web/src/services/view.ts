@@ -3,9 +3,9 @@ import { h, replace, setText } from "../dom";
 import { FilterInput, fieldsOf } from "../filter";
 import { plural } from "../format";
 import { isHidden } from "../hidden_names";
-import type { Hub } from "../hub";
 import type { Graph, Model } from "../model";
 import { NameTable } from "../name_table";
+import type { DataSource } from "../source";
 import { type MakeView, route, saveState } from "../view";
 import { ServicePage } from "./service_page";
 import "./services.css";
@@ -14,7 +14,7 @@ export const makeView: MakeView = (hub, model) => new ServicesView(hub, model);
 
 class ServicesView {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #filter = new FilterInput("Filter services", () => this.#changed());
   readonly #debug: HTMLInputElement;
@@ -26,7 +26,7 @@ class ServicesView {
   #name = "";
   #stop: (() => void) | undefined;
 
-  constructor(hub: Hub, model: Model) {
+  constructor(hub: DataSource, model: Model) {
     this.#hub = hub;
     this.#model = model;
     this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });

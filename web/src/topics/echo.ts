@@ -2,10 +2,11 @@
 import { copyButton } from "../copy_button";
 import { h, setText } from "../dom";
 import { ago, plural } from "../format";
-import type { Hub, Message } from "../hub";
+import type { Message } from "../hub";
 import { MessageTree, type PlotPath } from "../message_tree";
 import { subscribe } from "../messages/data_client";
 import { jsonText } from "../messages/values";
+import type { DataSource } from "../source";
 import type { Types } from "../types";
 import "./echo.css";
 
@@ -16,7 +17,7 @@ const TICK = 500;
 
 export class Echo {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #topic: string;
   readonly #tree: MessageTree;
   readonly #pause: HTMLButtonElement;
@@ -32,7 +33,13 @@ export class Echo {
   #stop: (() => void) | undefined;
   #timer: number | undefined;
 
-  constructor(hub: Hub, topic: string, type: string, types: Types | undefined, plot: PlotPath) {
+  constructor(
+    hub: DataSource,
+    topic: string,
+    type: string,
+    types: Types | undefined,
+    plot: PlotPath,
+  ) {
     this.#hub = hub;
     this.#topic = topic;
     this.#tree = new MessageTree(types, type, plot);

@@ -2,9 +2,9 @@
 
 import { h, replace, setText } from "../dom";
 import { download } from "../download";
-import type { Hub } from "../hub";
 import { least } from "../lists";
 import type { Model } from "../model";
+import type { DataSource } from "../source";
 import { clock, spanFor } from "./axes";
 import { Chart } from "./chart";
 import { LegendEntry, STYLES } from "./curve_style";
@@ -28,7 +28,7 @@ interface Row {
 
 export class Plot {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #changed: () => void;
   readonly #samplers = new Map<string, Sampler>();
@@ -68,7 +68,7 @@ export class Plot {
   #stopRates: (() => void) | undefined;
 
   /** `changed` is called when the state changes that belongs into the URL. */
-  constructor(hub: Hub, model: Model, changed: () => void) {
+  constructor(hub: DataSource, model: Model, changed: () => void) {
     this.#hub = hub;
     this.#model = model;
     this.#changed = changed;

@@ -2,7 +2,8 @@
 import { h, setText } from "../dom";
 import { MessageForm } from "../form/message_form";
 import { plural } from "../format";
-import type { Hub, Publication } from "../hub";
+import type { Publication } from "../hub";
+import type { DataSource } from "../source";
 import type { Types } from "../types";
 
 /** The highest rate, in Hz, that a timer in a browser can keep. */
@@ -10,7 +11,7 @@ const MAX_RATE = 100;
 
 export class PublishForm {
   readonly element: HTMLFormElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #topic: string;
   readonly #type: string;
   readonly #form: MessageForm;
@@ -22,7 +23,7 @@ export class PublishForm {
   #count = 0;
   #timer: number | undefined;
 
-  constructor(hub: Hub, topic: string, type: string, types: Types) {
+  constructor(hub: DataSource, topic: string, type: string, types: Types) {
     this.#hub = hub;
     this.#topic = topic;
     this.#type = type;

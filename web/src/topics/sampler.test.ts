@@ -1,7 +1,8 @@
 import { describe, expect, it, vi } from "vitest";
-import type { Hub, Message } from "../hub";
+import type { Message } from "../hub";
 import { greatest } from "../lists";
 import type { Wanted } from "../messages/data_client";
+import type { DataSource } from "../source";
 import { Sampler, timeOf } from "./sampler";
 
 vi.mock("../messages/data_client", () => ({
@@ -33,7 +34,7 @@ class FakeHub {
 
 function create(): { hub: FakeHub; sampler: Sampler } {
   const hub = new FakeHub();
-  return { hub, sampler: new Sampler(hub as unknown as Hub, "/n", () => undefined) };
+  return { hub, sampler: new Sampler(hub as unknown as DataSource, "/n", () => undefined) };
 }
 
 describe("a sampler", () => {

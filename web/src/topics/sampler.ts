@@ -1,9 +1,10 @@
 /** Subscribes to one topic and records the numbers that are plotted. */
 import { resolve } from "../element_names";
-import type { Hub, Message } from "../hub";
+import type { Message } from "../hub";
 import { subscribe } from "../messages/data_client";
 import { numberAt, secondsOf } from "../messages/values";
 import { Stamps } from "../simulated_time";
+import type { DataSource } from "../source";
 import { own, parsePath, pathText, type Step } from "../types";
 import { RingBuffer } from "./ring_buffer";
 
@@ -49,7 +50,7 @@ export class Sampler {
   error = "";
   /** A path at which the newest message had no number; empty if there is none. */
   missing = "";
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #changed: () => void;
   readonly #curves = new Set<Curve>();
   readonly #stamps = new Stamps();
@@ -57,7 +58,7 @@ export class Sampler {
   #newest: { readonly message: Message; readonly time: number } | undefined;
 
   /** `changed` is called for each message. */
-  constructor(hub: Hub, topic: string, changed: () => void) {
+  constructor(hub: DataSource, topic: string, changed: () => void) {
     this.#hub = hub;
     this.topic = topic;
     this.#changed = changed;

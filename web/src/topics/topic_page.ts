@@ -3,10 +3,10 @@ import { browsePage } from "../browse";
 import { breakable, h, replace, setName, setText } from "../dom";
 import { expand } from "../element_names";
 import { bandwidth, hertz, plural } from "../format";
-import type { Hub } from "../hub";
 import type { Model, TopicInfo } from "../model";
 import { kindsFor } from "../panels/kinds";
 import type { Panel } from "../panels/panel";
+import type { DataSource } from "../source";
 import { definitions } from "../type_definition";
 import { type TypeDef, Types } from "../types";
 import { route } from "../view";
@@ -20,7 +20,7 @@ const MAX_PATHS = 500;
 
 export class TopicPage {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #plot: Plot;
   readonly #name: string;
@@ -46,7 +46,7 @@ export class TopicPage {
   #stops: (() => void)[] = [];
 
   /** `expectedType` is the type that the topic will get if it does not exist yet. */
-  constructor(hub: Hub, model: Model, plot: Plot, name: string, expectedType: string) {
+  constructor(hub: DataSource, model: Model, plot: Plot, name: string, expectedType: string) {
     this.#hub = hub;
     this.#model = model;
     this.#plot = plot;

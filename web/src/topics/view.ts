@@ -1,7 +1,7 @@
 /** The Topics tab: a list, the page of the chosen topic, and a plot. */
 import { h, replace } from "../dom";
-import type { Hub } from "../hub";
 import type { Model } from "../model";
+import type { DataSource } from "../source";
 import { Types } from "../types";
 import { type MakeView, route, saveState } from "../view";
 import { NewTopic } from "./new_topic";
@@ -14,7 +14,7 @@ export const makeView: MakeView = (hub, model) => new TopicsView(hub, model);
 
 class TopicsView {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #plot: Plot;
   readonly #list: TopicList;
@@ -25,7 +25,7 @@ class TopicsView {
   #stopWaiting: (() => void) | undefined;
   #page: { readonly name: string; readonly expected: string; readonly page: TopicPage } | undefined;
 
-  constructor(hub: Hub, model: Model) {
+  constructor(hub: DataSource, model: Model) {
     this.#hub = hub;
     this.#model = model;
     this.#plot = new Plot(hub, model, () => this.#save());

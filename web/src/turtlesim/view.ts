@@ -2,11 +2,12 @@
 import "./turtlesim.css";
 
 import { h, replace, setText, svg } from "../dom";
-import type { Hub, Message, Publication } from "../hub";
+import type { Message, Publication } from "../hub";
 import { subscribe } from "../messages/data_client";
 import { bytes } from "../messages/values";
 import type { Model } from "../model";
 import type { Panel } from "../panels/panel";
+import type { DataSource } from "../source";
 import { type MakeView, route, type View } from "../view";
 import {
   PIXELS,
@@ -39,7 +40,7 @@ export const makeView: MakeView = (hub, model) => new TurtlesimView(hub, model);
 
 class TurtlesimView implements View {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #simulators = h("nav", { class: "toolbar", "aria-label": "Simulators", hidden: true });
   readonly #driven = h("select", {
@@ -75,7 +76,7 @@ class TurtlesimView implements View {
   #isDecoding = false;
   #stop: (() => void) | undefined;
 
-  constructor(hub: Hub, model: Model) {
+  constructor(hub: DataSource, model: Model) {
     this.#hub = hub;
     this.#model = model;
     this.#stage = h(

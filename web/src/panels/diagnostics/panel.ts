@@ -3,9 +3,9 @@ import "./diagnostics.css";
 
 import { h, reorder, replace, setAttribute, setText } from "../../dom";
 import { plural, timeOfDay } from "../../format";
-import type { Hub } from "../../hub";
 import { subscribe } from "../../messages/data_client";
 import type { Model } from "../../model";
+import type { DataSource } from "../../source";
 import type { Config, Panel } from "../panel";
 import {
   DiagnosticsTree,
@@ -33,7 +33,7 @@ const SIGNS: Record<Level, readonly [sign: string, word: string]> = {
 };
 
 export function makePanel(
-  hub: Hub,
+  hub: DataSource,
   _model: Model,
   topic: string,
   _type: string,
@@ -54,7 +54,7 @@ interface Row {
 
 class DiagnosticsPanel implements Panel {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #topic: string;
   readonly #tree = new DiagnosticsTree();
   readonly #rows = new Map<string, Row>();
@@ -75,7 +75,7 @@ class DiagnosticsPanel implements Panel {
   #timer: number | undefined;
   #isNew = false;
 
-  constructor(hub: Hub, topic: string, config?: Config) {
+  constructor(hub: DataSource, topic: string, config?: Config) {
     this.#hub = hub;
     this.#topic = topic;
     if (typeof config?.filter === "string") this.#filter.value = config.filter;

@@ -3,10 +3,10 @@ import "./frames.css";
 
 import { h, reorder, replace, setText } from "../../dom";
 import { hertz, plural } from "../../format";
-import type { Hub } from "../../hub";
 import { subscribe } from "../../messages/data_client";
 import { fixedText } from "../../messages/values";
 import type { Model } from "../../model";
+import type { DataSource } from "../../source";
 import { rollPitchYaw, type TransformStamped } from "../../transforms";
 import type { Config, Panel } from "../panel";
 import { type Frame, Frames, MAX_FRAMES } from "./frames";
@@ -17,7 +17,7 @@ const TICK = 250;
 const QUEUE = 1000;
 
 export function makePanel(
-  hub: Hub,
+  hub: DataSource,
   _model: Model,
   topic: string,
   _type: string,
@@ -36,7 +36,7 @@ interface Row {
 
 class FramesPanel implements Panel {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #topics: readonly string[];
   readonly #frames = new Frames();
   readonly #rows = new Map<string, Row>();
@@ -55,7 +55,7 @@ class FramesPanel implements Panel {
   #stops: (() => void)[] = [];
   #timer: number | undefined;
 
-  constructor(hub: Hub, topic: string, config: Config = {}) {
+  constructor(hub: DataSource, topic: string, config: Config = {}) {
     this.#hub = hub;
     this.#chosen = config;
     // The tree is in both topics of a namespace.

@@ -4,10 +4,10 @@ import "./image.css";
 import { h, setAttribute, setText } from "../../dom";
 import { download } from "../../download";
 import { ago, bytes, hertz } from "../../format";
-import type { Hub } from "../../hub";
-import { dataClient, type Send, subscribe } from "../../messages/data_client";
+import { type Send, subscribe } from "../../messages/data_client";
 import type { Model, Time } from "../../model";
 import { SimulatedTime } from "../../simulated_time";
+import type { DataSource } from "../../source";
 import { type Config, numberIn, type Panel } from "../panel";
 import type { PictureState } from "./picture";
 import type { Options } from "./pixels";
@@ -47,7 +47,7 @@ const FIRST_RATES: Readonly<Record<string, number>> = {
 };
 
 export function makePanel(
-  hub: Hub,
+  hub: DataSource,
   model: Model,
   topic: string,
   type: string,
@@ -58,7 +58,7 @@ export function makePanel(
 
 class ImagePanel implements Panel {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #topic: string;
   readonly #type: string;
@@ -111,7 +111,7 @@ class ImagePanel implements Panel {
   /** Whether it is visible. */
   #visible = false;
 
-  constructor(hub: Hub, model: Model, topic: string, type: string, config?: Config) {
+  constructor(hub: DataSource, model: Model, topic: string, type: string, config?: Config) {
     this.#hub = hub;
     this.#model = model;
     this.#topic = topic;
@@ -190,7 +190,7 @@ class ImagePanel implements Panel {
     this.#stage.append(canvas);
     const offscreen = canvas.transferControlToOffscreen();
     this.#counted = { shown: 0, at: performance.now() };
-    this.#send = dataClient(this.#hub).open<Request, Report>(
+    this.#send = this.#hub.open<Request, Report>(
       {
         kind: "picture",
         canvas: offscreen,

@@ -4,9 +4,10 @@ import "./playback.css";
 import { clockText } from "../../bags/clock_text";
 import { h, setText } from "../../dom";
 import { dateTime } from "../../format";
-import type { Hub, Message } from "../../hub";
+import type { Message } from "../../hub";
 import { subscribe } from "../../messages/data_client";
 import type { Model, Time } from "../../model";
+import type { DataSource } from "../../source";
 import type { Panel } from "../panel";
 
 /** A message of fibws_msgs/PlaybackState. */
@@ -26,13 +27,13 @@ const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 /** Steps of the slider. */
 const STEPS = 1000;
 
-export function makePanel(hub: Hub, _model: Model, topic: string): Panel {
+export function makePanel(hub: DataSource, _model: Model, topic: string): Panel {
   return new PlaybackPanel(hub, topic);
 }
 
 class PlaybackPanel implements Panel {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #topic: string;
   readonly #state = h("p", { class: "playback-state", role: "status" }, "No message yet.");
   readonly #times = h("p", { class: "playback-times mono" });
@@ -61,7 +62,7 @@ class PlaybackPanel implements Panel {
   #last: PlaybackState | undefined;
   #stop: (() => void) | undefined;
 
-  constructor(hub: Hub, topic: string) {
+  constructor(hub: DataSource, topic: string) {
     this.#hub = hub;
     this.#topic = topic;
     this.element = h(

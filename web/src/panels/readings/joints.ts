@@ -1,9 +1,10 @@
 /** Shows the joints of a robot as bars between their limits. */
 import { h, reorder, setText } from "../../dom";
 import { plural } from "../../format";
-import type { Hub, Message } from "../../hub";
+import type { Message } from "../../hub";
 import { fixedText } from "../../messages/values";
 import { ParameterServer } from "../../parameters/parameters";
+import type { DataSource } from "../../source";
 import { own } from "../../types";
 import type { Joint } from "../scene/robot/urdf";
 import type { Reading } from "./reading";
@@ -43,7 +44,7 @@ export class Joints implements Reading {
   #joints = new Map<string, Joint>();
 
   /** The limits are those of `robot_description` in the topic's namespace, or in the root. */
-  constructor(hub: Hub, topic: string) {
+  constructor(hub: DataSource, topic: string) {
     this.element = h(
       "div",
       {},
@@ -85,7 +86,7 @@ export class Joints implements Reading {
     setText(this.#more, `and ${plural(hidden, "more joint")}; only ${MAX_JOINTS} are shown`);
   }
 
-  async #loadLimits(hub: Hub, topic: string): Promise<void> {
+  async #loadLimits(hub: DataSource, topic: string): Promise<void> {
     const parameters = new ParameterServer(hub);
     const namespace = topic.slice(0, topic.lastIndexOf("/"));
     for (const name of new Set([`${namespace}/robot_description`, "/robot_description"])) {

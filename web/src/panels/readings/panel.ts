@@ -4,10 +4,11 @@ import "./readings.css";
 
 import { h, replace, setAttribute, setText, svg } from "../../dom";
 import { ago } from "../../format";
-import type { Hub, Message } from "../../hub";
+import type { Message } from "../../hub";
 import { subscribe } from "../../messages/data_client";
 import { elements, fixedText } from "../../messages/values";
 import type { Model } from "../../model";
+import type { DataSource } from "../../source";
 import { own } from "../../types";
 import type { Panel } from "../panel";
 import { Joints } from "./joints";
@@ -21,14 +22,14 @@ const TICK = 1000;
 /** A reading is old after this time, in ms. */
 const STALE = 5000;
 
-const READINGS: Readonly<Record<string, (hub: Hub, topic: string) => Reading>> = {
+const READINGS: Readonly<Record<string, (hub: DataSource, topic: string) => Reading>> = {
   [READING_TYPES.joints]: (hub, topic) => new Joints(hub, topic),
   [READING_TYPES.attitude]: () => new Attitude(),
   [READING_TYPES.battery]: () => new Battery(),
   [READING_TYPES.position]: () => new Position(),
 };
 
-export function makePanel(hub: Hub, model: Model, topic: string, type: string): Panel {
+export function makePanel(hub: DataSource, model: Model, topic: string, type: string): Panel {
   const make = READINGS[type];
   if (make === undefined) throw new Error(`no reading shows ${type}`);
   return new ReadingPanel(hub, model, topic, make(hub, topic));
@@ -36,7 +37,7 @@ export function makePanel(hub: Hub, model: Model, topic: string, type: string): 
 
 class ReadingPanel implements Panel {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #topic: string;
   readonly #reading: Reading;
@@ -46,7 +47,7 @@ class ReadingPanel implements Panel {
   #stop: (() => void) | undefined;
   #timer: number | undefined;
 
-  constructor(hub: Hub, model: Model, topic: string, reading: Reading) {
+  constructor(hub: DataSource, model: Model, topic: string, reading: Reading) {
     this.#hub = hub;
     this.#model = model;
     this.#topic = topic;

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import type { Hub } from "../../hub";
 import type { Model } from "../../model";
+import type { DataSource } from "../../source";
 import { IDENTITY } from "../../transforms";
 import { Camera } from "./camera";
 import { pack } from "./cloud";
@@ -57,7 +57,7 @@ function move(name: string, secs: number): void {
 function started(kind: LayerKind, isStream = false): Promise<Entry> {
   return new Promise((made) => {
     const surroundings = {
-      hub: { url: "ws://robot:9090/", second: () => ({ token: "" }) } as Hub,
+      hub: { url: "ws://robot:9090/", second: () => ({ token: "" }) } as DataSource,
       model: {} as Model,
       transforms,
       redraw: () => made(entry),

@@ -1,9 +1,9 @@
 /** One layer of the scene: its subscription, and its state in words. */
 import { ago } from "../../format";
-import type { Hub } from "../../hub";
 import { subscribe } from "../../messages/data_client";
 import type { Fields } from "../../messages/reader";
 import type { Model } from "../../model";
+import type { DataSource } from "../../source";
 import {
   type Header,
   type Layer,
@@ -48,7 +48,7 @@ const NO_FAULTS: Faults = { feed: "", message: "", settings: "", layer: "", draw
 
 /** What entries share. */
 export interface Surroundings {
-  readonly hub: Hub;
+  readonly hub: DataSource;
   readonly model: Model;
   readonly transforms: TransformBuffer;
   redraw(): void;

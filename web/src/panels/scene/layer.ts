@@ -1,8 +1,9 @@
 /** What a layer of the scene is: it takes the messages of a topic, and draws them. */
-import type { Hub } from "../../hub";
+
 import type { Wanted } from "../../messages/data_client";
 import type { Fields } from "../../messages/reader";
 import type { Graph, Model } from "../../model";
+import type { DataSource } from "../../source";
 import type { Transform, Vector } from "../../transforms";
 import type { Camera, Spot } from "./camera";
 import type { Color } from "./colors";
@@ -59,7 +60,7 @@ export interface LayerKind {
 }
 
 export interface LayerContext {
-  readonly hub: Hub;
+  readonly hub: DataSource;
   readonly model: Model;
   readonly topic: string;
   readonly type: string;

@@ -3,8 +3,8 @@ import { append } from "../../lists";
 import "./scene.css";
 
 import { h, replace, setAttribute, setText } from "../../dom";
-import type { Hub } from "../../hub";
 import type { Graph, Model } from "../../model";
+import type { DataSource } from "../../source";
 import { rollPitchYaw } from "../../transforms";
 import { route } from "../../view";
 import type { Panel } from "../panel";
@@ -48,7 +48,7 @@ interface SavedLayer {
 
 /** `topic` is empty for a scene that begins with what the graph has. */
 export function makePanel(
-  hub: Hub,
+  hub: DataSource,
   model: Model,
   topic: string,
   _type = "",
@@ -108,7 +108,12 @@ class ScenePanel implements Panel, GestureTarget {
   #hiddenTimer: number | undefined;
   #stops: (() => void)[] = [];
 
-  constructor(hub: Hub, model: Model, topic: string, config: Readonly<Record<string, unknown>>) {
+  constructor(
+    hub: DataSource,
+    model: Model,
+    topic: string,
+    config: Readonly<Record<string, unknown>>,
+  ) {
     this.#model = model;
     this.#topic = topic;
     this.#scene = new Scene(hub, model);

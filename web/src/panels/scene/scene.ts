@@ -1,10 +1,10 @@
 /** The scene: its layers, its frames, and when it is drawn. */
 
 import { h } from "../../dom";
-import type { Hub } from "../../hub";
 import { greatest, least } from "../../lists";
 import { subscribe } from "../../messages/data_client";
 import type { Graph, Model } from "../../model";
+import type { DataSource } from "../../source";
 import type { Transform, TransformStamped, Vector } from "../../transforms";
 import { Camera, type Follow } from "./camera";
 import type { Color } from "./colors";
@@ -41,7 +41,7 @@ const FIXED_FRAMES = ["map", "odom", "world", "earth"];
 const ROBOT_FRAMES = ["base_footprint", "base_link", "base"];
 
 export class Scene implements Surroundings {
-  readonly hub: Hub;
+  readonly hub: DataSource;
   readonly model: Model;
   readonly transforms = new TransformBuffer();
   readonly camera = new Camera();
@@ -74,7 +74,7 @@ export class Scene implements Surroundings {
   #isInSight = true;
   #stops: (() => void)[] = [];
 
-  constructor(hub: Hub, model: Model) {
+  constructor(hub: DataSource, model: Model) {
     this.hub = hub;
     this.model = model;
   }

@@ -1,7 +1,8 @@
 /** Tools that are used on the picture: a goal, a pose estimate, a point, and a distance. */
 import { h, setText } from "../../dom";
-import type { Hub, Publication } from "../../hub";
+import type { Publication } from "../../hub";
 import type { Model } from "../../model";
+import type { DataSource } from "../../source";
 import { turned, type Vector } from "../../transforms";
 import type { Press } from "./gestures";
 import type { Pointer, View } from "./layer";
@@ -84,7 +85,7 @@ export class Tools {
   chosen: ToolName | undefined;
   readonly topics: Record<string, string> = {};
   readonly #scene: Scene;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #onChange: () => void;
   readonly #publications = new Map<string, Publication>();
@@ -112,7 +113,7 @@ export class Tools {
   /** Whether a click has begun a measurement, which the next one ends. */
   #isHalf = false;
 
-  constructor(scene: Scene, hub: Hub, model: Model, onChange: () => void) {
+  constructor(scene: Scene, hub: DataSource, model: Model, onChange: () => void) {
     this.#scene = scene;
     this.#hub = hub;
     this.#model = model;

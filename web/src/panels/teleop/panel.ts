@@ -2,8 +2,9 @@
 import "./teleop.css";
 
 import { h, setText } from "../../dom";
-import type { Hub, Message, Publication } from "../../hub";
+import type { Message, Publication } from "../../hub";
 import type { Model } from "../../model";
+import type { DataSource } from "../../source";
 import { type Config, numberIn, type Panel } from "../panel";
 import {
   type Direction,
@@ -24,7 +25,7 @@ const STAMPED = "geometry_msgs/TwistStamped";
 const STORED = "fibws.teleop";
 
 export function makePanel(
-  hub: Hub,
+  hub: DataSource,
   model: Model,
   topic: string,
   type: string,
@@ -42,7 +43,7 @@ interface Stick {
 
 class TeleopPanel implements Panel {
   readonly element: HTMLElement;
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #model: Model;
   readonly #topic: string;
   readonly #type: string;
@@ -68,7 +69,7 @@ class TeleopPanel implements Panel {
   #gamepad: number | undefined;
   #stops: (() => void)[] = [];
 
-  constructor(hub: Hub, model: Model, topic: string, type: string, config?: Config) {
+  constructor(hub: DataSource, model: Model, topic: string, type: string, config?: Config) {
     this.#hub = hub;
     this.#model = model;
     this.#topic = topic;

@@ -1,5 +1,5 @@
 /** Point clouds: sensor_msgs/PointCloud2 and PointCloud, which the worker prepares. */
-import { dataClient, type Send, type Wanted } from "../../../messages/data_client";
+import type { Send, Wanted } from "../../../messages/data_client";
 import type { Delivery } from "../../../messages/feed";
 import type { Fields } from "../../../messages/reader";
 import { applied, type Transform, type Vector } from "../../../transforms";
@@ -56,8 +56,7 @@ export class PointCloud implements Layer {
   ): () => void {
     const options = this.#options();
     const request = { kind: "cloud", topic, type: type ?? "", throttle, options } as const;
-    const client = dataClient(this.#context.hub);
-    const send = client.open<Request, Report>(request, [], (report) => {
+    const send = this.#context.hub.open<Request, Report>(request, [], (report) => {
       if (report.kind === "fault") {
         fail(report.why);
         return;

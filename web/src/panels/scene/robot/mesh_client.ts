@@ -1,7 +1,8 @@
 /** Loads meshes by their URIs, in a worker, and draws them. */
-import type { Hub } from "../../../hub";
+
 import { siteOf } from "../../../login";
 import { meshWorker } from "../../../script_urls";
+import type { DataSource } from "../../../source";
 import type { Transform, Vector } from "../../../transforms";
 import type { Color } from "../colors";
 import { renderer, Vertices } from "../renderer";
@@ -96,14 +97,14 @@ interface Loaded {
 export class Meshes {
   /** Why meshes are missing, by their URIs. */
   readonly faults = new Map<string, string>();
-  readonly #hub: Hub;
+  readonly #hub: DataSource;
   readonly #onChange: () => void;
   readonly #known = new Map<string, Loaded | undefined>();
   readonly #box = new Vertices();
   #isClosed = false;
 
   /** `onChange` is called when a mesh is there, or is known to be missing. */
-  constructor(hub: Hub, onChange: () => void) {
+  constructor(hub: DataSource, onChange: () => void) {
     this.#hub = hub;
     this.#onChange = onChange;
     this.#box.set(Float32Array.of(0, 0, 0, 0, 0, 0, 1, ...Array(3).fill(MISSING_SIZE), ...MISSING));
