@@ -135,7 +135,7 @@ async def test_paused_list_catches_up_when_resumed(open_page: OpenPage, hub: Hub
     async with logger(hub) as talker:
         await talker.log("one")
         await expect(page.locator(ROWS)).to_have_count(1)
-        await page.get_by_role("button", name="Pause").click()
+        await page.get_by_role("button", name="Pause", exact=True).click()
         await talker.log("two")
         await talker.log("three")
         await expect(page.locator(".console [role=status]")).to_contain_text("2 more")
@@ -147,7 +147,7 @@ async def test_paused_list_catches_up_when_resumed(open_page: OpenPage, hub: Hub
 
 async def test_empty_list_can_be_paused(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub, "#/console")
-    await page.get_by_role("button", name="Pause").click()
+    await page.get_by_role("button", name="Pause", exact=True).click()
     async with logger(hub) as talker:
         await talker.log("one")
         await expect(page.locator(".console [role=status]")).to_contain_text("1 more")

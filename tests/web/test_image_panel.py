@@ -204,7 +204,7 @@ async def test_picture_ends_with_its_page(
     page = await open_page(hub, "#/topics/%2Fimage")
     await shown(page, "rgb8")
     await subscribed(True)
-    await page.get_by_role("button", name="Pause").click()
+    await page.get_by_role("button", name="Pause", exact=True).click()
     await subscribed(False)
     await page.get_by_role("button", name="Resume").click()
     await subscribed(True)

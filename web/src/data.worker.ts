@@ -3,6 +3,7 @@
 // Most visits have neither: their code is loaded when they are first opened.
 
 import { Feed } from "./messages/feed";
+import type { Player } from "./messages/player";
 import { openRelay } from "./messages/relay";
 import type { Request as MessageRequest } from "./messages/worker_messages";
 import type { Request as PictureRequest } from "./panels/image/worker_messages";
@@ -18,12 +19,26 @@ type Handle = (request: Numbered) => void;
 /** What the page has opened, by its ids: each takes its further requests, once its code is loaded. */
 const opened = new Map<number, Promise<Handle>>();
 const feed = new Feed();
+/** Shows what was kept, once that is asked for. */
+let player: Promise<Player> | undefined;
 
 self.onmessage = ({ data }: MessageEvent<Request>): void => {
   if (data.kind === "connect") feed.connect(data.url, data.token);
   else if (data.kind === "disconnect") feed.close();
+  else if (data.kind === "keep") keep();
+  else if (data.kind === "playback")
+    player?.then((each) => each.control(data.command), console.debug);
   else receive(data);
 };
+
+function keep(): void {
+  player ??= import("./messages/timeline").then((timeline) => timeline.keep(feed, post));
+}
+
+/** Wait until messages are kept, if they are to be: none is missed. */
+async function isKeeping(): Promise<void> {
+  await player?.catch(console.debug);
+}
 
 function receive(request: Numbered): void {
   const { id } = request;
@@ -42,14 +57,14 @@ function receive(request: Numbered): void {
 function open(request: Numbered): Promise<(request: never) => void> | undefined {
   switch (request.kind) {
     case "messages":
-      return Promise.resolve(openRelay(feed, request, post));
+      return isKeeping().then(() => openRelay(feed, request, post));
     case "picture":
-      return import("./panels/image/remote_picture").then(({ openPicture }) =>
-        openPicture(feed, request, post),
+      return Promise.all([import("./panels/image/remote_picture"), isKeeping()]).then(
+        ([{ openPicture }]) => openPicture(feed, request, post),
       );
     case "cloud":
-      return import("./panels/scene/remote_cloud").then(({ openCloud }) =>
-        openCloud(feed, request, post),
+      return Promise.all([import("./panels/scene/remote_cloud"), isKeeping()]).then(
+        ([{ openCloud }]) => openCloud(feed, request, post),
       );
     default:
       return undefined;

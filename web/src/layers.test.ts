@@ -11,6 +11,7 @@ const SOURCES: Record<string, string> = import.meta.glob("./**/*.ts", {
 const FLOORS = [
   ["messages"],
   ["bags", "form", "parameters"],
+  ["timebar"],
   ["panels"],
   ["console", "graph", "hubs", "reconfigure", "services", "topics"],
   ["actions", "turtlesim"],

@@ -41,6 +41,7 @@ function start(address: string): void {
   /** Whether the hub has no nodes and topics besides its own and those of pages. */
   let isEmpty = false;
   let shown: View | null = null;
+  let hasTimeBar = false;
 
   /** Show the view that the URL fragment names. */
   async function navigate(): Promise<void> {
@@ -48,6 +49,7 @@ function start(address: string): void {
     const [first = "graph", ...path] = pathOf(hash);
     const tab = TABS.find(({ name }) => name === first)?.name ?? "graph";
     shell.select(tab);
+    if (tab !== "graph") void showTimeBar();
     const view = isEmpty && tab === "graph" ? welcomeView : await viewOf(tab);
     // The user may have gone on while the view was loading.
     if (hash !== location.hash || (isEmpty && tab === "graph" && view !== welcomeView)) return;
@@ -58,6 +60,15 @@ function start(address: string): void {
       shown = view;
     }
     view.show(path, stateOf(hash));
+  }
+
+  /** Keep messages from the first view on that shows some, and offer to go back. */
+  async function showTimeBar(): Promise<void> {
+    if (hasTimeBar) return;
+    hasTimeBar = true;
+    hub.data.send({ kind: "keep" });
+    const { TimeBar } = await import("./timebar/bar");
+    shell.stage.after(new TimeBar(hub.clock, hub.data, model, false).element);
   }
 
   function viewOf(tab: Tab): Promise<View> {

@@ -79,7 +79,12 @@ export class Log {
   /** Warnings and errors since the console was last visible. */
   readonly unseen: Signal<number>;
 
+  /** How often the log was cleared. */
+  readonly cleared: Signal<number>;
+
+  readonly #hub: DataSource;
   readonly #newest = new Source(0);
+  readonly #cleared = new Source(0);
   readonly #unseen = new Source(0);
   readonly #isSettled = new Source(false);
   #entries: Entry[] = [];
@@ -89,7 +94,10 @@ export class Log {
   #frame: number | undefined;
 
   constructor(hub: DataSource) {
+    this.#hub = hub;
     this.newest = this.#newest;
+    this.cleared = this.#cleared;
+    hub.clock.onJump(() => this.clear());
     this.unseen = this.#unseen;
     this.isSettled = this.#isSettled;
     subscribe(
@@ -117,6 +125,7 @@ export class Log {
 
   clear(): void {
     this.#entries = [];
+    this.#cleared.set(this.#cleared.value + 1);
   }
 
   add(message: Message): void {
@@ -134,7 +143,8 @@ export class Log {
     };
     this.#entries.push(entry);
     if (this.#entries.length > MAX_ENTRIES) this.#entries.shift();
-    if (entry.level >= WARN && !this.#visible) this.#warnings += 1;
+    const isUnseen = !this.#visible && this.#hub.clock.playback.value.isLive;
+    if (entry.level >= WARN && isUnseen) this.#warnings += 1;
     // A hidden page has no frames, and nothing to draw.
     this.#frame ??= requestAnimationFrame(() => {
       this.#frame = undefined;

@@ -89,7 +89,15 @@ export class ConsoleView implements View {
     if (state !== null) this.#restore(state);
     this.#save();
     this.#log.setVisible(true);
-    this.#stop ??= this.#log.newest.watch(() => this.#draw());
+    if (this.#stop === undefined) {
+      const stops = [
+        this.#log.newest.watch(() => this.#draw()),
+        this.#log.cleared.watch(() => this.#redraw()),
+      ];
+      this.#stop = () => {
+        for (const stop of stops) stop();
+      };
+    }
     if (this.#following) this.#follow();
   }
 
@@ -105,7 +113,7 @@ export class ConsoleView implements View {
     );
     this.#nodes.addEventListener("change", () => this.#choose({ node: this.#nodes.value }));
     const clear = h("button", { type: "button" }, "Clear");
-    clear.addEventListener("click", () => this.#clear());
+    clear.addEventListener("click", () => this.#log.clear());
     return h(
       "div",
       { class: "toolbar" },
@@ -146,11 +154,6 @@ export class ConsoleView implements View {
     if (this.#filter.node !== "") this.#addNode(this.#filter.node);
     this.#level.value = String(this.#filter.level);
     this.#nodes.value = this.#filter.node;
-    this.#redraw();
-  }
-
-  #clear(): void {
-    this.#log.clear();
     this.#redraw();
   }
 

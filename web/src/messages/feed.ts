@@ -8,6 +8,7 @@
 import { readDefinition } from "./definition";
 import { Inbox } from "./inbox";
 import { type Fields, makeReader, type Reader } from "./reader";
+import type { Kept } from "./store";
 
 export const PROTOCOL = "fibws.v1";
 /** Bytes of a frame before the message: its kind, the topic's id, and when the hub received it. */
@@ -70,11 +71,23 @@ export interface Subscriber extends Subscription {
   ready?(): void;
 }
 
+/** What keeps messages, and shows them again. */
+export interface FeedPlayer {
+  /** Whether messages are shown as they come. */
+  readonly isLive: boolean;
+  /** There is another subscriber. */
+  add(taker: Pick<Entry, "subscriber" | "inbox">): void;
+  /** Keep a message. */
+  record(message: Kept): void;
+}
+
 interface Entry {
   readonly id: string;
   readonly subscriber: Subscriber;
   readonly inbox: Inbox<Delivery>;
   reader: Reader | undefined;
+  /** The type of the messages. */
+  type: string;
   /** The id of the topic in frames. */
   topicId: number | undefined;
   /** Whether the hub cannot serialize its messages. */
@@ -92,10 +105,11 @@ interface Incoming {
   readonly time: number;
   readonly node: string;
   /** Read it; `isShared` if others read it, too. */
-  read(entry: Entry, isShared: boolean): Fields;
+  read(reader: Reader | undefined, isShared: boolean): Fields;
 }
 
 export class Feed {
+  player: FeedPlayer | undefined;
   #url = "";
   #token = "";
   readonly #entries = new Map<string, Entry>();
@@ -133,6 +147,11 @@ export class Feed {
     socket?.close();
   }
 
+  /** All who have subscribed. */
+  get takers(): Iterable<Pick<Entry, "subscriber" | "inbox">> {
+    return this.#entries.values();
+  }
+
   /** Subscribe; returns a function that unsubscribes. */
   subscribe(subscriber: Subscriber): () => void {
     this.#ids += 1;
@@ -144,10 +163,11 @@ export class Feed {
       (delivery) => subscriber.receive(delivery),
       (why) => subscriber.fail(why),
     );
-    const state = { reader: undefined, topicId: undefined, isJson: false, isLost: false };
+    const state = { reader: undefined, topicId: undefined, type: "", isJson: false, isLost: false };
     const entry: Entry = { id, subscriber, inbox, ...state, isNew: true };
     this.#entries.set(id, entry);
     this.#request(entry);
+    this.player?.add(entry);
     return () => {
       if (!this.#entries.delete(id)) return;
       this.#send({ op: "unsubscribe", id, topic: subscriber.topic });
@@ -249,6 +269,7 @@ export class Feed {
       return;
     }
     entry.topicId = topic_id as number;
+    entry.type = String(type);
     entry.reader = undefined;
     try {
       entry.reader = makeReader(readDefinition(String(type), String(definition)));
@@ -263,8 +284,9 @@ export class Feed {
       ({ subscriber }) => subscriber.topic === topic,
     );
     const node = (header as { callerid?: string } | undefined)?.callerid ?? "";
-    const read = (_: Entry, isShared: boolean): Fields =>
+    const read = (_: unknown, isShared: boolean): Fields =>
       (isShared ? structuredClone(msg) : msg) as Fields;
+    // Nobody says its type.
     const incoming = { key: text, size: text.length, time: Date.now(), node, read };
     this.#dispatch(String(topic), takers, incoming);
   }
@@ -285,7 +307,7 @@ export class Feed {
     const takers = [...this.#entries.values()].filter(
       (entry) => entry.topicId === topicId && entry.reader !== undefined,
     );
-    const read = ({ reader }: Entry, isShared: boolean): Fields =>
+    const read = (reader: Reader | undefined, isShared: boolean): Fields =>
       // Each may keep the bytes, or transfer them.
       (reader as Reader)(isShared ? frame.slice(start) : frame.subarray(start));
     const key = `${received} ${frame.length}`;
@@ -309,6 +331,14 @@ export class Feed {
     const isRepeated =
       added.length > 0 && added.length < all.length && this.#last.get(topic) === incoming.key;
     this.#last.set(topic, incoming.key);
+    const [first] = all;
+    if (first !== undefined && !isRepeated) {
+      const { size, time, node } = incoming;
+      const { reader, type } = first;
+      const read = (): Fields => incoming.read(reader, true);
+      this.player?.record({ topic, type, size, time, node, read });
+    }
+    if (this.player?.isLive === false) return [];
     const takers = isRepeated ? added : all;
     const shortest = all.reduce(
       (least, { subscriber }) => Math.min(least, subscriber.throttle),
@@ -318,7 +348,7 @@ export class Feed {
       entry.isNew = false;
       const { size, time, node } = incoming;
       const read = (): Delivery => {
-        const message = incoming.read(entry, takers.length > 1);
+        const message = incoming.read(entry.reader, takers.length > 1 || this.player !== undefined);
         return { message, size, time, node };
       };
       // The hub throttles to the shortest time; throttling to that again would delay messages.

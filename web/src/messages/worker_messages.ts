@@ -1,11 +1,16 @@
 /** What the page and the worker of its second connection say to each other about messages. */
 import type { Playback } from "../clock";
 import type { Delivery, Subscription } from "./feed";
+import type { Command } from "./player";
 
 export type Request =
   | { kind: "connect"; url: string; token: string }
   /** Disconnect until the next `connect`: the page has logged out. */
   | { kind: "disconnect" }
+  /** Keep messages from now on. */
+  | { kind: "keep" }
+  /** Show another time. */
+  | { kind: "playback"; command: Command }
   /** Subscribe; each message is answered by `taken`, in their order. */
   | ({ kind: "messages"; id: number } & Subscription)
   | { kind: "taken"; id: number }

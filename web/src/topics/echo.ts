@@ -92,12 +92,20 @@ export class Echo {
   /** Subscribe while visible and not paused. */
   #updateSubscription(): void {
     if (this.#shown && !this.#paused) {
-      this.#stop ??= subscribe(
-        this.#hub,
-        { topic: this.#topic, throttle: THROTTLE },
-        (message) => this.#receive(message),
-        (why) => this.#showError(why),
-      );
+      if (this.#stop === undefined) {
+        const stops = [
+          this.#hub.clock.onJump(() => this.#clear()),
+          subscribe(
+            this.#hub,
+            { topic: this.#topic, throttle: THROTTLE },
+            (message, { time }) => this.#receive(message, time),
+            (why) => this.#showError(why),
+          ),
+        ];
+        this.#stop = () => {
+          for (const stop of stops) stop();
+        };
+      }
     } else {
       this.#stop?.();
       this.#stop = undefined;
@@ -106,9 +114,17 @@ export class Echo {
     if (this.#shown) this.#timer = window.setInterval(() => this.#showStatus(), TICK);
   }
 
-  #receive(message: Message): void {
+  /** Time has jumped: show nothing until there is a message of then. */
+  #clear(): void {
+    this.#newest = undefined;
+    this.#waiting.hidden = false;
+    this.#tree.element.hidden = true;
+    this.#copy.disabled = true;
+  }
+
+  #receive(message: Message, time: number): void {
     this.#received += 1;
-    this.#lastTime = performance.now();
+    this.#lastTime = time;
     this.#newest = message;
     this.#error.hidden = true;
     this.#waiting.hidden = true;
@@ -142,8 +158,8 @@ export class Echo {
   #showStatus(): void {
     const parts = [`${plural(this.#received, "message")} shown`];
     if (this.#paused) parts.unshift("paused");
-    if (this.#received > 0)
-      parts.push(`newest ${ago((performance.now() - this.#lastTime) / 1000)}`);
+    if (this.#newest !== undefined)
+      parts.push(`newest ${ago(Math.max(0, this.#hub.clock.now() - this.#lastTime) / 1000)}`);
     setText(this.#count, parts.join(" · "));
   }
 }

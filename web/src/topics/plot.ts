@@ -245,7 +245,7 @@ export class Plot {
   }
 
   #togglePause(): void {
-    this.#pausedAt = this.#pausedAt === undefined ? Date.now() / 1000 : undefined;
+    this.#pausedAt = this.#pausedAt === undefined ? this.#hub.clock.now() / 1000 : undefined;
     this.#pause.classList.toggle("on", this.#pausedAt !== undefined);
     setText(this.#pause, this.#pausedAt === undefined ? "Pause" : "Resume");
     this.#refresh();
@@ -312,7 +312,7 @@ export class Plot {
     this.#due = Infinity;
     this.#lastDraw = performance.now();
     if (!this.#shown) return;
-    const now = this.#pausedAt ?? Date.now() / 1000;
+    const now = this.#pausedAt ?? this.#hub.clock.now() / 1000;
     const isPaused = this.#pausedAt !== undefined;
     if (!this.#isFolded) this.#chart.draw(now, this.#span, isPaused);
     const pointed = this.#chart.pointed;
@@ -328,7 +328,7 @@ export class Plot {
 
   /** The length of the time axis in seconds: it grows with the curves up to the chosen range. */
   get #span(): number {
-    const now = this.#pausedAt ?? Date.now() / 1000;
+    const now = this.#pausedAt ?? this.#hub.clock.now() / 1000;
     const first = least(
       this.#rows.map(({ curve }) => curve.samples.first ?? now),
       now,

@@ -1,4 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
+import { Clock } from "../clock";
 import type { Message } from "../hub";
 import { greatest } from "../lists";
 import type { Wanted } from "../messages/data_client";
@@ -11,6 +12,7 @@ vi.mock("../messages/data_client", () => ({
 
 /** A source of messages that records its calls. */
 class FakeHub {
+  readonly clock = new Clock();
   #listener: (message: Message, delivery: { time: number }) => void = () => undefined;
   reject: (why: string) => void = () => undefined;
   readonly calls: string[] = [];

@@ -55,6 +55,7 @@ export class Sampler {
   readonly #curves = new Set<Curve>();
   readonly #stamps = new Stamps();
   #unsubscribe: (() => void) | undefined;
+  #unwatch: (() => void) | undefined;
   #newest: { readonly message: Message; readonly time: number } | undefined;
 
   /** `changed` is called for each message. */
@@ -87,6 +88,12 @@ export class Sampler {
   }
 
   start(): void {
+    // What comes then is of another time.
+    this.#unwatch ??= this.#hub.clock.onJump(() => {
+      this.#newest = undefined;
+      for (const { samples } of this.#curves) samples.clear();
+      this.#changed();
+    });
     this.#unsubscribe ??= subscribe(
       this.#hub,
       { topic: this.topic, queue: QUEUE },
@@ -102,9 +109,11 @@ export class Sampler {
     if (this.#unsubscribe === undefined) return;
     this.#unsubscribe();
     this.#unsubscribe = undefined;
+    this.#unwatch?.();
+    this.#unwatch = undefined;
     // The time without a subscription is a gap in the curve.
     for (const { samples } of this.#curves)
-      if (samples.length > 0) samples.pushGap(Date.now() / 1000);
+      if (samples.length > 0) samples.pushGap(this.#hub.clock.now() / 1000);
   }
 
   #receive(message: Message, arrived: number): void {

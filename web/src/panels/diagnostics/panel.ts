@@ -56,7 +56,7 @@ class DiagnosticsPanel implements Panel {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
   readonly #topic: string;
-  readonly #tree = new DiagnosticsTree();
+  #tree = new DiagnosticsTree();
   readonly #rows = new Map<string, Row>();
   readonly #counts = h("p", { class: "diagnostics-counts", role: "status" });
   readonly #filter = h("input", {
@@ -92,7 +92,11 @@ class DiagnosticsPanel implements Panel {
 
   show(): void {
     if (this.#stop !== undefined) return;
-    this.#stop = subscribe(
+    const unwatch = this.#hub.clock.onJump(() => {
+      this.#tree = new DiagnosticsTree();
+      this.#isNew = true;
+    });
+    const unsubscribe = subscribe(
       this.#hub,
       { topic: this.#topic, queue: QUEUE },
       (message, { time }) => {
@@ -104,10 +108,14 @@ class DiagnosticsPanel implements Panel {
         this.#error.hidden = why === "";
       },
     );
+    this.#stop = () => {
+      unwatch();
+      unsubscribe();
+    };
     let before = 0;
     this.#timer = window.setInterval(() => {
       // Statuses become stale without a message.
-      const now = Date.now();
+      const now = this.#hub.clock.now();
       if (!this.#isNew && now - before < 1000) return;
       before = now;
       this.#isNew = false;

@@ -81,7 +81,7 @@ class FramesPanel implements Panel {
 
   show(): void {
     if (this.#stops.length > 0) return;
-    this.#stops = this.#topics.map((topic) =>
+    const streams = this.#topics.map((topic) =>
       subscribe(
         this.#hub,
         { topic, queue: QUEUE, headers: true },
@@ -95,6 +95,7 @@ class FramesPanel implements Panel {
         },
       ),
     );
+    this.#stops = [...streams, this.#hub.clock.onJump(() => this.#frames.clear())];
     this.#timer = window.setInterval(() => this.#show(), TICK);
   }
 
@@ -117,7 +118,7 @@ class FramesPanel implements Panel {
   }
 
   #show(): void {
-    const now = Date.now();
+    const now = this.#hub.clock.now();
     this.#frames.age(now);
     const { all, names } = this.#frames;
     this.#empty.hidden = all.size > 0;

@@ -107,6 +107,7 @@ class ImagePanel implements Panel {
   #cursor = { x: 0, y: 0 };
   #timer: number | undefined;
   #clock = new SimulatedTime();
+  #unwatch: (() => void) | undefined;
   #stopClock: (() => void) | undefined;
   /** Whether it is visible. */
   #visible = false;
@@ -154,13 +155,22 @@ class ImagePanel implements Panel {
   show(): void {
     if (this.#visible) return;
     this.#visible = true;
+    this.#unwatch = this.#hub.clock.onJump(() => this.#clear());
     this.#open();
     this.#timer = window.setInterval(() => this.#tick(), TICK);
     this.#tick();
   }
 
+  /** Time has jumped: show nothing until there is an image of then. */
+  #clear(): void {
+    this.#state = undefined;
+    if (this.#canvas !== undefined) this.#canvas.hidden = true;
+    this.#tick();
+  }
+
   hide(): void {
     this.#visible = false;
+    this.#unwatch?.();
     window.clearInterval(this.#timer);
     this.#stopClock?.();
     this.#stopClock = undefined;
@@ -239,7 +249,9 @@ class ImagePanel implements Panel {
   #showState(state: PictureState): void {
     const before = this.#state;
     this.#showFault("");
-    this.#state = state;
+    const { clock } = this.#hub;
+    const drawn = clock.playback.value.isLive ? state.drawn : clock.now();
+    this.#state = { ...state, drawn };
     if (this.#canvas !== undefined) this.#canvas.hidden = false;
     // How large its pixels are depends on its size.
     if (state.width !== before?.width || state.height !== before.height) this.#setZoom(this.#zoom);
@@ -269,7 +281,7 @@ class ImagePanel implements Panel {
     }
     this.#measure(state.shown);
     this.#palette.hidden = state.limits === undefined;
-    const age = Date.now() - state.drawn;
+    const age = this.#hub.clock.now() - state.drawn;
     this.#stage.classList.toggle("stale", this.#isCamera && !this.#paused && age > STALE);
     const size = `${state.width} × ${state.height}`;
     const parts = [
@@ -303,7 +315,7 @@ class ImagePanel implements Panel {
   }
 
   #age({ stamp, drawn }: PictureState): string {
-    const since = Date.now() - drawn;
+    const since = this.#hub.clock.now() - drawn;
     if (!this.#isCamera) return ago(since / 1000);
     if (since > STALE) return `${Math.floor(since / 1000)} s without an image`;
     if (stamp === 0) return "no time stamp";

@@ -58,11 +58,16 @@ class ReadingPanel implements Panel {
 
   show(): void {
     if (this.#stop !== undefined) return;
-    this.#stop = subscribe(
+    const unwatch = this.#hub.clock.onJump(() => {
+      this.#arrived = undefined;
+      this.#reading.element.hidden = true;
+      this.#showAge();
+    });
+    const unsubscribe = subscribe(
       this.#hub,
       { topic: this.#topic, throttle: THROTTLE },
-      (message) => {
-        this.#arrived = performance.now();
+      (message, { time }) => {
+        this.#arrived = time;
         this.#error.hidden = true;
         this.#reading.element.hidden = false;
         this.#reading.show(message);
@@ -73,6 +78,10 @@ class ReadingPanel implements Panel {
         this.#error.hidden = why === "";
       },
     );
+    this.#stop = () => {
+      unwatch();
+      unsubscribe();
+    };
     this.#timer = window.setInterval(() => this.#showAge(), TICK);
     this.#showAge();
   }
@@ -93,7 +102,7 @@ class ReadingPanel implements Panel {
       );
       return;
     }
-    const age = performance.now() - this.#arrived;
+    const age = Math.max(0, this.#hub.clock.now() - this.#arrived);
     this.#reading.element.classList.toggle("stale", age > STALE);
     setText(this.#age, age > STALE ? `no message since ${ago(age / 1000)}` : "");
   }

@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { Clock } from "../../clock";
 import type { Model } from "../../model";
 import type { DataSource } from "../../source";
 import { IDENTITY } from "../../transforms";
@@ -57,7 +58,11 @@ function move(name: string, secs: number): void {
 function started(kind: LayerKind, isStream = false): Promise<Entry> {
   return new Promise((made) => {
     const surroundings = {
-      hub: { url: "ws://robot:9090/", second: () => ({ token: "" }) } as DataSource,
+      hub: {
+        url: "ws://robot:9090/",
+        second: () => ({ token: "" }),
+        clock: new Clock(),
+      } as DataSource,
       model: {} as Model,
       transforms,
       redraw: () => made(entry),

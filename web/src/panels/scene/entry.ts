@@ -70,6 +70,8 @@ export class Entry {
   /** Its stamp, and when a message with that first arrived. */
   #stamp = "";
   #since = 0;
+  /** Whether what the layer has is of another time. */
+  #isCleared = false;
   /** The frame of the first message with one. */
   frame = "";
 
@@ -154,7 +156,7 @@ export class Entry {
       const exists = graph?.topics.some((each) => each.name === topic && each.type === type);
       if (!exists || end !== undefined) return;
       end = this.#subscribe(topic, type, MAX_UPDATES, (message) =>
-        this.#take(() => this.layer?.receiveUpdate?.(message, Date.now())),
+        this.#take(() => this.layer?.receiveUpdate?.(message, this.#scene.hub.clock.now())),
       );
     });
     return () => {
@@ -180,8 +182,17 @@ export class Entry {
     this.#stamp = "";
   }
 
+  /** Time has jumped: show nothing until there is a message of then. */
+  clear(): void {
+    this.#arrived = 0;
+    this.#stamp = "";
+    this.#isCleared = !this.kind.isOwn;
+    this.layer?.clear?.();
+  }
+
   #receive(message: Fields): void {
-    const now = Date.now();
+    this.#isCleared = false;
+    const now = this.#scene.hub.clock.now();
     const header = message.header as Header | undefined;
     const { secs, nsecs } = header?.stamp ?? { secs: 0, nsecs: 0 };
     const stamp = secs === 0 && nsecs === 0 ? "" : `${secs} ${nsecs}`;
@@ -225,6 +236,7 @@ export class Entry {
   }
 
   draw(view: View): void {
+    if (this.#isCleared) return;
     // One layer must not end the picture of all others.
     this.#attempt("drawing", () => this.layer?.draw(view));
   }

@@ -82,6 +82,8 @@ export interface Layer {
   receive?(message: Fields, now: number): void;
   /** Take a message of the kind's `updates`, none of which is skipped. */
   receiveUpdate?(message: Fields, now: number): void;
+  /** Forget all messages, as far as the next one does not replace them. */
+  clear?(): void;
   /** Draw what there is. */
   draw(view: View): void;
   /**

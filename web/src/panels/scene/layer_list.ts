@@ -46,7 +46,7 @@ export class LayerList {
 
   /** Show the layers and their states. */
   update(): void {
-    const now = Date.now();
+    const now = this.#scene.hub.clock.now();
     const { entries } = this.#scene;
     const places = this.#scene.places();
     this.#empty.hidden = entries.length > 0;

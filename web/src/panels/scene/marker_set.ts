@@ -198,6 +198,10 @@ export class InteractiveMarkers {
     return markers.length + poses.length + erases.length > 0;
   }
 
+  clear(): void {
+    this.#markers.clear();
+  }
+
   get all(): InteractiveMarker[] {
     return [...this.#markers.values()].flatMap((each) => [...each.values()]);
   }

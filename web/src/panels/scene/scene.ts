@@ -105,6 +105,11 @@ export class Scene implements Surroundings {
         // Meanwhile the robot may have moved, and its clock begun again.
         if (state !== "open") this.transforms.clear();
       }),
+      this.hub.clock.onJump(() => {
+        this.transforms.clear();
+        for (const entry of this.entries) entry.clear();
+        this.redraw();
+      }),
       ...["/tf", "/tf_static"].map((topic) => this.#subscribe(topic)),
       () => dark.removeEventListener("change", newTheme),
       () => sizes.disconnect(),

@@ -100,6 +100,12 @@ export class Markers implements Layer {
     }
   }
 
+  clear(): void {
+    this.#set.clear();
+    this.#interactive.clear();
+    this.#showNamespaces();
+  }
+
   receiveUpdate(message: Fields, now: number): void {
     const { server_id, markers, poses, erases } = message as unknown as {
       server_id: string;
@@ -137,7 +143,7 @@ export class Markers implements Layer {
     if (this.#expiry === Infinity) return;
     this.#timer = window.setTimeout(
       () => {
-        this.#wait(Date.now());
+        this.#wait(this.#context.hub.clock.now());
         this.#showNamespaces();
         this.#context.redraw();
       },
@@ -275,7 +281,7 @@ export class Markers implements Layer {
   }
 
   resume(): void {
-    this.#wait(Date.now());
+    this.#wait(this.#context.hub.clock.now());
   }
 
   close(): void {

@@ -76,6 +76,11 @@ export class PointCloud implements Layer {
     };
   }
 
+  clear(): void {
+    this.close();
+    this.#clouds = [];
+  }
+
   /** Take a cloud that the worker has prepared. */
   receive({ header, packed }: Fields, now: number): void {
     const decay = Number(this.#context.settings.decay) * 1000;

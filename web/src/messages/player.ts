@@ -1,0 +1,323 @@
+/** Shows what was kept or recorded at any moment, in place of what comes now; it runs in the worker. */
+import type { Playback } from "../clock";
+import type { Delivery, Subscriber } from "./feed";
+import type { Inbox } from "./inbox";
+import { isStatic, type Kept, type Store } from "./store";
+
+/** Who takes messages. */
+export interface Taker {
+  readonly subscriber: Subscriber;
+  readonly inbox: Inbox<Delivery>;
+}
+
+export type Command =
+  | { readonly kind: "pause" }
+  /** `speed` is how many seconds pass in one; `loop`: begin again at the end. */
+  | { readonly kind: "play"; readonly speed: number; readonly loop: boolean }
+  /** Show a moment, in ms since 1970. */
+  | { readonly kind: "seek"; readonly time: number }
+  /** Show the next or the previous message of a topic, or of any topic that is shown. */
+  | { readonly kind: "step"; readonly topic: string; readonly by: 1 | -1 }
+  /** Show what comes now. */
+  | { readonly kind: "live" };
+
+/** Messages that are being processed while further ones are read. */
+const MAX_IN_FLIGHT = 500;
+/** Playing waits for panels that take longer than this, in ms, instead of skipping messages. */
+const LATE = 50;
+/** Time after which the worker receives commands, in ms. */
+const SLICE = 20;
+/** The longest wait for panels after a jump, in ms. */
+const PATIENCE = 500;
+/** Time between two reports while time passes, in ms: in a recording, and live. */
+const REPORT = 100;
+const REPORT_LIVE = 1000;
+/** Less than the time between any two messages, in ms. */
+const MOMENT = 0.0005;
+
+export class Player {
+  readonly #store: Store;
+  readonly #hasLive: boolean;
+  readonly #takers: () => Iterable<Taker>;
+  readonly #post: (report: { kind: "jump" } | { kind: "clock"; playback: Playback }) => void;
+  #isLive: boolean;
+  /** The shown moment, if not live, and when that was reached, by `performance.now()`. */
+  #position: number;
+  #reached = 0;
+  /** 0 while paused. */
+  #speed = 0;
+  #loop = false;
+  /** Counts what ends playing and jumps that are under way. */
+  #turn = 0;
+  /** The moment to which to jump next. */
+  #target: number | undefined;
+  #isJumping = false;
+  /** The speed at which playing goes on after a jump. */
+  #resume = 0;
+  readonly #added = new Set<Taker>();
+  #inFlight = 0;
+  #onTaken: (() => void) | undefined;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  /** `hasLive`: the store grows with what comes, which is shown at first. */
+  constructor(
+    store: Store,
+    hasLive: boolean,
+    takers: () => Iterable<Taker>,
+    post: (report: { kind: "jump" } | { kind: "clock"; playback: Playback }) => void,
+  ) {
+    this.#store = store;
+    this.#hasLive = hasLive;
+    this.#isLive = hasLive;
+    this.#position = store.start;
+    this.#takers = takers;
+    this.#post = post;
+    this.#report();
+  }
+
+  /** Whether messages are shown as they come. */
+  get isLive(): boolean {
+    return this.#isLive;
+  }
+
+  /** Somebody takes messages from now on: show the newest ones at this moment. */
+  add(taker: Taker): void {
+    if (this.#isLive) return;
+    this.#added.add(taker);
+    // Several panels open together.
+    if (this.#added.size === 1) queueMicrotask(() => void this.#show());
+  }
+
+  async control(command: Command): Promise<void> {
+    switch (command.kind) {
+      case "pause":
+        this.#pause();
+        break;
+      case "play":
+        this.#loop = command.loop;
+        this.#stop();
+        if (this.#position >= this.#end && !this.#hasLive) await this.#seek(this.#store.start);
+        this.#play(command.speed);
+        break;
+      case "seek":
+        await this.#seek(command.time);
+        break;
+      case "step":
+        await this.#step(command.topic, command.by);
+        break;
+      case "live":
+        await this.#goLive();
+    }
+  }
+
+  get #end(): number {
+    return this.#hasLive ? Math.max(this.#store.end, Date.now()) : this.#store.end;
+  }
+
+  #now(): number {
+    if (this.#speed === 0) return this.#position;
+    const passed = this.#speed * (performance.now() - this.#reached);
+    return Math.min(this.#position + passed, this.#end);
+  }
+
+  #moveTo(time: number): void {
+    this.#position = time;
+    this.#reached = performance.now();
+  }
+
+  /** End playing, and what is under way. */
+  #stop(): void {
+    this.#turn += 1;
+    this.#moveTo(this.#isLive ? Date.now() : this.#now());
+    this.#speed = 0;
+    this.#isLive = false;
+    this.#onTaken?.();
+  }
+
+  #pause(): void {
+    this.#resume = 0;
+    this.#stop();
+    this.#report();
+  }
+
+  /** Jump to a moment; playing goes on there. */
+  async #seek(time: number): Promise<void> {
+    this.#target = time;
+    if (this.#isJumping) return;
+    this.#isJumping = true;
+    this.#resume = this.#speed;
+    try {
+      while (this.#target !== undefined) {
+        const target: number = this.#target;
+        this.#target = undefined;
+        this.#stop();
+        this.#moveTo(Math.min(Math.max(target, this.#store.start), this.#end));
+        await this.#jump(this.#turn);
+      }
+    } finally {
+      this.#isJumping = false;
+    }
+    if (this.#resume > 0) this.#play(this.#resume);
+  }
+
+  /** Show the messages of this moment. Returns whether nothing else has begun meanwhile. */
+  async #jump(turn: number): Promise<boolean> {
+    this.#added.clear();
+    this.#post({ kind: "jump" });
+    this.#report();
+    const takers = [...this.#takers()];
+    const found = await this.#store.before(wantedBy(takers), this.#position);
+    if (turn !== this.#turn) return false;
+    const done = Promise.all(found.flatMap((kept) => this.#deliver(kept, takers)));
+    await Promise.race([done, pause(PATIENCE)]);
+    return turn === this.#turn;
+  }
+
+  async #goLive(): Promise<void> {
+    if (!this.#hasLive || this.#isLive) return;
+    this.#resume = 0;
+    this.#stop();
+    const turn = this.#turn;
+    this.#moveTo(this.#end);
+    this.#added.clear();
+    this.#post({ kind: "jump" });
+    const takers = [...this.#takers()];
+    const found = await this.#store.before(wantedBy(takers), Infinity);
+    if (turn !== this.#turn) return;
+    // In one go with the messages that come next.
+    for (const kept of found) this.#deliver(kept, takers);
+    this.#isLive = true;
+    this.#report();
+  }
+
+  /** Show the messages of this moment to those who have come. */
+  async #show(): Promise<void> {
+    const takers = [...this.#added];
+    this.#added.clear();
+    const found = await this.#store.before(wantedBy(takers), this.#now());
+    for (const kept of found) this.#deliver(kept, takers);
+    // They take what is played, too.
+    if (this.#speed > 0 && !this.#isLive) {
+      const speed = this.#speed;
+      this.#stop();
+      this.#play(speed);
+    }
+  }
+
+  async #step(topic: string, by: 1 | -1): Promise<void> {
+    this.#pause();
+    const turn = this.#turn;
+    const shown = new Set([...this.#takers()].map(({ subscriber }) => subscriber.topic));
+    const topics = topic === "" ? shown : new Set([topic]);
+    if (by < 0) {
+      const wanted = new Map([...topics].map((each) => [each, 1]));
+      const earlier = await this.#store.before(wanted, this.#position - MOMENT);
+      const time = earlier.filter((kept) => kept.time < this.#position).at(-1)?.time;
+      if (turn === this.#turn && time !== undefined) await this.#seek(time);
+      return;
+    }
+    for await (const kept of this.#store.after(new Set([...shown, ...topics]), this.#position)) {
+      if (turn !== this.#turn) return;
+      this.#moveTo(kept.time);
+      this.#deliver(kept, this.#takers());
+      if (topics.has(kept.topic)) break;
+      if (this.#inFlight >= MAX_IN_FLIGHT) await this.#taken();
+    }
+    this.#report();
+  }
+
+  #play(speed: number): void {
+    this.#turn += 1;
+    this.#moveTo(this.#position);
+    this.#speed = speed;
+    this.#report();
+    void this.#run(this.#turn);
+  }
+
+  async #run(turn: number): Promise<void> {
+    const topics = new Set([...this.#takers()].map(({ subscriber }) => subscriber.topic));
+    let slice = performance.now();
+    for await (const kept of this.#store.after(topics, this.#position)) {
+      if (turn !== this.#turn) return;
+      const due = this.#reached + (kept.time - this.#position) / this.#speed;
+      const wait = due - performance.now();
+      if (wait > 1 || performance.now() - slice > SLICE) {
+        await pause(Math.max(0, wait));
+        slice = performance.now();
+        if (turn !== this.#turn) return;
+      }
+      this.#deliver(kept, this.#takers());
+      if (this.#inFlight >= MAX_IN_FLIGHT) await this.#taken();
+      if (turn !== this.#turn) return;
+      this.#position = kept.time;
+      // All that follows is later by what this one is late.
+      const late = performance.now() - due;
+      this.#reached = late > LATE ? performance.now() : due;
+    }
+    const rest = this.#reached + (this.#end - this.#position) / this.#speed - performance.now();
+    if (!this.#hasLive && rest > 0) await pause(rest);
+    if (turn !== this.#turn) return;
+    if (this.#hasLive) await this.#goLive();
+    else if (this.#loop) await this.#seek(this.#store.start);
+    else {
+      this.#moveTo(this.#end);
+      this.#speed = 0;
+      this.#report();
+    }
+  }
+
+  /** Wait until a message has been processed, or playing ends. */
+  #taken(): Promise<void> {
+    return new Promise((resolve) => {
+      this.#onTaken = resolve;
+    });
+  }
+
+  #deliver(kept: Kept, takers: Iterable<Taker>): Promise<void>[] {
+    const { topic, type, size, time, node } = kept;
+    const done: Promise<void>[] = [];
+    for (const { subscriber, inbox } of takers) {
+      if (subscriber.topic !== topic) continue;
+      // JSON does not say its type.
+      if (subscriber.type && type !== "" && subscriber.type !== type) {
+        subscriber.fail(`the topic had the type ${type} then`);
+        continue;
+      }
+      this.#inFlight += 1;
+      const processed = inbox.offer(() => ({ message: kept.read(), size, time, node }), false);
+      done.push(
+        processed.then(() => {
+          this.#inFlight -= 1;
+          this.#onTaken?.();
+        }),
+      );
+    }
+    return done;
+  }
+
+  #report(): void {
+    clearTimeout(this.#timer);
+    const { start, bytes } = this.#store;
+    const [isLive, speed, end] = [this.#isLive, this.#speed, this.#end];
+    const playback = { isLive, speed, start, end, bytes, time: isLive ? end : this.#now() };
+    this.#post({ kind: "clock", playback });
+    const isPlaying = !isLive && speed > 0;
+    if (isPlaying || this.#hasLive)
+      this.#timer = setTimeout(() => this.#report(), isPlaying ? REPORT : REPORT_LIVE);
+  }
+}
+
+/** How many messages of each topic are wanted at a moment: one, or what may wait in the queue. */
+function wantedBy(takers: Iterable<Taker>): Map<string, number> {
+  const wanted = new Map<string, number>();
+  for (const { subscriber } of takers) {
+    const { topic, queue } = subscriber;
+    const count = isStatic(topic) ? Infinity : Math.max(queue, wanted.get(topic) ?? 0);
+    wanted.set(topic, count);
+  }
+  return wanted;
+}
+
+function pause(ms: number): Promise<void> {
+  return new Promise((resolve) => setTimeout(resolve, ms));
+}

@@ -1,0 +1,34 @@
+/** Messages that can be shown again: those of the last minutes, or of a file. */
+import type { Fields } from "./reader";
+
+/** A message, serialized. */
+export interface Kept {
+  readonly topic: string;
+  readonly type: string;
+  /** When it was received or recorded, in ms since 1970. */
+  readonly time: number;
+  /** Bytes in memory. */
+  readonly size: number;
+  /** The node that published it; empty if that is not known. */
+  readonly node: string;
+  /** Read it: each call makes another message, which shares no memory with others. */
+  read(): Fields;
+}
+
+/** All times are in ms since 1970. */
+export interface Store {
+  /** Everything from here on can be shown. */
+  readonly start: number;
+  readonly end: number;
+  /** Bytes in memory. */
+  readonly bytes: number;
+  /** The last messages of topics up to a time, in order: of each topic as many as are wanted. */
+  before(wanted: ReadonlyMap<string, number>, time: number): Promise<Kept[]>;
+  /** All messages of topics that are later than a time, in order. */
+  after(topics: ReadonlySet<string>, time: number): AsyncIterable<Kept>;
+}
+
+/** Whether all messages of a topic count at any time, and not only the newest. */
+export function isStatic(topic: string): boolean {
+  return topic.endsWith("/tf_static");
+}
