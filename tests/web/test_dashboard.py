@@ -468,6 +468,33 @@ async def test_numbers_of_an_echo_are_plotted_beside_it(hub: Hub, open_page: Ope
         await expect(plot.get_by_label("Time range")).to_have_value("120")
 
 
+async def test_all_plots_show_the_time_under_the_mouse(hub: Hub, open_page: OpenPage) -> None:
+    items = [
+        {"view": "plot", "name": "", "config": {"plot": f"/n:{text}"}} for text in ("data", "-data")
+    ]
+    layout = {"schema": 1, "layout": {"split": "col", "items": items}}
+    async with fibws.Node("robot", hub=hub.url) as node:
+        numbers = await node.advertise("/n", Float64, latch=True)
+        await numbers.publish(Float64(1.5))
+        page = await open_page(hub, DASHBOARD)
+        await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
+        marks = page.locator(".plot-mark")
+        await expect(marks).to_have_count(2)
+        charts = page.locator(".plot-canvas .u-over")
+        await expect(page.locator(".plot-value")).to_have_text(["1.5", "-1.5"])
+        await charts.first.hover()
+        await expect(marks.first).to_be_hidden()
+        await expect(marks.last).to_be_visible()
+        await expect(page.locator(".plot-notes").last).to_contain_text("At ")
+        places = [await each.bounding_box() for each in (charts.first, marks.last)]
+        assert places[0] is not None and places[1] is not None
+        assert (
+            abs(places[0]["x"] + places[0]["width"] / 2 - places[1]["x"]) < 0.1 * places[0]["width"]
+        )
+        await page.mouse.move(0, 0)
+        await expect(marks.last).to_be_hidden()
+
+
 async def test_title_of_a_narrow_panel_is_not_covered(robot: Robot, open_page: OpenPage) -> None:
     page = await open_robot(robot, open_page, width=800)
     bar = page.get_by_role("separator").first

@@ -9,7 +9,8 @@ import re
 import time
 from collections.abc import AsyncIterator
 from itertools import count
-from math import inf, isnan, nan
+from math import cos, inf, isnan, nan, pi, sin
+from typing import Any
 
 import pytest
 from playwright.async_api import Locator, Page, expect
@@ -20,9 +21,18 @@ import fibws
 from fibws.hub.server import Hub
 from fibws.msg.actionlib_msgs import GoalStatus
 from fibws.msg.actionlib_tutorials import FibonacciActionFeedback
-from fibws.msg.geometry_msgs import Point, Pose, PoseStamped
+from fibws.msg.geometry_msgs import Point, PointStamped, Pose, PoseStamped
 from fibws.msg.sensor_msgs import JointState, LaserScan
-from fibws.msg.std_msgs import Float64, Header, Int8, Int32, Int64, String, UInt8MultiArray
+from fibws.msg.std_msgs import (
+    Float64,
+    Float64MultiArray,
+    Header,
+    Int8,
+    Int32,
+    Int64,
+    String,
+    UInt8MultiArray,
+)
 
 from .conftest import OpenPage, fixture, until
 
@@ -252,7 +262,7 @@ async def test_numbers_are_shown_saved_and_copied_as_they_were_sent(
     await expect(value(page, "data")).to_have_text(shown)
     await expect(curve(page, "/n data").locator("output")).to_have_text(shown)
     async with page.expect_download() as download:
-        await page.get_by_role("button", name="CSV").click()
+        await page.get_by_role("button", name="CSV", exact=True).click()
     path = await (await download.value).path()
     _, *rows = csv.reader((await asyncio.to_thread(path.read_text)).splitlines())
     assert [line[1] for line in rows] == [shown]
@@ -284,7 +294,7 @@ async def test_every_message_of_a_fast_topic_is_plotted_and_saved(
             await asyncio.sleep(0)
     await expect(curve(page, "/n data").locator("output")).to_have_text("1999")
     async with page.expect_download() as download:
-        await page.get_by_role("button", name="CSV").click()
+        await page.get_by_role("button", name="CSV", exact=True).click()
     path = await (await download.value).path()
     _, *rows = csv.reader((await asyncio.to_thread(path.read_text)).splitlines())
     assert [int(line[1]) for line in rows] == [*range(-1, 2000)]
@@ -305,13 +315,15 @@ async def test_markup_is_not_interpreted(hub: Hub, node: fibws.Node, open_page: 
     assert await page.locator("img").count() == 0
 
 
-INK = """() => {
-    const canvas = document.querySelector(".plot-canvas canvas + canvas");
+INK = """(number = 0) => {
+    const canvas = document.querySelector(".plot-canvas .u-over > canvas");
+    if (canvas === null || canvas.width === 0) return 0;
     const [width, height] = [canvas.width, canvas.height];
     const copy = new OffscreenCanvas(width, height + 1);
     const context = copy.getContext("2d", {willReadFrequently: true});
     context.drawImage(canvas, 0, 0);
-    context.fillStyle = getComputedStyle(document.querySelector(".plot-legend .swatch")).color;
+    const swatch = document.querySelectorAll(".plot-legend .swatch")[Number(number) || 0];
+    context.fillStyle = getComputedStyle(swatch).color;
     context.fillRect(0, height, 1, 1);
     const wanted = context.getImageData(0, height, 1, 1).data;
     const {data} = context.getImageData(0, 0, width, height);
@@ -320,9 +332,22 @@ INK = """() => {
         if ([0, 1, 2].every(part => data[at + part] === wanted[part]) && data[at + 3] === 255)
             columns.add(at / 4 % width);
     }
-    return columns.size;
+    return number === "places" ? [...columns].sort((one, other) => one - other) : columns.size;
 }"""
-"""The number of columns of the canvas in which the first curve has pixels."""
+"""The number of columns of the canvas in which a curve has pixels, by default the first one."""
+
+
+async def open_settings(page: Page) -> None:
+    """Show the settings of the plot."""
+    await page.locator(".plot").get_by_role("button", name="Settings").click()
+
+
+async def saved(page: Page, button: str) -> list[list[str]]:
+    """Return the rows of the file that a button of the plot saves, the head first."""
+    async with page.expect_download() as download:
+        await page.locator(".plot").get_by_role("button", name=button, exact=True).click()
+    path = await (await download.value).path()
+    return [*csv.reader((await asyncio.to_thread(path.read_text)).splitlines())]
 
 
 async def test_plot_draws_a_curve(hub: Hub, fibonacci: None, open_page: OpenPage) -> None:
@@ -331,13 +356,35 @@ async def test_plot_draws_a_curve(hub: Hub, fibonacci: None, open_page: OpenPage
     output = curve(page, "/fibonacci data").locator("output")
     await expect(output).to_have_text(re.compile(r"^\d{4,}$"))
     await until(page, f"({INK})() > 300")
-    await page.get_by_label("Logarithmic").check()
+    await open_settings(page)
+    await page.get_by_label("Logarithmic", exact=True).check()
     await until(page, f"({INK})() > 300")
     await expect(page.locator(".plot-notes")).to_contain_text("logarithmic axis")
     shown = [await output.inner_text()]
     while len(shown) < 3:
         await expect(output).not_to_have_text(shown[-1])
         shown.append(await output.inner_text())
+
+
+async def test_labels_of_the_axis_follow_the_values(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    collect = """
+        const {fillText} = CanvasRenderingContext2D.prototype;
+        window.texts = new Set();
+        CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {
+            texts.add(text);
+            return fillText.call(this, text, ...place);
+        };
+    """
+    numbers = await node.advertise("/n", Float64, latch=True)
+    await numbers.publish(data=1.0)
+    page = await open_page(hub, "#/topics/%2Fn/plot", prepare=collect)
+    below_zero = "[...texts].some((text) => /^-\\d/.test(text))"
+    await until(page, "texts.has('now') && texts.size > 4")
+    assert not await page.evaluate(below_zero)
+    await numbers.publish(data=-50.0)
+    await until(page, below_zero)
 
 
 async def test_samples_of_a_plot_are_saved_as_csv(
@@ -354,7 +401,7 @@ async def test_samples_of_a_plot_are_saved_as_csv(
     await expect(curve(page, "position[knee, left]").locator("output")).to_have_text("1.5")
     await expect(curve(page, "/temperature").locator("output")).to_have_text("-0.25")
     async with page.expect_download() as download:
-        await page.get_by_role("button", name="CSV").click()
+        await page.get_by_role("button", name="CSV", exact=True).click()
     saved = await download.value
     assert saved.suggested_filename == "plot.csv"
     text = await asyncio.to_thread((await saved.path()).read_text)
@@ -437,10 +484,156 @@ async def test_curves_of_different_size_can_have_own_axes(
             await points.publish(x=each, y=1000 * each, z=0.0)
             await expect(curve(page, "/point y").locator("output")).to_have_text(f"{1000 * each:g}")
     await expect(notes).to_contain_text("flat")
+    await open_settings(page)
     await page.get_by_label("Own axes").check()
     await expect(notes).not_to_contain_text("flat")
     await expect(curve(page, "/point x")).to_contain_text("1 … 2")
     await expect(curve(page, "/point y")).to_contain_text("1000 … 2000")
+
+
+@fixture
+async def circle(node: fibws.Node) -> fibws.Publisher[Any]:
+    return await node.advertise("/circle", PointStamped, latch=True, queue_size=99)
+
+
+async def publish_circle(points: fibws.Publisher[Any], count: int = 41) -> None:
+    """Publish points of a circle, whose stamps are those of the last seconds, 0.1 s apart."""
+    start = time.time() - 0.1 * count
+    for at in range(count):
+        angle = 2 * pi * at / (count - 1)
+        stamp = fibws.Time.from_sec(start + 0.1 * at)
+        point = Point(x=2 + cos(angle), y=sin(angle), z=float(at))
+        await points.publish(header=Header(stamp=stamp), point=point)
+
+
+async def test_part_of_a_plot_is_zoomed_to_moved_and_saved(
+    hub: Hub, circle: fibws.Publisher[Any], open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics?plot=/circle:point.z&range=10")
+    await expect(row(page, "/circle").locator(".col-subscribers")).to_have_text("1")
+    await publish_circle(circle)
+    await expect(curve(page, "point.z").locator("output")).to_have_text("40")
+    assert [int(line[1]) for line in (await saved(page, "CSV"))[1:]] == [*range(41)]
+
+    async def seen() -> list[int]:
+        numbers = [int(line[1]) for line in (await saved(page, "CSV of view"))[1:]]
+        assert numbers == [*range(numbers[0], numbers[-1] + 1)]
+        return numbers
+
+    show_all = page.locator(".plot").get_by_role("button", name="Show all")
+    await expect(show_all).to_be_hidden()
+    # So that the places stay.
+    await page.locator(".plot").get_by_role("button", name="Pause").click()
+    await until(page, f"({INK})() > 40")
+    places = await page.evaluate(f"({INK})('places')")
+    chart = page.locator(".plot-canvas .u-over")
+    box = await chart.bounding_box()
+    assert box is not None
+    middle = box["y"] + box["height"] / 2
+    await page.mouse.move(box["x"] + max(1, places[0] - 9), middle)
+    await page.mouse.down()
+    await page.mouse.move(box["x"] + (places[0] + places[-1]) / 2, middle, steps=3)
+    await page.mouse.up()
+    await expect(show_all).to_be_visible()
+    first = await seen()
+    assert 5 < len(first) < 35
+    await expect(curve(page, "point.z")).to_contain_text(
+        f"{first[0]} \N{HORIZONTAL ELLIPSIS} {first[-1]}"
+    )
+    # The button has got the mouse.
+    await chart.hover()
+    await page.mouse.wheel(0, -500)
+    await until(
+        page, f"!document.querySelector('.plot-range').textContent.endsWith(' {first[-1]}')"
+    )
+    nearer = await seen()
+    assert len(nearer) < len(first)
+    await page.locator(".plot-canvas").focus()
+    await page.keyboard.press("ArrowLeft")
+    await until(
+        page, f"!document.querySelector('.plot-range').textContent.endsWith(' {nearer[-1]}')"
+    )
+    assert (await seen())[-1] < nearer[-1]
+    await page.locator(".plot-canvas").focus()
+    await page.keyboard.press("Escape")
+    await expect(show_all).to_be_hidden()
+    assert len(await seen()) > len(first)
+
+
+async def test_one_curve_is_drawn_over_another(
+    hub: Hub, circle: fibws.Publisher[Any], open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics?plot=/circle:point.x,/circle:point.y&range=10")
+    await expect(row(page, "/circle").locator(".col-subscribers")).to_have_text("1")
+    await publish_circle(circle)
+    await open_settings(page)
+    await page.get_by_label("Horizontal axis").select_option("X-Y: the first curve")
+    await until(page, f"({INK})(1) > 300")
+    # The first one is the axis.
+    assert await page.evaluate(f"({INK})(0)") == 0
+    await page.get_by_label("Samples as").select_option("Points")
+    await until(page, f"({INK})(1) > 60 && ({INK})(1) < 300")
+    assert "across=xy" in page.url
+
+
+async def test_elements_of_an_array_are_drawn_over_their_index(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    scans = await node.advertise("/scan", LaserScan, latch=True)
+    await scans.publish(ranges=[1.0, 2.0, inf, 4.0])
+    page = await open_page(hub, "#/topics/%2Fscan")
+    await page.get_by_label("Field to plot").fill("ranges[:] * 2")
+    await page.keyboard.press("Enter")
+    await expect(curve(page, "ranges[:] * 2")).to_contain_text("2 \N{HORIZONTAL ELLIPSIS} 8")
+    await until(page, f"({INK})() > 100")
+    rows = [["index", "/scan ranges[:] * 2"], ["0", "2"], ["1", "4"], ["2", "inf"], ["3", "8"]]
+    assert await saved(page, "CSV") == rows
+    # The legend has the element under the mouse.
+    box = await page.locator(".plot-canvas .u-over").bounding_box()
+    assert box is not None
+    await page.mouse.move(box["x"] + box["width"] - 2, box["y"] + 9)
+    await expect(curve(page, "ranges[:]").locator("output")).to_have_text("8")
+
+
+async def test_curve_of_simple_maths_with_fields(
+    hub: Hub, circle: fibws.Publisher[Any], open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics/%2Fcircle")
+    await publish_circle(circle, 2)
+    for text in ("point.x * 3.6 + 1", "/circle.point.z^2 - 1", "derivative(point.z)", "point.x +"):
+        await page.get_by_label("Field to plot").fill(text)
+        await page.keyboard.press("Enter")
+    await expect(curve(page, "point.x * 3.6 + 1").locator("output")).to_have_text("11.8")
+    await expect(curve(page, "/circle point.z^2 - 1").locator("output")).to_have_text("0")
+    await expect(page.locator(".plot-notes")).to_contain_text("Expected a field or a number")
+    await publish_circle(circle, 3)
+    await expect(curve(page, "derivative(point.z)").locator("output")).to_have_text(
+        re.compile("^(10|9.99|10.0)")
+    )
+    await expect(page.locator(".plot-legend li")).to_have_count(3)
+    link = await page.evaluate("location.hash")
+    copy = await open_page(hub, link)
+    await expect(curve(copy, "point.x * 3.6 + 1")).to_be_visible()
+    await expect(copy.locator(".plot-legend li")).to_have_count(3)
+
+
+async def test_plot_has_any_number_of_curves_and_loads_its_library_when_first_used(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    arrays = await node.advertise("/n", Float64MultiArray, latch=True)
+    await arrays.publish(data=[float(at) for at in range(20)])
+    page = await open_page(hub, "#/topics/%2Fn")
+    names: list[str] = []
+    page.on("request", lambda request: names.append(request.url.rsplit("/", 1)[-1]))
+    await expect(value(page, "[19]")).to_have_count(0)
+    assert not any(name.startswith("chart") for name in names)
+    for at in range(20):
+        await page.get_by_label("Field to plot").fill(f"data[{at}]")
+        await page.keyboard.press("Enter")
+    await expect(curve(page, "data[19]").locator("output")).to_have_text("19")
+    assert any(name.startswith("chart") for name in names)
+    looks = "[...document.querySelectorAll('.plot-legend .swatch')].map((each) => each.outerHTML)"
+    assert len(set(await page.evaluate(looks))) == 20
 
 
 async def test_elements_are_called_by_their_names(
@@ -495,7 +688,9 @@ async def test_link_reproduces_the_plot(
     page = await open_page(hub, f"{FIBONACCI}/plot")
     await row(page, "/point").get_by_role("button", name="Plot").click()
     await page.get_by_role("button", name="Remove /point y").click()
+    await open_settings(page)
     await page.get_by_label("Own axes").check()
+    await page.get_by_label("Samples as").select_option("Steps")
     await page.get_by_label("Time range").select_option("10 s")
     await until(page, "location.hash.includes('range=10')")
     link = await page.evaluate("location.hash")
@@ -505,6 +700,7 @@ async def test_link_reproduces_the_plot(
     names = copy.locator(".plot-name")
     await expect(names).to_have_text(["/fibonacci data", "/point x", "/point z"])
     await expect(copy.get_by_label("Own axes")).to_be_checked()
+    await expect(copy.get_by_label("Samples as")).to_have_value("steps")
     await expect(copy.get_by_label("Time range")).to_have_value("10")
     await expect(curve(copy, "/point z").locator("output")).to_have_text("3")
     await copy.locator(".plot-fold").click()

@@ -7,8 +7,10 @@ import {
   extentOf,
   linearAxis,
   logarithmicAxis,
+  multiples,
   NOTHING,
   spanFor,
+  ticksIn,
   timeStep,
   union,
 } from "./axes";
@@ -88,7 +90,17 @@ test("the time axis grows in steps", () => {
 test("labels of the time axis have room", () => {
   expect(timeStep(30, 10)).toBe(5);
   expect(timeStep(600, 4)).toBe(300);
+  expect([timeStep(0.01, 5), timeStep(7200, 3)]).toEqual([0.002, 3600]);
   expect([0, 5, 90, 120].map(agoText)).toEqual(["now", "−5 s", "−90 s", "−2 min"]);
+});
+
+test("any part of an axis has round ticks", () => {
+  expect(ticksIn([0.13, 0.52], 4)).toEqual([0.2, 0.3, 0.4, 0.5]);
+  expect(ticksIn([-7, 7], 3)).toEqual([-5, 0, 5]);
+  expect(ticksIn([3, 700], 4, true)).toEqual([10, 100]);
+  expect(ticksIn([3, 4], 5, true)).toEqual([3, 3.2, 3.4, 3.6, 3.8, 4]);
+  expect(multiples([0, 0.3], 0.1)).toEqual([0, 0.1, 0.2, 0.3]);
+  expect(multiples([0.1, 0.2], 5)).toEqual([]);
 });
 
 test("labels are short", () => {
@@ -101,9 +113,14 @@ test("labels are short", () => {
     "1e6",
   ]);
   const secs = new Date(2026, 10, 21, 20, 35, 5).getTime() / 1000;
-  expect([secs, secs + 0.5, secs + 0.96].map(clock)).toEqual([
+  expect([secs, secs + 0.5, secs + 0.96].map((each) => clock(each))).toEqual([
     "20:35:05",
     "20:35:05.5",
     "20:35:06",
+  ]);
+  expect([clock(secs + 0.123, 3), clock(secs + 0.1, 3), clock(secs, 3)]).toEqual([
+    "20:35:05.123",
+    "20:35:05.1",
+    "20:35:05",
   ]);
 });

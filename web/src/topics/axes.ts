@@ -14,7 +14,10 @@ export const NOTHING: Extent = [Infinity, -Infinity];
 /** The first digits of the distance between two ticks. */
 const NICE = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10];
 /** Possible times between two labels of the time axis, in seconds. */
-const SECONDS = [1, 2, 5, 10, 15, 30, 60, 120, 300];
+const SECONDS = [
+  ...[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1].flatMap((power) => [power, 2 * power, 5 * power]),
+  ...[1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600],
+];
 /** Lengths of the time axis before it has grown to the chosen one, in seconds. */
 const GROWING = [2, 5, 10, 20, 30, 60, 120, 300];
 
@@ -94,17 +97,38 @@ export function timeStep(span: number, limit: number): number {
   return SECONDS.find((step) => span / step <= limit) ?? span;
 }
 
+/** Round values between two others, about `limit` of them. */
+export function ticksIn([low, high]: Extent, limit: number, isLogarithmic = false): number[] {
+  if (isLogarithmic && low > 0) {
+    const ticks = logarithmicAxis([low, high], limit).ticks;
+    const inside = ticks.filter((tick) => low <= tick && tick <= high);
+    if (inside.length > 1) return inside;
+  }
+  const power = 10 ** Math.floor(Math.log10((high - low) / limit));
+  const digits = [1, 2, 5, 10].find((each) => (high - low) / (each * power) <= limit) ?? 10;
+  return multiples([low, high], digits * power);
+}
+
+/** The multiples of a step between two values. */
+export function multiples([low, high]: Extent, step: number): number[] {
+  const first = Math.ceil(low / step - 1e-9);
+  const count = Math.max(0, Math.floor(high / step + 1e-9) - first + 1);
+  return Array.from({ length: count }, (_, at) => Number(((first + at) * step).toPrecision(15)));
+}
+
 /** A label for a time some seconds ago: `now`, `−5 s`, `−2 min`. */
 export function agoText(seconds: number): string {
   if (seconds === 0) return "now";
   return seconds % 60 === 0 ? `−${seconds / 60} min` : `−${seconds} s`;
 }
 
-/** The local time of day, with tenths of a second if it has any: `20:35:15`. */
-export function clock(secs: number): string {
-  const tenths = Math.round(secs * 10);
-  const text = timeOfDay(Math.floor(tenths / 10));
-  return tenths % 10 === 0 ? text : `${text}.${tenths % 10}`;
+/** The local time of day, with tenths of a second, or more digits, if it has any: `20:35:15`. */
+export function clock(secs: number, digits = 1): string {
+  const power = 10 ** digits;
+  const parts = Math.round(secs * power);
+  const text = timeOfDay(Math.floor(parts / power));
+  const rest = parts % power;
+  return rest === 0 ? text : `${text}.${String(rest).padStart(digits, "0").replace(/0+$/, "")}`;
 }
 
 /** A short label for a value: `1200`, `0.25`, `1.8e9`. */

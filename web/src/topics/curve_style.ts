@@ -1,13 +1,13 @@
-/** The styles of curves, which differ in dashes and markers as well as colour, and their legend. */
+/** The styles of curves, which differ in colour, dashes and markers, and their legend. */
 import { h, setText, svg } from "../dom";
 import { figure } from "../format";
 import { numberText } from "../messages/values";
-import { axisText, type Extent } from "./axes";
+import type { Extent } from "./axes";
 
 /** The number of colours, dashes and markers. */
-export const STYLES = 8;
+const STYLES = 8;
 
-export const DASHES: readonly (readonly number[])[] = [
+const DASHES: readonly (readonly number[])[] = [
   [],
   [9, 4],
   [2, 3],
@@ -19,7 +19,7 @@ export const DASHES: readonly (readonly number[])[] = [
 ];
 
 /** Markers within the square from -1 to 1. */
-export const MARKERS: readonly (readonly (readonly [number, number])[])[] = [
+const MARKERS: readonly (readonly (readonly [number, number])[])[] = [
   circle(16),
   [
     [-0.9, -0.9],
@@ -68,12 +68,29 @@ function circle(corners: number): [number, number][] {
   });
 }
 
+/** The number of the dashes and the marker of a style: those of further rounds of colours are others. */
+function patternOf(style: number): number {
+  return (style + Math.floor(style / STYLES)) % STYLES;
+}
+
+/** The dashes of a style, in CSS pixels; empty for a full line. */
+export function dashesOf(style: number): readonly number[] {
+  return DASHES[patternOf(style)] ?? [];
+}
+
+/** The corners of a style's marker. */
+export function markerOf(style: number): readonly (readonly [number, number])[] {
+  return MARKERS[patternOf(style)] ?? [];
+}
+
 /** A sample of a style for the legend, in the current text colour. */
 export function swatch(style: number): SVGElement {
-  const marker = (MARKERS[style] ?? []).map(([x, y]) => `${28 + 3.6 * x},${6 + 3.6 * y}`).join(" ");
+  const marker = markerOf(style)
+    .map(([x, y]) => `${28 + 3.6 * x},${6 + 3.6 * y}`)
+    .join(" ");
   return svg(
     "svg",
-    { class: `swatch curve-${style}`, viewBox: "0 0 34 12", "aria-hidden": "true" },
+    { class: `swatch curve-${style % STYLES}`, viewBox: "0 0 34 12", "aria-hidden": "true" },
     svg("line", {
       x1: 1,
       y1: 6,
@@ -81,7 +98,7 @@ export function swatch(style: number): SVGElement {
       y2: 6,
       stroke: "currentColor",
       "stroke-width": 2,
-      "stroke-dasharray": (DASHES[style] ?? []).join(" ") || null,
+      "stroke-dasharray": dashesOf(style).join(" ") || null,
     }),
     svg("polygon", { points: marker, fill: "currentColor" }),
   );
@@ -97,8 +114,7 @@ export class LegendEntry {
   readonly #value = h("output", { class: "plot-value" }, "–");
   readonly #range = h("span", {
     class: "plot-range small soft",
-    title: "Range of its axis",
-    hidden: true,
+    title: "Minimum … maximum of what is seen",
   });
 
   /** `remove` is called when the user removes the curve. */
@@ -146,10 +162,9 @@ export class LegendEntry {
     return true;
   }
 
-  /** Show the range of the axis that only this curve has. */
-  showRange(extent: Extent | undefined): void {
-    this.#range.hidden = extent === undefined;
-    if (extent !== undefined) setText(this.#range, extent.map(axisText).join(" … "));
+  /** Show the minimum and the maximum of what is seen; `NOTHING` if there are no numbers. */
+  showExtent([low, high]: Extent): void {
+    setText(this.#range, low > high ? "" : `${figure(low)} … ${figure(high)}`);
   }
 
   /** Show a value, with all its digits in the tooltip; `undefined` is a gap. */

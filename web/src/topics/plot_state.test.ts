@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { csv, curvesFrom, curvesText } from "./plot_state";
+import { csv, curvesFrom, curvesText, elementsCsv } from "./plot_state";
 import { RingBuffer } from "./ring_buffer";
 
 test.each([
@@ -9,6 +9,7 @@ test.each([
       ["/a", "x"],
       ["/joint_states", "position[elbow, left]"],
       ["/b", "status[100 %2C].level"],
+      ["/scan", "atan2(ranges[:], 2) * 3.6 + 1e-3 / 5"],
     ],
   ],
 ] as const)("curves %j survive a round trip", (curves) => {
@@ -64,4 +65,19 @@ test("numbers of the CSV are as they were sent", () => {
     "-inf",
     "18446744073709551615",
   ]);
+});
+
+test("arrays are columns over their index, or over a part of it", () => {
+  const curves = [
+    { name: ["/scan", "ranges[:]"], elements: Float64Array.of(1, Infinity, 3) },
+    { name: ["/b", "x[:]"], elements: Float64Array.of(0.5) },
+  ] as const;
+  expect(elementsCsv(curves).split("\r\n")).toEqual([
+    'index,"/scan ranges[:]","/b x[:]"',
+    "0,1,0.5",
+    "1,inf,",
+    "2,3,",
+    "",
+  ]);
+  expect(elementsCsv(curves, 0.5, 1).split("\r\n").slice(1, -1)).toEqual(["1,inf,"]);
 });

@@ -1,11 +1,12 @@
-/** A plot as text: the part that its URL has, which is curves and the range of time, and its samples as CSV. */
+/** A plot as text: the part that its URL has, which is curves and settings, and its samples as CSV. */
+import { greatest } from "../lists";
 import { numberText } from "../messages/values";
 import type { Sample } from "./ring_buffer";
 
 /** Entries of the URL's state. */
 export type ViewState = Record<string, string | boolean>;
 
-/** The topic of a curve and the path of its number. */
+/** The topic of a curve and the expression of its number. */
 export type CurveName = readonly [topic: string, path: string];
 
 /** The ranges of time to choose from. */
@@ -51,7 +52,6 @@ export interface NamedSamples {
  * they were sent. Source of the quotes: RFC 4180.
  */
 export function csv(curves: readonly NamedSamples[]): string {
-  const quoted = (text: string): string => `"${text.replaceAll('"', '""')}"`;
   const lines = [["time", ...curves.map(({ name }) => quoted(name.join(" ")))].join(",")];
   const iterators = curves.map(({ samples }) => samples[Symbol.iterator]());
   const next = iterators.map((each) => take(each));
@@ -69,6 +69,36 @@ export function csv(curves: readonly NamedSamples[]): string {
     });
     if (values.some((value) => value !== "")) lines.push([time.toFixed(6), ...values].join(","));
   }
+}
+
+/** A curve, and the elements of its array. */
+export interface NamedElements {
+  readonly name: CurveName;
+  readonly elements: ArrayLike<number>;
+}
+
+/** The elements of arrays as CSV: a column of indices, and one of each array; of a part of the indices. */
+export function elementsCsv(
+  curves: readonly NamedElements[],
+  from = 0,
+  to = Number.POSITIVE_INFINITY,
+): string {
+  const lines = [["index", ...curves.map(({ name }) => quoted(name.join(" ")))].join(",")];
+  const count = greatest(
+    curves.map(({ elements }) => elements.length),
+    0,
+  );
+  for (let at = Math.max(0, Math.ceil(from)); at < count && at <= to; at += 1) {
+    const values = curves.map(({ elements }) => elements[at]);
+    lines.push(
+      [at, ...values.map((each) => (each === undefined ? "" : numberText(each)))].join(","),
+    );
+  }
+  return `${lines.join("\r\n")}\r\n`;
+}
+
+function quoted(text: string): string {
+  return `"${text.replaceAll('"', '""')}"`;
 }
 
 function take(samples: Iterator<Sample, unknown>): Sample | undefined {

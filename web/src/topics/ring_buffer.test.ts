@@ -67,6 +67,18 @@ describe("a ring buffer", () => {
     expect(ring.valueAt(5)).toBeUndefined();
   });
 
+  it("returns the samples between two times alone, and their extent", () => {
+    const ring = filled(8, 12, (at) => (at === 6 ? NaN : at === 7 ? Infinity : at));
+    expect([...ring.within(5, 8).values]).toEqual([5, NaN, Infinity, 8]);
+    expect(ring.extent(5, 8.5)).toEqual([5, 8]);
+    expect([...ring.all(4.5, 6)]).toEqual([
+      { time: 5, value: 5 },
+      { time: 6, value: NaN },
+    ]);
+    expect([...ring.within(20, 30).values]).toEqual([]);
+    expect(ring.extent(6, 7)).toEqual([Infinity, -Infinity]);
+  });
+
   it("has room for many samples only once there are many", () => {
     const ring = filled(5000, 3000);
     expect([ring.length, ring.first, ring.newest]).toEqual([3000, 0, 2999]);

@@ -70,11 +70,31 @@ export class RingBuffer {
     this.#count = 0;
   }
 
-  /** All samples, as they were sent. */
-  *all(): Generator<Sample> {
-    for (let at = this.#count - this.length; at < this.#count; at += 1) {
+  /** All samples, or those between two times, as they were sent. */
+  *all(from = -Infinity, to = Infinity): Generator<Sample> {
+    for (let at = this.#before(from); at < this.#count; at += 1) {
+      if (this.#time(at) > to) return;
       yield { time: this.#time(at), value: this.#exact(at) };
     }
+  }
+
+  /** The least and the greatest finite value between two times. */
+  extent(from: number, to: number): readonly [least: number, greatest: number] {
+    let [least, greatest] = [Infinity, -Infinity];
+    const end = this.after(to);
+    for (let at = this.#before(from); at < end; at += 1) {
+      const value = this.#value(at);
+      if (!Number.isFinite(value)) continue;
+      if (value < least) least = value;
+      if (value > greatest) greatest = value;
+    }
+    return [least, greatest];
+  }
+
+  /** The samples between two times, without any others. */
+  within(from: number, to: number): Samples {
+    const start = this.#before(from);
+    return this.#copy(start, Math.max(0, this.after(to) - start));
   }
 
   /** The newest value at a time, as it was sent. */
@@ -104,12 +124,21 @@ export class RingBuffer {
 
   /** The index of the first sample after a time, counted from the first sample ever. */
   after(time: number): number {
+    return this.#firstWhere((each) => each > time);
+  }
+
+  /** The index of the first sample that is not before a time. */
+  #before(time: number): number {
+    return this.#firstWhere((each) => each >= time);
+  }
+
+  #firstWhere(isPast: (time: number) => boolean): number {
     let low = this.#count - this.length;
     let high = this.#count;
     while (low < high) {
       const middle = (low + high) >>> 1;
-      if (this.#time(middle) <= time) low = middle + 1;
-      else high = middle;
+      if (isPast(this.#time(middle))) high = middle;
+      else low = middle + 1;
     }
     return low;
   }

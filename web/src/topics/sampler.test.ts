@@ -4,7 +4,8 @@ import type { Message } from "../hub";
 import { greatest } from "../lists";
 import type { Wanted } from "../messages/data_client";
 import type { DataSource } from "../source";
-import { Sampler, timeOf } from "./sampler";
+import { plotSource } from "./plot_source";
+import { Curve, Sampler, timeOf } from "./sampler";
 
 vi.mock("../messages/data_client", () => ({
   subscribe: (fake: FakeHub, ...rest: Parameters<FakeHub["subscribe"]>) => fake.subscribe(...rest),
@@ -36,14 +37,14 @@ class FakeHub {
 
 function create(): { hub: FakeHub; sampler: Sampler } {
   const hub = new FakeHub();
-  return { hub, sampler: new Sampler(hub as unknown as DataSource, "/n", () => undefined) };
+  return { hub, sampler: new Sampler(plotSource(hub as unknown as DataSource), "/n", () => undefined) };
 }
 
 describe("a sampler", () => {
   it("records the numbers of messages, and names a path that has none", () => {
     const { hub, sampler } = create();
-    const x = sampler.add("x");
-    const inner = sampler.add("list[1]");
+    const x = sampler.add(new Curve("x"));
+    const inner = sampler.add(new Curve("list[1]"));
     sampler.start();
     hub.receive({ x: 8, list: [1, 2] });
     expect([x.samples.newest, inner.samples.newest, sampler.missing]).toEqual([8, 2, ""]);
@@ -57,7 +58,7 @@ describe("a sampler", () => {
 
   it("follows an element by its name", () => {
     const { hub, sampler } = create();
-    const curve = sampler.add("position[1]");
+    const curve = sampler.add(new Curve("position[1]"));
     sampler.start();
     hub.receive({ name: ["shoulder", "elbow"], position: [1, 2] });
     expect([curve.path, curve.samples.newest]).toEqual(["position[elbow]", 2]);
@@ -66,13 +67,13 @@ describe("a sampler", () => {
     hub.receive({ name: ["elbow"], position: [3] });
     expect([curve.samples.newest, sampler.missing]).toEqual([3, ""]);
     hub.receive({ name: ["elbow"], position: [] });
-    sampler.add("position[hand]");
+    sampler.add(new Curve("position[hand]"));
     expect(sampler.missing).toBe("position[hand]");
   });
 
   it("begins again when stamps go back", () => {
     const { hub, sampler } = create();
-    const { samples } = sampler.add("x");
+    const { samples } = sampler.add(new Curve("x"));
     sampler.start();
     const at = (secs: number, x: number) =>
       hub.receive({ header: { stamp: { secs, nsecs: 0 } }, x });
@@ -85,17 +86,44 @@ describe("a sampler", () => {
     expect([samples.length, samples.newest]).toEqual([1, 4]);
   });
 
+  it("has the newest elements of an array, and no samples", () => {
+    const { hub, sampler } = create();
+    const curve = sampler.add(new Curve("ranges[1:] * 2"));
+    sampler.start();
+    hub.receive({ ranges: [1, 2, 3] });
+    expect([...(curve.elements ?? [])]).toEqual([4, 6]);
+    hub.receive({ ranges: [1, 5] });
+    expect([...(curve.elements ?? [])]).toEqual([10]);
+    hub.receive({});
+    expect([curve.samples.length, sampler.missing]).toEqual([0, "ranges[1:] * 2"]);
+  });
+
+  it("has no derivative over the time without a subscription", () => {
+    const { hub, sampler } = create();
+    const { samples } = sampler.add(new Curve("derivative(x)"));
+    sampler.start();
+    hub.receive({ x: 1 }, 1000);
+    hub.receive({ x: 2 }, 2000);
+    sampler.stop();
+    sampler.start();
+    hub.receive({ x: 99 }, 3000);
+    expect(samples.newest).toBe(undefined);
+    hub.receive({ x: 101 }, 4000);
+    expect([...samples.all()].map(({ value }) => value)).toEqual([1, undefined, 2]);
+    expect(sampler.missing).toBe("");
+  });
+
   it("gives a new curve the newest message", () => {
     const { hub, sampler } = create();
-    sampler.add("x");
+    sampler.add(new Curve("x"));
     sampler.start();
     hub.receive({ x: 8, y: 5 });
-    expect(sampler.add("y").samples.newest).toBe(5);
+    expect(sampler.add(new Curve("y")).samples.newest).toBe(5);
   });
 
   it("subscribes between start and stop, and leaves a gap", () => {
     const { hub, sampler } = create();
-    const x = sampler.add("x");
+    const x = sampler.add(new Curve("x"));
     sampler.start();
     sampler.start();
     hub.receive({ x: 8 });
@@ -108,7 +136,7 @@ describe("a sampler", () => {
 
   it.each([200, 1000])("has every sample of 30 s at %i Hz, also of a busy page", (rate) => {
     const { hub, sampler } = create();
-    const { samples } = sampler.add("data");
+    const { samples } = sampler.add(new Curve("data"));
     sampler.start();
     const count = 30 * rate;
     const spike = (at: number): boolean => at % 203 === 0;

@@ -1,46 +1,73 @@
 /** Subscribes to one topic and records the numbers that are plotted. */
-import { resolve } from "../element_names";
 import type { Message } from "../hub";
-import { subscribe } from "../messages/data_client";
-import { numberAt, secondsOf } from "../messages/values";
+import { secondsOf } from "../messages/values";
 import { Stamps } from "../simulated_time";
-import type { DataSource } from "../source";
-import { own, parsePath, pathText, type Step } from "../types";
+import { own } from "../types";
+import { ABSENT, Expression, WAITING } from "./expression";
+import type { PlotSource } from "./plot_source";
 import { RingBuffer } from "./ring_buffer";
 
 /** Samples of a curve: those of 10 minutes at 1.7 kHz. */
 const CAPACITY = 2 ** 20;
-/** How many messages wait while the page is busy: it needs each of them. */
-const QUEUE = 10_000;
 /** A header's time is used if it differs from the clock by no more than this, in seconds. */
 const MAX_SKEW = 5;
 
-export class Curve {
-  /** With the names of array elements once there was a message: `position[elbow]`. */
-  path: string;
-  readonly samples = new RingBuffer(CAPACITY);
-  #steps: readonly Step[];
+/** Records something of each message of a topic. */
+export interface Recorder {
+  /** What it records, in words: `position[elbow]`. */
+  readonly path: string;
+  /** Record a message. Returns whether it should have had something to record, but has not. */
+  record(message: Message, time: number): boolean;
+  /** There are no messages for a while. */
+  pause(time: number): void;
+  /** Forget everything. */
+  clear(): void;
+}
 
-  constructor(path: string) {
-    this.path = path;
-    this.#steps = parsePath(path) ?? [];
+export class Curve implements Recorder {
+  readonly samples = new RingBuffer(CAPACITY);
+  /** The newest elements, if it is of an array: they are plotted over their index. */
+  elements: Float64Array | undefined;
+  readonly #expression: Expression;
+
+  /** Throws an `ExpressionError` if the text is invalid. */
+  constructor(text: string) {
+    this.#expression = new Expression(text);
   }
 
-  /** Record the number of a message. Returns whether the message should have had one, but has not. */
+  /** With the names of array elements once there was a message: `position[elbow]`. */
+  get path(): string {
+    return this.#expression.text;
+  }
+
+  get isArray(): boolean {
+    return this.#expression.isArray;
+  }
+
   record(message: Message, time: number): boolean {
-    const found = resolve(message, this.#steps);
+    const value = this.#expression.evaluate(message, time);
     // Messages of other nodes have other elements: they leave no gap.
-    if (found === undefined) return this.samples.length === 0;
-    const value = numberAt(message, found.indices);
+    if (value === ABSENT) return this.samples.length === 0;
+    if (value === WAITING) return false;
     if (value === undefined) {
-      this.samples.pushGap(time);
+      this.#expression.reset();
+      if (!this.isArray) this.samples.pushGap(time);
       return true;
     }
-    this.samples.push(time, value);
-    // From now on the curve is that of the element with this name, wherever that is.
-    this.#steps = found.named;
-    this.path = pathText(found.named);
+    if (typeof value === "object") this.elements = value;
+    else this.samples.push(time, value);
     return false;
+  }
+
+  pause(time: number): void {
+    this.#expression.reset();
+    if (this.samples.length > 0) this.samples.pushGap(time);
+  }
+
+  clear(): void {
+    this.#expression.reset();
+    this.samples.clear();
+    this.elements = undefined;
   }
 }
 
@@ -50,54 +77,53 @@ export class Sampler {
   error = "";
   /** A path at which the newest message had no number; empty if there is none. */
   missing = "";
-  readonly #hub: DataSource;
+  readonly #source: PlotSource;
   readonly #changed: () => void;
-  readonly #curves = new Set<Curve>();
+  readonly #recorders = new Set<Recorder>();
   readonly #stamps = new Stamps();
   #unsubscribe: (() => void) | undefined;
   #unwatch: (() => void) | undefined;
   #newest: { readonly message: Message; readonly time: number } | undefined;
 
   /** `changed` is called for each message. */
-  constructor(hub: DataSource, topic: string, changed: () => void) {
-    this.#hub = hub;
+  constructor(source: PlotSource, topic: string, changed: () => void) {
+    this.#source = source;
     this.topic = topic;
     this.#changed = changed;
   }
 
-  add(path: string): Curve {
-    const curve = new Curve(path);
-    this.#curves.add(curve);
-    // So that a slow topic has a value at once.
-    if (this.#newest !== undefined) this.#record(curve, this.#newest.message, this.#newest.time);
-    return curve;
+  /** Let something be recorded, beginning with the newest message: a slow topic has a value at once. */
+  add<T extends Recorder>(recorder: T): T {
+    this.#recorders.add(recorder);
+    if (this.#newest !== undefined) this.#record(recorder, this.#newest.message, this.#newest.time);
+    return recorder;
   }
 
-  /** A path with the names of array elements, if there was a message. */
-  named(path: string): string {
-    const found = this.#newest && resolve(this.#newest.message, parsePath(path) ?? []);
-    return found === undefined ? path : pathText(found.named);
+  /** An expression with the names of array elements, if there was a message. */
+  named(text: string): string {
+    const expression = new Expression(text);
+    if (this.#newest !== undefined) expression.evaluate(this.#newest.message, this.#newest.time);
+    return expression.text;
   }
 
-  /** Remove a curve. Returns whether it was the last: then the subscription has ended. */
-  remove(curve: Curve): boolean {
-    this.#curves.delete(curve);
-    if (this.#curves.size > 0) return false;
+  /** Record something no longer. Returns whether it was the last: then the subscription has ended. */
+  remove(recorder: Recorder): boolean {
+    this.#recorders.delete(recorder);
+    if (this.#recorders.size > 0) return false;
     this.stop();
     return true;
   }
 
   start(): void {
     // What comes then is of another time.
-    this.#unwatch ??= this.#hub.clock.onJump(() => {
+    this.#unwatch ??= this.#source.onJump(() => {
       this.#newest = undefined;
-      for (const { samples } of this.#curves) samples.clear();
+      for (const recorder of this.#recorders) recorder.clear();
       this.#changed();
     });
-    this.#unsubscribe ??= subscribe(
-      this.#hub,
-      { topic: this.topic, queue: QUEUE },
-      (message, { time }) => this.#receive(message, time / 1000),
+    this.#unsubscribe ??= this.#source.subscribe(
+      this.topic,
+      (message, time) => this.#receive(message, time),
       (why) => {
         this.error = why;
         this.#changed();
@@ -111,9 +137,7 @@ export class Sampler {
     this.#unsubscribe = undefined;
     this.#unwatch?.();
     this.#unwatch = undefined;
-    // The time without a subscription is a gap in the curve.
-    for (const { samples } of this.#curves)
-      if (samples.length > 0) samples.pushGap(this.#hub.clock.now() / 1000);
+    for (const recorder of this.#recorders) recorder.pause(this.#source.now());
   }
 
   #receive(message: Message, arrived: number): void {
@@ -122,15 +146,15 @@ export class Sampler {
     const time = timeOf(message, arrived);
     // A curve of two runs would be none of both.
     if (this.#stamps.hasGoneBack(stampOf(message))) {
-      for (const { samples } of this.#curves) samples.clear();
+      for (const recorder of this.#recorders) recorder.clear();
     }
     this.#newest = { message, time };
-    for (const curve of this.#curves) this.#record(curve, message, time);
+    for (const recorder of this.#recorders) this.#record(recorder, message, time);
     this.#changed();
   }
 
-  #record(curve: Curve, message: Message, time: number): void {
-    if (curve.record(message, time)) this.missing = curve.path;
+  #record(recorder: Recorder, message: Message, time: number): void {
+    if (recorder.record(message, time)) this.missing = recorder.path;
   }
 }
 

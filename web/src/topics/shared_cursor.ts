@@ -1,0 +1,4 @@
+import { Source } from "../signal";
+
+/** The time under the mouse, which all plots show. */
+export const sharedCursor = new Source<number | undefined>(undefined);
