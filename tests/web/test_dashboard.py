@@ -18,8 +18,8 @@ from fibws.hub.server import Hub
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
-from fibws.msg.sensor_msgs import Image
-from fibws.msg.std_msgs import Float64
+from fibws.msg.sensor_msgs import BatteryState, Image, LaserScan
+from fibws.msg.std_msgs import Bool, Float64, Header, String
 
 from .conftest import Complaints, OpenPage, fixture, until
 
@@ -493,6 +493,82 @@ async def test_all_plots_show_the_time_under_the_mouse(hub: Hub, open_page: Open
         )
         await page.mouse.move(0, 0)
         await expect(marks.last).to_be_hidden()
+
+
+COLOURS = """[...document.querySelectorAll(".transitions li canvas")].map((canvas) => {
+    const {data} = canvas.getContext("2d").getImageData(0, 1, canvas.width, 1);
+    const pixels = new Uint32Array(data.buffer).filter((_, at) => data[4 * at + 3] === 255);
+    return new Set(pixels).size;
+}).join()"""
+"""How many colours the spans of each row have."""
+
+
+async def test_states_are_spans_of_colours(hub: Hub, open_page: OpenPage) -> None:
+    states = "/battery:power_supply_status,/mode:data,/on:data"
+    layout = {
+        "schema": 1,
+        "layout": {"view": "transitions", "name": "", "config": {"states": states}},
+    }
+    async with fibws.Node("robot", hub=hub.url) as node:
+        battery = await node.advertise("/battery", BatteryState, latch=True)
+        await battery.publish(power_supply_status=BatteryState.POWER_SUPPLY_STATUS_CHARGING)
+        mode = await node.advertise("/mode", String, latch=True)
+        await mode.publish(data="manual")
+        switch = await node.advertise("/on", Bool, latch=True)
+        await switch.publish(data=True)
+        page = await open_page(hub, DASHBOARD)
+        await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
+        panel = pane(page, "State transitions")
+        values = panel.locator(".transitions-head output")
+        await expect(values).to_have_text(["CHARGING", "manual", "true"])
+        await battery.publish(power_supply_status=BatteryState.POWER_SUPPLY_STATUS_FULL)
+        await switch.publish(data=False)
+        await expect(values).to_have_text(["FULL", "manual", "false"])
+        await until(page, f"{COLOURS} === '2,1,2'")
+        # In another panel, the mouse would point to the same time.
+        canvas = panel.locator("canvas").first
+        box = await canvas.bounding_box()
+        assert box is not None
+        await page.mouse.move(box["x"] + 1, box["y"] + 5)
+        await expect(panel).to_contain_text("At ")
+        await expect(values).to_have_text(["\N{EN DASH}"] * 3)
+        await page.mouse.move(0, 0)
+        await expect(values).to_have_text(["FULL", "manual", "false"])
+        await panel.get_by_role("button", name="Remove /mode data").click()
+        await expect(values).to_have_text(["FULL", "false"])
+        await panel.get_by_label("Topic to show").select_option("/mode")
+        await expect(panel.get_by_label("Field to show")).to_have_value("data")
+        await panel.get_by_role("button", name="Show", exact=True).click()
+        await expect(values).to_have_text(["FULL", "false", "manual"])
+        await page.reload()
+        await expect(values).to_have_text(["FULL", "false", "manual"])
+
+
+async def test_fields_of_an_echo_are_dragged_onto_plots_and_states(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    views = ["echo", "plot", "transitions"]
+    items = [{"view": view, "name": "/scan" if view == "echo" else ""} for view in views]
+    layout = {"schema": 1, "layout": {"split": "row", "items": items}}
+    async with fibws.Node("robot", hub=hub.url) as node:
+        scans = await node.advertise("/scan", LaserScan, latch=True)
+        await scans.publish(range_max=8.0, ranges=[1.0, 2.0], header=Header(frame_id="laser"))
+        page = await open_page(hub, DASHBOARD)
+        await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
+        plot, states = pane(page, "Plot"), pane(page, "State transitions")
+
+        def key(path: str) -> Locator:
+            return pane(page, "Echo").locator(f'[data-field="{path}"]')
+
+        await key("range_max").drag_to(plot.locator(".plot-pane"))
+        await expect(plot.locator(".plot-name")).to_have_text("/scan range_max")
+        await expect(plot.locator(".plot-value")).to_have_text("8")
+        # Onto the chart, too; of an array, all elements.
+        await key("ranges[:]").drag_to(plot.locator(".plot-canvas"))
+        await expect(plot.locator(".plot-name").last).to_have_text("/scan ranges[:]")
+        await expect(plot.locator(".plot-name")).to_have_count(2)
+        await key("header.frame_id").drag_to(states.locator(".plot-pane"))
+        await expect(states.locator("output")).to_have_text("laser")
 
 
 async def test_title_of_a_narrow_panel_is_not_covered(robot: Robot, open_page: OpenPage) -> None:

@@ -105,6 +105,7 @@ export function expand(message: unknown, path: string): string[] {
   });
 }
 
-function valueAt(message: unknown, path: readonly (string | number)[]): unknown {
+/** The value at a path with indices. */
+export function valueAt(message: unknown, path: readonly (string | number)[]): unknown {
   return path.reduce<unknown>((value, step) => own(value, String(step)), message);
 }

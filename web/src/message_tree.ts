@@ -3,6 +3,7 @@ import "./message_tree.css";
 
 import { h, setText, svg } from "./dom";
 import { elementNames } from "./element_names";
+import { dragFields } from "./field_drag";
 import { dateTime, duration, plural, whole } from "./format";
 import { bytes, elements, numberText } from "./messages/values";
 import { byteLength, type Field, isBytes, kindOf, own, type Types, typeText } from "./types";
@@ -25,10 +26,16 @@ export class MessageTree {
   readonly #branch: Children;
   readonly #type: string;
 
-  /** Without types, values are shown as in JSON. */
-  constructor(types: Types | undefined, type: string, plot?: PlotPath) {
+  /** Without types, values are shown as in JSON; with a topic, its fields can be dragged onto plots. */
+  constructor(types: Types | undefined, type: string, plot?: PlotPath, topic?: string) {
     this.#type = type;
-    this.#branch = new Children(this.element, { types, plot }, "", 0);
+    this.#branch = new Children(
+      this.element,
+      { types, plot, isDragged: topic !== undefined },
+      "",
+      0,
+    );
+    if (topic !== undefined) dragFields(this.element, topic);
   }
 
   show(message: unknown): void {
@@ -39,9 +46,14 @@ export class MessageTree {
 /** The messages around a value, innermost first: they may name elements of arrays. */
 type Owners = readonly unknown[];
 
-interface Context {
-  readonly types: Types | undefined;
+interface LeafContext {
   readonly plot: PlotPath | undefined;
+  /** Whether fields can be dragged onto plots. */
+  readonly isDragged: boolean;
+}
+
+interface Context extends LeafContext {
+  readonly types: Types | undefined;
 }
 
 /** The fields of a message or the elements of an array. */
@@ -175,7 +187,7 @@ function makeItem(
   if (typeof value === "object" && value !== null && !isTime && !isByteString(value, field)) {
     return new Branch(context, label, path, value, field, depth, owners);
   }
-  return new Leaf(context.plot, label, path, value, field);
+  return new Leaf(context, label, path, value, field);
 }
 
 /** Whether a value is shown as bytes, and not as an array of numbers. */
@@ -215,7 +227,8 @@ class Branch implements Item {
       h(
         "summary",
         {},
-        h("span", { class: "tree-key" }, `${label}:`),
+        // Of an array, all elements are dragged; a message has nothing to plot.
+        keyElement(context, label, this.#isArray ? `${path}[:]` : ""),
         " ",
         this.#note,
         this.#preview,
@@ -299,19 +312,15 @@ export class Leaf implements Item {
   readonly #field: Field | undefined;
 
   constructor(
-    plot: PlotPath | undefined,
+    context: LeafContext,
     label: string,
     path: string,
     value: unknown,
     field: Field | undefined,
   ) {
+    const { plot } = context;
     this.#field = field;
-    this.element = h(
-      "div",
-      { class: "tree-leaf" },
-      h("span", { class: "tree-key" }, `${label}:`),
-      this.#value,
-    );
+    this.element = h("div", { class: "tree-leaf" }, keyElement(context, label, path), this.#value);
     if (plot !== undefined && isPlottable(value, field))
       this.element.append(plotButton(path, plot));
     this.show(value);
@@ -329,6 +338,16 @@ export class Leaf implements Item {
     else this.#value.title = title;
     return true;
   }
+}
+
+/** The name of a field, which can be dragged by its path. */
+function keyElement({ isDragged }: LeafContext, label: string, path: string): HTMLElement {
+  const field = isDragged && path !== "" && path;
+  return h(
+    "span",
+    { class: "tree-key", draggable: field && "true", "data-field": field },
+    `${label}:`,
+  );
 }
 
 function isPlottable(value: unknown, field: Field | undefined): boolean {

@@ -121,6 +121,9 @@ describe("types", () => {
         ],
       ),
     ]);
+    expect(status.statePaths()).toEqual(["status"]);
+    expect(SCAN.statePaths()[0]).toBe("on");
+    expect(SCAN.statePaths()).not.toContain("header.seq");
     expect(status.constants("a/Status", "uint8")).toEqual([{ name: "ACTIVE", value: "1" }]);
     expect(status.constants("a/Status", "string")).toEqual([{ name: "NAME", value: "x" }]);
     expect(status.constants("a/Status", "float64")).toEqual([]);

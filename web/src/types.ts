@@ -115,17 +115,36 @@ export class Types {
    * booleans as 0 and 1.
    */
   numberPaths(limit = 500): string[] {
+    return this.#paths((field) => kindOf(field.type) !== "string", limit);
+  }
+
+  /** The paths of all values that are states: booleans, integers and texts; those with constants first. */
+  statePaths(limit = 500): string[] {
+    const named: string[] = [];
+    const paths = this.#paths((field, path, owner) => {
+      const isState = ["bool", "integer", "string"].includes(kindOf(field.type));
+      const hasNames = isState && this.constants(owner, field.type).length > 0;
+      if (field.type === "bool" || hasNames) named.push(path);
+      return isState;
+    }, limit).filter((path) => !this.#isHeader(path));
+    return [...new Set([...named, ...paths])];
+  }
+
+  /** The paths of the values in a message that are wanted, which are not messages. */
+  #paths(
+    isWanted: (field: Field, path: string, owner: string) => boolean,
+    limit: number,
+  ): string[] {
     const paths: string[] = [];
     const visit = (type: string, parent: string): void => {
       for (const field of this.fields(type)) {
         if (paths.length >= limit) return;
         const path = parent === "" ? field.name : `${parent}.${field.name}`;
-        const kind = kindOf(field.type);
-        if (kind === "string") continue;
+        const isMessage = kindOf(field.type) === "message";
         const elements = field.array < 0 ? [path] : elementPaths(path, field.array, limit);
         for (const each of elements) {
-          if (kind === "message") visit(field.type, each);
-          else if (paths.length < limit) paths.push(each);
+          if (isMessage) visit(field.type, each);
+          else if (paths.length < limit && isWanted(field, each, type)) paths.push(each);
         }
       }
     };

@@ -1,12 +1,15 @@
-/** Pieces of other tabs as panels: plot, echo, a service, an action, and the console. */
+/** Pieces of other tabs as panels: plot, states, echo, a service, an action, and the console. */
 import { ActionPage } from "../actions/action_page";
 import { ConsoleView } from "../console/view";
 import { h, replace } from "../dom";
+import { dropFields } from "../field_drag";
 import { isHidden } from "../hidden_names";
+import type { Model } from "../model";
 import type { Config, Panel } from "../panels/panel";
 import { ServicePage } from "../services/service_page";
 import { Echo } from "../topics/echo";
 import { Plot } from "../topics/plot";
+import { Transitions } from "../topics/transitions";
 import { Types } from "../types";
 import type { Context } from "./context";
 
@@ -18,32 +21,26 @@ export interface PlotPanel extends Panel {
   add(topic: string, path: string): void;
 }
 
-/** A plot that begins with the numbers of a topic, or is empty. */
-export function plotPanel(
-  { hub, model }: Context,
+/** A form that chooses a topic and a field in it; `fieldsOf` has the fields of a type, the best ones first. */
+function fieldPicker(
+  model: Model,
   topic: string,
-  type: string,
-  config: Config,
-): PlotPanel {
-  let state: Config = config;
-  let isFirst = true;
-  const empty = h("p", { class: "soft" }, "No curves: choose a topic and a number in it.");
-  const plot = new Plot(hub, model, () => {
-    state = plot.state;
-    empty.hidden = Object.keys(state).length > 0;
-  });
-  const fields = h("datalist", { id: `plot-fields-${Math.random()}` });
+  verb: string,
+  fieldsOf: (types: Types) => readonly string[],
+  add: (topic: string, field: string) => void,
+): { element: HTMLElement; offerTopics: () => void } {
+  const fields = h("datalist", { id: `fields-${Math.random()}` });
   const field = h("input", {
     class: "mono grow",
     list: fields.id,
     placeholder: "field",
-    "aria-label": "Field to plot",
+    "aria-label": `Field to ${verb.toLowerCase()}`,
     autocomplete: "off",
     spellcheck: "false",
   });
   const topics = h("select", {
     class: "mono",
-    "aria-label": "Topic to plot",
+    "aria-label": `Topic to ${verb.toLowerCase()}`,
     onfocus: () => offerTopics(),
     onpointerdown: () => offerTopics(),
     onchange: () => void offerFields(),
@@ -64,38 +61,99 @@ export function plotPanel(
     if (chosen === undefined || chosen.type === "") return;
     const types = new Types(await model.typedefs(chosen.type).catch(() => []));
     if (topics.value !== chosen.name) return;
-    const paths = types.numberPaths();
-    replace(fields, ...paths.slice(0, MAX_OFFERS).map((value) => h("option", { value })));
-    field.value = types.plotPaths()[0] ?? paths[0] ?? "";
+    const all = [...new Set(fieldsOf(types))];
+    replace(fields, ...all.slice(0, MAX_OFFERS).map((value) => h("option", { value })));
+    field.value = all[0] ?? "";
   };
-  const add = (event: Event): void => {
+  const submit = (event: Event): void => {
     event.preventDefault();
-    if (topics.value !== "" && field.value.trim() !== "")
-      plot.add(topics.value, field.value.trim());
+    if (topics.value !== "" && field.value.trim() !== "") add(topics.value, field.value.trim());
   };
-  const form = h(
+  const element = h(
     "form",
-    { class: "toolbar plot-picker", onsubmit: add },
+    { class: "toolbar plot-picker", onsubmit: submit },
     topics,
     field,
     fields,
-    h("button", { type: "submit" }, "Plot"),
+    h("button", { type: "submit" }, verb),
+  );
+  return { element, offerTopics };
+}
+
+/** A plot that begins with the numbers of a topic, or is empty. */
+export function plotPanel(
+  { hub, model }: Context,
+  topic: string,
+  type: string,
+  config: Config,
+): PlotPanel {
+  let state: Config = config;
+  let isFirst = true;
+  const empty = h("p", { class: "soft" }, "No curves: choose a topic and a number in it.");
+  const plot = new Plot(hub, model, () => {
+    state = plot.state;
+    empty.hidden = Object.keys(state).length > 0;
+  });
+  const picker = fieldPicker(
+    model,
+    topic,
+    "Plot",
+    (types) => [...types.plotPaths(), ...types.numberPaths()],
+    (name, path) => plot.add(name, path),
   );
   const begin = async (): Promise<void> => {
     const types = new Types(await model.typedefs(type).catch(() => []));
     for (const path of types.plotPaths()) plot.add(topic, path);
   };
+  const element = h("div", { class: "plot-pane" }, picker.element, empty, plot.element);
+  dropFields(element, (name, path) => plot.add(name, path));
   return {
-    element: h("div", { class: "plot-pane" }, form, empty, plot.element),
+    element,
     show() {
       const isNew = isFirst && !("plot" in config);
       plot.show("", isFirst ? query(config) : null);
       isFirst = false;
-      offerTopics();
+      picker.offerTopics();
       if (isNew && topic !== "") void begin();
     },
     hide: () => plot.hide(),
     add: (name, path) => plot.add(name, path),
+    config: () => state,
+  };
+}
+
+/** State transitions that begin with the states of a topic, or are empty. */
+export function transitionsPanel(
+  { hub, model }: Context,
+  topic: string,
+  type: string,
+  config: Config,
+): Panel {
+  let state: Config = config;
+  let isFirst = true;
+  const empty = h("p", { class: "soft" }, "No states: choose a topic and a field in it.");
+  const transitions = new Transitions(hub, model, () => {
+    state = transitions.state;
+    empty.hidden = Object.keys(state).length > 0;
+  });
+  const add = (name: string, path: string): void => void transitions.add(name, path);
+  const picker = fieldPicker(model, topic, "Show", (types) => types.statePaths(), add);
+  const begin = async (): Promise<void> => {
+    const types = new Types(await model.typedefs(type).catch(() => []));
+    for (const path of types.statePaths().slice(0, 1)) add(topic, path);
+  };
+  const element = h("div", { class: "plot-pane" }, picker.element, empty, transitions.element);
+  dropFields(element, add);
+  return {
+    element,
+    show() {
+      const isNew = isFirst && !("states" in config);
+      transitions.show(isFirst ? query(config) : null);
+      isFirst = false;
+      picker.offerTopics();
+      if (isNew && topic !== "") void begin();
+    },
+    hide: () => transitions.hide(),
     config: () => state,
   };
 }

@@ -48,6 +48,15 @@ const PIECES: readonly ViewKind[] = [
       (await import("./pieces")).plotPanel(context, name, type, config),
   },
   {
+    name: "transitions",
+    label: "State transitions",
+    offers: ({ topics }) => ["", ...shown(topics)],
+    typeOf: ({ topics }, name) =>
+      name === "" ? "" : topics.find((topic) => topic.name === name)?.type || undefined,
+    make: async (context, name, type, config) =>
+      (await import("./pieces")).transitionsPanel(context, name, type, config),
+  },
+  {
     name: "echo",
     label: "Echo",
     offers: ({ topics }) => shown(topics),

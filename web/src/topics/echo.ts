@@ -42,7 +42,7 @@ export class Echo {
   ) {
     this.#hub = hub;
     this.#topic = topic;
-    this.#tree = new MessageTree(types, type, plot);
+    this.#tree = new MessageTree(types, type, plot, topic);
     this.#tree.element.hidden = true;
     this.#pause = h(
       "button",

@@ -2,6 +2,7 @@
 
 import { h, replace, setText } from "../dom";
 import { download } from "../download";
+import { dropFields } from "../field_drag";
 import { least } from "../lists";
 import type { Model } from "../model";
 import type { DataSource } from "../source";
@@ -129,6 +130,7 @@ export class Plot {
       this.#place,
       this.#notes,
     );
+    dropFields(this.element, (topic, path) => this.add(topic, path));
     // The canvas does not follow the colour scheme by itself.
     const restyle = (): void => this.#restyle();
     const { signal } = this.#aborter;
