@@ -21,6 +21,7 @@ from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
+from fibws.hub.websocket.http import CODINGS, packed, read_files
 from fibws.interfaces import Interfaces
 from fibws.interfaces.folders import KINDS, Kind
 from fibws.interfaces.generator import generate
@@ -203,6 +204,7 @@ class TestBuilding:
         text = (tmp_path / "made" / LICENSES).read_text()
         assert re.findall(r"^(\S+) 1\.0: MIT$", text, re.MULTILINE) == [
             *("@dagrejs/dagre", "@dagrejs/dagre-part", "roslib", "roslib-part"),
+            *("uplot", "uplot-part"),
         ]
         assert "Free to use for roslib-part." in text
 
@@ -606,7 +608,8 @@ class TestPackages:
 class TestBuiltPage:
     @pytest.fixture(autouse=True)
     def files(self) -> list[Path]:
-        files = [path for path in Page(ROOT).built.rglob("[!.]*") if path.is_file()]
+        found = [path for path in Page(ROOT).built.rglob("[!.]*") if path.is_file()]
+        files = [path for path in found if path.suffix not in CODINGS.values()]
         if not files:
             pytest.skip("the page is not built: python -m pip install -e .")
         return files
@@ -626,6 +629,17 @@ class TestBuiltPage:
         scene = [chunk for chunk in chunks if b"webgl2" in chunk or b"scene-stage" in chunk]
         assert 1 <= len(scene) <= 2
         assert sum(len(gzip.compress(chunk, 9)) for chunk in scene) <= SCENE_LIMIT
+
+    def test_build_packs_what_the_page_fetches(self, files: list[Path]) -> None:
+        read = read_files(Page(ROOT).built)
+        for path in files:
+            name = path.relative_to(Page(ROOT).built).as_posix()
+            codings = packed(read, name)
+            assert all(len(each) < len(read[name]) for each in codings.values())
+            if path.suffix in (".css", ".html", ".js", ".mjs") and len(read[name]) > 1000:
+                assert list(codings) == ["br", "gzip"]
+                assert gzip.decompress(codings["gzip"]) == read[name]
+                assert len(codings["br"]) < len(codings["gzip"])
 
     def test_page_does_not_contain_build_paths(self, files: list[Path]) -> None:
         for path in files:

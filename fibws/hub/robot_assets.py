@@ -35,13 +35,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.package_folders import MANIFEST, PackageFolders, name_of
 from fibws.hub.settings import MIB
-from fibws.hub.websocket.http import (
-    COMPRESSED,
-    Get,
-    HttpRequests,
-    accepts_gzip,
-    response,
-)
+from fibws.hub.websocket.http import Get, HttpRequests, accepts, response
 from fibws.hub.worker_threads import WorkerThreads
 
 DESCRIPTION = "/robot_description"
@@ -58,6 +52,8 @@ CONTENT_TYPES = {
     ".jpeg": "image/jpeg",
 }
 """The files that are served, by their suffixes in lower case."""
+COMPRESSED = {".jpeg", ".jpg", ".png"}
+"""The suffixes of files that gzip cannot make smaller."""
 LARGEST = 64 * MIB
 MOST_UNSENT = 2 * LARGEST
 """Bytes of files that may be on their way to clients at once."""
@@ -270,7 +266,7 @@ class AssetRoute(FileRoute):
 
 
 def _content(suffix: str, data: bytes, headers: Headers) -> Response:
-    is_zipped = suffix[1:] not in COMPRESSED and accepts_gzip(headers)
+    is_zipped = suffix not in COMPRESSED and accepts(headers, "gzip")
     if is_zipped:
         data = zlib.compress(data, QUICK, zlib.MAX_WBITS | 16)
     found = response(http.HTTPStatus.OK, CONTENT_TYPES[suffix], data)

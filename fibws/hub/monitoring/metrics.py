@@ -29,7 +29,7 @@ from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.settings import Settings
 from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.connection import Connection
-from fibws.hub.websocket.http import Get, accepts_gzip, response
+from fibws.hub.websocket.http import Get, accepts, response
 from fibws.hub.websocket.shared_limits import SharedLimits
 
 _PROC = Path("/proc/self")
@@ -183,7 +183,7 @@ class Metrics:
         metrics = Exposition(get.headers.get("Accept", ""))
         self._add_all(metrics)
         body, content_type = metrics.render()
-        is_zipped = len(body) >= SMALL and accepts_gzip(get.headers)
+        is_zipped = len(body) >= SMALL and accepts(get.headers, "gzip")
         if is_zipped:
             body = gzip.compress(body, 1, mtime=0)
         found = response(http.HTTPStatus.OK, content_type, body)

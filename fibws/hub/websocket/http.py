@@ -12,13 +12,11 @@ makes. They are read once, when the hub starts; a request's path never reaches t
 from __future__ import annotations
 
 import email.utils
-import gzip
 import hashlib
 import http
 import logging
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from threading import Lock
@@ -55,8 +53,8 @@ CONTENT_TYPES = {
 }
 PIECE = 256 * KIB
 """Bytes of a large file that are read at once."""
-COMPRESSED = {"jpeg", "jpg", "png", "woff2"}
-"""Kinds of files that gzip cannot make smaller."""
+CODINGS = {"br": ".br", "gzip": ".gz"}
+"""The codings in which the build packs files, the best first, and the suffixes that it adds."""
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -258,7 +256,8 @@ class HttpRequests:
         self._routes: dict[str, Route] = {"/": _respond_not_built, "/origin": self._describe_origin}
         self._folders: dict[str, Route] = {}
         for path, content in files.items():
-            self._routes[f"/{path}"] = File(path, content).respond
+            if not path.endswith(tuple(CODINGS.values())):
+                self._routes[f"/{path}"] = File(path, content, packed(files, path)).respond
         if "/index.html" in self._routes:
             self._routes["/"] = self._routes.pop("/index.html")
 
@@ -461,12 +460,13 @@ class File:
     Args:
         path: relative to the built folder. The name of a file in ``assets/`` holds a digest of its
             content, so that it may be cached for ever.
+        packed: the content in the codings in which the build has packed it.
     """
 
-    def __init__(self, path: str, content: bytes) -> None:
+    def __init__(self, path: str, content: bytes, packed: Mapping[str, bytes]) -> None:
         self._content = content
+        self._packed = packed
         suffix = path.rpartition(".")[2]
-        self._compressible = suffix not in COMPRESSED
         self._content_type = CONTENT_TYPES.get(suffix, "application/octet-stream")
         self._etag = f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
         forever = path.startswith("assets/")
@@ -486,21 +486,23 @@ class File:
         headers = get.headers
         if self._is_cached(headers):
             found = response(http.HTTPStatus.NOT_MODIFIED)
-        elif self._compressible and accepts_gzip(headers):
-            found = response(http.HTTPStatus.OK, self._content_type, self._zipped)
-            found.headers["Content-Encoding"] = "gzip"
+        elif coding := next((each for each in self._packed if accepts(headers, each)), None):
+            found = response(http.HTTPStatus.OK, self._content_type, self._packed[coding])
+            found.headers["Content-Encoding"] = coding
         else:
             found = response(http.HTTPStatus.OK, self._content_type, self._content)
         found.headers.update(self._headers)
         return found
 
-    @cached_property
-    def _zipped(self) -> bytes:
-        return gzip.compress(self._content, 6, mtime=0)
-
     def _is_cached(self, headers: Headers) -> bool:
         known = ",".join(headers.get_all("If-None-Match"))
         return any(tag.strip() in (self._etag, "*") for tag in known.split(","))
+
+
+def packed(files: Mapping[str, bytes], path: str) -> dict[str, bytes]:
+    """Return the content of a file in the codings that there are, by name, the best first."""
+    names = {coding: path + suffix for coding, suffix in CODINGS.items()}
+    return {coding: files[name] for coding, name in names.items() if name in files}
 
 
 def read_files(folder: Traversable = BUILT) -> dict[str, bytes]:
@@ -582,11 +584,11 @@ def _respond_not_built(get: Get) -> Response:
     return found
 
 
-def accepts_gzip(headers: Headers) -> bool:
-    """Return whether Accept-Encoding names gzip, and not with the weight 0, which forbids it."""
-    for coding in ",".join(headers.get_all("Accept-Encoding")).lower().split(","):
-        name, _, weight = "".join(coding.split()).partition(";")
-        if name == "gzip":
+def accepts(headers: Headers, coding: str) -> bool:
+    """Return whether Accept-Encoding names a coding, not with the weight 0, which forbids it."""
+    for each in ",".join(headers.get_all("Accept-Encoding")).lower().split(","):
+        name, _, weight = "".join(each.split()).partition(";")
+        if name == coding:
             # Of weights, only 0 has no other digit: q=0, q=0.000.
             return not weight or weight.strip("q=0.") != ""
     return False

@@ -17,8 +17,11 @@ INDEX = "<!doctype html><title>ä</title>".encode()
 SCRIPT = b"console.log('I heard 8');\n" * 100
 FILES = {
     "index.html": INDEX,
+    "index.html.gz": gzip.compress(INDEX),
     "roslib.js": b"var ROSLIB = {};",
     "assets/index-Cq7x.js": SCRIPT,
+    "assets/index-Cq7x.js.br": b"packed by brotli",
+    "assets/index-Cq7x.js.gz": gzip.compress(SCRIPT),
     "assets/icon-B0aa.png": b"\x89PNG" * 100,
     "assets/odd-A1bb.xyz": b"?",
 }
@@ -95,7 +98,7 @@ def test_only_files_with_a_digest_in_their_name_are_cached_for_ever(path: str, k
 
 @pytest.mark.parametrize(
     "accepted",
-    ["gzip", "gzip, deflate, br", "br, GZIP;q=0.5", "gzip;q=0.05", "br;q=0, gzip;q=1.0"],
+    ["gzip", "gzip, deflate", "GZIP;q=0.5", "gzip;q=0.05", "br;q=0, gzip;q=1.0"],
 )
 def test_gzip_is_sent_if_accepted(accepted: str) -> None:
     response = get("/assets/index-Cq7x.js", Accept_Encoding=accepted)
@@ -107,23 +110,31 @@ def test_gzip_is_sent_if_accepted(accepted: str) -> None:
 
 @pytest.mark.parametrize(
     "accepted",
-    ["", "br", "*", "gzip;q=0", "gzip; q=0.000", "gzip ;\tQ = 0.0", "gzip;q=0, br", "x-gzip-like"],
+    ["", "*", "gzip;q=0", "gzip; q=0.000", "gzip ;\tQ = 0.0", "gzip;q=0, br;q=0", "x-gzip-like"],
 )
-def test_file_is_sent_uncompressed_unless_gzip_is_accepted(accepted: str) -> None:
+def test_file_is_sent_uncompressed_unless_a_coding_is_accepted(accepted: str) -> None:
     response = get("/assets/index-Cq7x.js", Accept_Encoding=accepted)
     assert "Content-Encoding" not in response.headers
     assert response.body == SCRIPT
 
 
-def test_compressed_formats_are_not_compressed_again() -> None:
-    response = get("/assets/icon-B0aa.png", Accept_Encoding="gzip")
+@pytest.mark.parametrize("accepted", ["br", "gzip, deflate, br", "gzip, BR;q=0.1"])
+def test_brotli_is_sent_if_accepted(accepted: str) -> None:
+    response = get("/assets/index-Cq7x.js", Accept_Encoding=accepted)
+    assert response.headers["Content-Encoding"] == "br"
+    assert response.headers["Content-Type"] == "text/javascript; charset=utf-8"
+    assert response.body == b"packed by brotli"
+
+
+def test_file_that_the_build_has_not_packed_is_sent_as_it_is() -> None:
+    response = get("/assets/icon-B0aa.png", Accept_Encoding="gzip, br")
     assert "Content-Encoding" not in response.headers
+    assert get("/", Accept_Encoding="br").body == INDEX
 
 
-def test_file_is_compressed_once() -> None:
-    http = requests(FILES)
-    first, second = (respond(http, "/", Headers({"Accept-Encoding": "gzip"})) for _ in range(2))
-    assert first.body is second.body
+@pytest.mark.parametrize("suffix", [".br", ".gz"])
+def test_packed_files_have_no_addresses(suffix: str) -> None:
+    assert get(f"/assets/index-Cq7x.js{suffix}").status_code == 404
 
 
 @pytest.mark.parametrize("path", ["/", "/assets/index-Cq7x.js"])
