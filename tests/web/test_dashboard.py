@@ -495,6 +495,26 @@ async def test_all_plots_show_the_time_under_the_mouse(hub: Hub, open_page: Open
         await expect(marks.last).to_be_hidden()
 
 
+@pytest.mark.parametrize("kind", ["laserScan", "Laser scan"])
+async def test_layouts_have_ids_of_layers_in_place_of_words(
+    hub: Hub, open_page: OpenPage, kind: str
+) -> None:
+    """Those of fibws 0.1 have the words."""
+    layer = {"topic": "/scan", "type": "sensor_msgs/LaserScan", "kind": kind, "settings": {}}
+    pane_ = {"view": "scene", "name": "", "config": {"layers": [layer]}}
+    layout = {"schema": 1, "layout": pane_}
+    page = await open_page(hub, DASHBOARD)
+    await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
+    await expect(page.locator(".scene-layer").filter(has_text="/scan")).to_contain_text(
+        "Laser scan"
+    )
+    await page.locator("summary", has_text="More").click()
+    async with page.expect_download() as download:
+        await page.get_by_role("button", name="Export as a file").click()
+    saved = json.loads(await asyncio.to_thread((await (await download.value).path()).read_text))
+    assert [each["kind"] for each in saved["layout"]["config"]["layers"]] == ["laserScan"]
+
+
 COLOURS = """[...document.querySelectorAll(".transitions li canvas")].map((canvas) => {
     const {data} = canvas.getContext("2d").getImageData(0, 1, canvas.width, 1);
     const pixels = new Uint32Array(data.buffer).filter((_, at) => data[4 * at + 3] === 255);

@@ -6,7 +6,7 @@ import type { Config, Panel } from "../panels/panel";
 import type { Context } from "./context";
 
 export interface ViewKind {
-  /** Its name in layouts. */
+  /** Its name in layouts, which stays. */
   readonly name: string;
   readonly label: string;
   /** What it can show of a graph: names of topics, services or actions, or "" for a view of its own. */
@@ -17,11 +17,11 @@ export interface ViewKind {
 }
 
 /** The views of topics for which there are panels: picture, map, diagnostics, and so on. */
-const PANELS: readonly ViewKind[] = KINDS.map(({ label, types, load }) => {
+const PANELS: readonly ViewKind[] = KINDS.map(({ id, label, types, load }) => {
   // A scene is made of many topics, and begins with those that there are.
-  const isWhole = label === "Scene";
+  const isWhole = id === "scene";
   return {
-    name: label.toLowerCase(),
+    name: id,
     label,
     offers: ({ topics }) => {
       const found = shown(topics.filter(({ type }) => types.includes(type)));

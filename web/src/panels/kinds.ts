@@ -5,6 +5,8 @@ import { READING_TYPES } from "./readings/types";
 import { SCENE_TYPES } from "./scene/types";
 
 export interface Kind {
+  /** Its name in layouts, which stays. */
+  readonly id: string;
   /** The heading of its section. */
   readonly label: string;
   readonly types: readonly string[];
@@ -15,66 +17,77 @@ export interface Kind {
 
 export const KINDS: readonly Kind[] = [
   {
+    id: "picture",
     label: "Picture",
     types: ["sensor_msgs/Image", "sensor_msgs/CompressedImage"],
     replacesEcho: true,
     load: () => import("./image/panel"),
   },
   {
+    id: "map",
     label: "Map",
     types: ["nav_msgs/OccupancyGrid"],
     replacesEcho: true,
     load: () => import("./image/panel"),
   },
   {
+    id: "diagnostics",
     label: "Diagnostics",
     types: ["diagnostic_msgs/DiagnosticArray"],
     replacesEcho: true,
     load: () => import("./diagnostics/panel"),
   },
   {
+    id: "frames",
     label: "Frames",
     types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
     replacesEcho: true,
     load: () => import("./frames/panel"),
   },
   {
+    id: "playback",
     label: "Playback",
     types: [PLAYBACK],
     replacesEcho: true,
     load: () => import("./playback/panel"),
   },
   {
+    id: "drive",
     label: "Drive",
     types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
     replacesEcho: false,
     load: () => import("./teleop/panel"),
   },
   {
+    id: "joints",
     label: "Joints",
     types: [READING_TYPES.joints],
     replacesEcho: false,
     load: () => import("./readings/panel"),
   },
   {
+    id: "attitude",
     label: "Attitude",
     types: [READING_TYPES.attitude],
     replacesEcho: false,
     load: () => import("./readings/panel"),
   },
   {
+    id: "battery",
     label: "Battery",
     types: [READING_TYPES.battery],
     replacesEcho: false,
     load: () => import("./readings/panel"),
   },
   {
+    id: "position",
     label: "Position",
     types: [READING_TYPES.position],
     replacesEcho: false,
     load: () => import("./readings/panel"),
   },
   {
+    id: "scene",
     label: "Scene",
     types: SCENE_TYPES,
     replacesEcho: true,

@@ -25,6 +25,7 @@ const size = (value: number): Setting => ({
 });
 
 const OCCUPANCY_GRID: LayerKind = {
+  id: "map",
   label: "Map",
   types: LAYER_TYPES.map,
   throttle: 50,
@@ -39,6 +40,7 @@ const OCCUPANCY_GRID: LayerKind = {
 };
 
 const LASER_SCAN: LayerKind = {
+  id: "laserScan",
   label: "Laser scan",
   types: LAYER_TYPES.laserScan,
   throttle: 20,
@@ -55,6 +57,7 @@ const LASER_SCAN: LayerKind = {
 };
 
 const POINT_CLOUD: LayerKind = {
+  id: "pointCloud",
   label: "Point cloud",
   types: LAYER_TYPES.pointCloud,
   throttle: 30,
@@ -80,6 +83,7 @@ const POINT_CLOUD: LayerKind = {
 };
 
 const FRAMES: LayerKind = {
+  id: "frames",
   label: "Frames (tf)",
   types: LAYER_TYPES.frames,
   throttle: 0,
@@ -99,6 +103,7 @@ const FRAMES: LayerKind = {
 };
 
 const ODOMETRY: LayerKind = {
+  id: "odometry",
   label: "Odometry",
   types: LAYER_TYPES.odometry,
   throttle: 30,
@@ -115,6 +120,7 @@ const ODOMETRY: LayerKind = {
 };
 
 const POSE: LayerKind = {
+  id: "pose",
   label: "Pose",
   types: LAYER_TYPES.pose,
   throttle: 30,
@@ -131,6 +137,7 @@ const POSE: LayerKind = {
 };
 
 const POSE_ARRAY: LayerKind = {
+  id: "poses",
   label: "Poses",
   types: LAYER_TYPES.poses,
   throttle: 50,
@@ -141,6 +148,7 @@ const POSE_ARRAY: LayerKind = {
 };
 
 const PATH: LayerKind = {
+  id: "path",
   label: "Path",
   types: LAYER_TYPES.path,
   throttle: 50,
@@ -150,6 +158,7 @@ const PATH: LayerKind = {
 };
 
 const POLYGON: LayerKind = {
+  id: "polygon",
   label: "Polygon",
   types: LAYER_TYPES.polygon,
   throttle: 50,
@@ -159,6 +168,7 @@ const POLYGON: LayerKind = {
 };
 
 const GRID_CELLS: LayerKind = {
+  id: "gridCells",
   label: "Grid cells",
   types: LAYER_TYPES.gridCells,
   throttle: 50,
@@ -170,6 +180,7 @@ const GRID_CELLS: LayerKind = {
 };
 
 const POINT: LayerKind = {
+  id: "point",
   label: "Point",
   types: LAYER_TYPES.point,
   throttle: 30,
@@ -183,6 +194,7 @@ const POINT: LayerKind = {
 };
 
 const RANGE: LayerKind = {
+  id: "range",
   label: "Range",
   types: LAYER_TYPES.range,
   throttle: 30,
@@ -193,6 +205,7 @@ const RANGE: LayerKind = {
 };
 
 const VECTORS: LayerKind = {
+  id: "arrows",
   label: "Twist or wrench",
   types: LAYER_TYPES.arrows,
   throttle: 30,
@@ -211,6 +224,7 @@ const hidden: Setting = { name: "hidden", label: "Hidden namespaces", value: "" 
 const MARKER_QUEUE = 200;
 
 const MARKER: LayerKind = {
+  id: "markers",
   label: "Markers",
   types: LAYER_TYPES.markers,
   throttle: 0,
@@ -221,6 +235,7 @@ const MARKER: LayerKind = {
 };
 
 const INTERACTIVE_MARKERS: LayerKind = {
+  id: "interactiveMarkers",
   label: "Interactive markers",
   types: LAYER_TYPES.interactiveMarkers,
   throttle: 0,
@@ -237,6 +252,7 @@ const INTERACTIVE_MARKERS: LayerKind = {
 const DESCRIPTION = "/robot_description";
 
 const ROBOT_MODEL: LayerKind = {
+  id: "robot",
   label: "Robot model",
   types: LAYER_TYPES.robot,
   throttle: 0,
@@ -262,6 +278,7 @@ const ROBOT_MODEL: LayerKind = {
 };
 
 const CAMERA_INFO: LayerKind = {
+  id: "camera",
   label: "Camera's view",
   types: LAYER_TYPES.camera,
   throttle: 100,

@@ -8,6 +8,7 @@ import type { Transform, Vector } from "../../transforms";
 import type { Camera, Spot } from "./camera";
 import type { Color } from "./colors";
 import { FrameError, frameName, type TransformBuffer } from "./tf_buffer";
+import type { LayerId } from "./types";
 
 export type Value = string | number | boolean;
 
@@ -30,7 +31,9 @@ export interface Setting {
 
 /** A kind of layer. The scene has one list of them. */
 export interface LayerKind {
-  /** What it draws: `Laser scan`. */
+  /** Its name in saved layouts, which stays. */
+  readonly id: LayerId;
+  /** What it draws, in words: `Laser scan`. */
   readonly label: string;
   /** The types of topics that it draws. */
   readonly types: readonly string[];

@@ -6,6 +6,7 @@ import { h, replace, setAttribute, setText } from "../../dom";
 import type { Graph, Model } from "../../model";
 import type { DataSource } from "../../source";
 import { rollPitchYaw } from "../../transforms";
+import { own } from "../../types";
 import { route } from "../../view";
 import type { Panel } from "../panel";
 import type { CameraState, Follow } from "./camera";
@@ -17,6 +18,7 @@ import { placeText } from "./picking";
 import { renderer } from "./renderer";
 import { Scene } from "./scene";
 import { TOOLS, type ToolName, Tools } from "./tools";
+import type { LayerId } from "./types";
 
 /** Time between two updates of the states in words, in ms. */
 const TICK = 250;
@@ -26,6 +28,27 @@ const DESCRIBED = 5000;
 const HIDDEN = 10_000;
 /** Most layers that a scene of no topic shows by itself. */
 const MAX_FIRST = 12;
+
+/** What layouts of fibws 0.1 call the kinds of layers. */
+const FORMER_IDS: Readonly<Record<string, LayerId>> = {
+  "Camera's view": "camera",
+  "Frames (tf)": "frames",
+  "Grid cells": "gridCells",
+  "Interactive markers": "interactiveMarkers",
+  "Laser scan": "laserScan",
+  "Point cloud": "pointCloud",
+  "Robot model": "robot",
+  "Twist or wrench": "arrows",
+  Map: "map",
+  Markers: "markers",
+  Odometry: "odometry",
+  Path: "path",
+  Point: "point",
+  Polygon: "polygon",
+  Pose: "pose",
+  Poses: "poses",
+  Range: "range",
+};
 
 /** A scene as it is saved. */
 interface Config {
@@ -196,6 +219,11 @@ class ScenePanel implements Panel, GestureTarget {
     this.#tools.hide();
   }
 
+  close(): void {
+    this.#scene.close();
+    this.#tools.close();
+  }
+
   config(): Record<string, unknown> {
     const { entries, fixedChoice, follow, followChoice, camera } = this.#scene;
     const shown = entries.filter(({ isOn }) => isOn);
@@ -207,7 +235,7 @@ class ScenePanel implements Panel, GestureTarget {
             layers: shown.map(({ topic, type, kind, settings }) => ({
               topic,
               type,
-              kind: kind.label,
+              kind: kind.id,
               settings: { ...settings },
             })),
           }),
@@ -231,8 +259,9 @@ class ScenePanel implements Panel, GestureTarget {
       if (tool in TOOLS && typeof topic === "string") this.#tools.topics[tool] = topic;
     }
     for (const saved of Array.isArray(layers) ? layers : []) {
-      const { topic, type, kind: label, settings } = (saved ?? {}) as Partial<SavedLayer>;
-      const kind = LAYER_KINDS.find((each) => each.label === label);
+      const { topic, type, kind: name, settings } = (saved ?? {}) as Partial<SavedLayer>;
+      const id = own(FORMER_IDS, name ?? "") ?? name;
+      const kind = LAYER_KINDS.find((each) => each.id === id);
       if (kind === undefined || typeof topic !== "string" || typeof type !== "string") continue;
       this.#scene.toggle(this.#scene.entry(kind, topic, type, settings), true);
     }

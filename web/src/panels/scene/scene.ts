@@ -132,6 +132,11 @@ export class Scene implements Surroundings {
     this.#frame = undefined;
   }
 
+  /** Free the layers of a scene that is hidden. */
+  close(): void {
+    for (const entry of this.entries) entry.stop();
+  }
+
   #subscribe(topic: string): () => void {
     const isStatic = topic === "/tf_static";
     return subscribe(this.hub, { topic, queue: QUEUE }, ({ transforms }) => {

@@ -19,6 +19,8 @@ export const LAYER_TYPES = {
   camera: ["sensor_msgs/CameraInfo"],
 } as const;
 
+export type LayerId = keyof typeof LAYER_TYPES;
+
 /** Those whose own page has no scene: a text, which may describe a robot, and commands. */
 const NOT_ALONE: readonly string[] = [...LAYER_TYPES.robot, "geometry_msgs/TwistStamped"];
 
