@@ -7,14 +7,20 @@ if one of several rounds is fast enough.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
 
 import pytest
-from playwright.async_api import Browser, Page, expect
+from playwright.async_api import Browser, FilePayload, Page, expect
 from websockets.asyncio.client import ClientConnection, connect
 
+import fibws
+from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub.server import Hub
+from fibws.msg.actionlib_tutorials import FibonacciResult
 
 from .conftest import OpenPage, traced, until
 
@@ -125,6 +131,73 @@ async def test_memory_does_not_grow_during_an_hour_of_messages(
     assert after["JSHeapUsedSize"] - before["JSHeapUsedSize"] < 2**20, (before, after)
     assert after["Nodes"] - before["Nodes"] < 30, (before, after)
     assert after["JSEventListeners"] - before["JSEventListeners"] < 20, (before, after)
+
+
+TOPICS = {
+    "picture": ("/camera", "sensor_msgs/Image"),
+    "map": ("/map", "nav_msgs/OccupancyGrid"),
+    "diagnostics": ("/diagnostics", "diagnostic_msgs/DiagnosticArray"),
+    "frames": ("/tf", "tf2_msgs/TFMessage"),
+    "playback": ("/playback", "fibws_msgs/PlaybackState"),
+    "drive": ("/cmd_vel", "geometry_msgs/Twist"),
+    "joints": ("/joint_states", "sensor_msgs/JointState"),
+    "attitude": ("/imu", "sensor_msgs/Imu"),
+    "battery": ("/battery", "sensor_msgs/BatteryState"),
+    "position": ("/fix", "sensor_msgs/NavSatFix"),
+    "scene": ("", ""),
+    "plot": ("/imu", ""),
+    "transitions": ("/battery", ""),
+    "echo": ("/imu", ""),
+    "action": ("/fibonacci", ""),
+    "service": ("/rosapi/nodes", ""),
+    "console": ("", ""),
+}
+"""What each view of the dashboard shows, and the type of its topic."""
+KINDS = Path(__file__).parents[2] / "web" / "src" / "panels" / "kinds.ts"
+MADE = ".pane-body > :not(.pane-notice)"
+"""What panes show once their panels are loaded."""
+TIMES = 50
+
+
+async def execute(goal: Any) -> FibonacciResult:
+    raise AssertionError("no goal is sent")
+
+
+@pytest.mark.long
+async def test_panels_that_are_closed_leave_nothing(open_page: OpenPage, hub: Hub) -> None:
+    """Each kind is added and closed 50 times."""
+    assert TOPICS.keys() >= set(re.findall(r'^    id: "(\w+)"', KINDS.read_text(), re.MULTILINE))
+    items = [{"view": view, "name": name} for view, (name, _) in TOPICS.items()]
+    layout = {"schema": 1, "layout": {"split": "row", "items": items}}
+    async with fibws.Node("robot", hub=hub.url) as node:
+        for name, type_ in TOPICS.values():
+            if type_:
+                await (await node.advertise(name, type_, latch=True)).publish({})
+        await node.action_server("/fibonacci", Fibonacci, execute)
+        page = await open_page(hub, "#/dashboard", width=3000, height=1000)
+
+        async def show(layout: object) -> None:
+            text = json.dumps(layout).encode()
+            file: FilePayload = {"name": "a", "mimeType": "application/json", "buffer": text}
+            await page.get_by_label("File with a layout").set_input_files(file)
+
+        async def add_and_close() -> None:
+            await show(layout)
+            await until(page, f"document.querySelectorAll('{MADE}').length === {len(items)}")
+            await expect(page.locator(".plot-canvas .u-over")).to_have_count(1)
+            await show({"schema": 1, "layout": None})
+            await expect(page.locator(".pane")).to_have_count(0)
+
+        # Until the list of what can be undone is full.
+        for _ in range(10):
+            await add_and_close()
+        before = await memory(page)
+        for _ in range(TIMES):
+            await add_and_close()
+        after = await memory(page)
+    assert after["Nodes"] - before["Nodes"] < TIMES, (before, after)
+    assert after["JSEventListeners"] - before["JSEventListeners"] < TIMES, (before, after)
+    assert after["JSHeapUsedSize"] - before["JSHeapUsedSize"] < 2 * 2**20, (before, after)
 
 
 async def simulate(page: Page, seconds: int) -> None:

@@ -135,8 +135,11 @@ export class ActionPage {
     this.#plot?.hide();
   }
 
-  /** Stop following the goals; the next one is followed again. */
+  /** Stop following the goals, and remove the plot; the next goal is followed again. */
   close(): void {
+    this.#plot?.close();
+    this.#plot = undefined;
+    replace(this.#plotPlace);
     this.#sender?.close();
     this.#sender = undefined;
   }

@@ -1,7 +1,7 @@
 /** One pane of the dashboard: its head, the panel that it shows, and the choice of another one. */
 import { h, replace, setText, svg } from "../dom";
 import type { Graph } from "../model";
-import type { Config, Panel } from "../panels/panel";
+import { type Config, closePanel, type Panel } from "../panels/panel";
 import type { Context } from "./context";
 import type { Pane, Side } from "./layout";
 import { VIEWS, type ViewKind, viewNamed } from "./views";
@@ -132,6 +132,13 @@ export class PaneView {
     this.#showPanel();
   }
 
+  /** Close its panel, which may be loading still. */
+  close(): void {
+    closePanel(this.panel);
+    this.panel = undefined;
+    this.#type = undefined;
+  }
+
   /** Whether it fills the dashboard. */
   setLarge(large: boolean): void {
     this.element.classList.toggle("large", large);
@@ -157,10 +164,11 @@ export class PaneView {
 
   async #make(type: string): Promise<void> {
     const config = this.config;
-    this.panel?.hide();
+    closePanel(this.panel);
     this.panel = undefined;
     try {
       const panel = await this.#kind?.make(this.#context, this.name, type, config);
+      if (this.#type !== type) closePanel(panel);
       if (this.#type !== type || panel === undefined) return;
       this.panel = panel;
       replace(this.#body, panel.element);

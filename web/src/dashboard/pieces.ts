@@ -117,6 +117,7 @@ export function plotPanel(
       if (isNew && topic !== "") void begin();
     },
     hide: () => plot.hide(),
+    close: () => plot.close(),
     add: (name, path) => plot.add(name, path),
     config: () => state,
   };
@@ -154,6 +155,7 @@ export function transitionsPanel(
       if (isNew && topic !== "") void begin();
     },
     hide: () => transitions.hide(),
+    close: () => transitions.close(),
     config: () => state,
   };
 }
@@ -205,6 +207,7 @@ export function actionPanel({ hub, model, plot }: Context, name: string): Panel 
       // Goals that have not ended are followed to their end.
       if (!page.isActive) page.close();
     },
+    close: () => page.close(),
   };
 }
 

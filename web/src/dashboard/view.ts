@@ -331,7 +331,7 @@ class DashboardView implements View {
     const ids = new Set(panes.map(({ pane }) => pane.id));
     for (const [id, view] of this.#panes) {
       if (ids.has(id)) continue;
-      view.setVisible(false);
+      view.close();
       this.#observer.unobserve(view.element);
       view.element.remove();
       this.#panes.delete(id);

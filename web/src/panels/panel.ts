@@ -14,6 +14,8 @@ export interface Panel {
   show(): void;
   /** The panel becomes hidden: it ends its subscriptions. */
   hide(): void;
+  /** The panel is hidden, and will not be shown again: it frees what it has kept so far. */
+  close?(): void;
   /** The settings that a new panel is to have if it is to look like this one. */
   config?(): Config;
 }
@@ -21,6 +23,12 @@ export interface Panel {
 export interface PanelModule {
   /** `config` is what a panel's `config` returned once, or anything that somebody wrote in its place. */
   makePanel(hub: DataSource, model: Model, topic: string, type: string, config?: Config): Panel;
+}
+
+/** Hide a panel for good; its elements, listeners and memory are free then. */
+export function closePanel(panel: Panel | undefined): void {
+  panel?.hide();
+  panel?.close?.();
 }
 
 /** A number of a panel's settings; undefined if it is none, or out of its range. */

@@ -11,7 +11,7 @@ import type { Chart } from "./chart";
 import { LegendEntry } from "./curve_style";
 import { Expression, ExpressionError } from "./expression";
 import { PlotOptions } from "./plot_options";
-import { plotSource, type PlotSource } from "./plot_source";
+import { type PlotSource, plotSource } from "./plot_source";
 import {
   type CurveName,
   csv,

@@ -37,7 +37,10 @@ class FakeHub {
 
 function create(): { hub: FakeHub; sampler: Sampler } {
   const hub = new FakeHub();
-  return { hub, sampler: new Sampler(plotSource(hub as unknown as DataSource), "/n", () => undefined) };
+  return {
+    hub,
+    sampler: new Sampler(plotSource(hub as unknown as DataSource), "/n", () => undefined),
+  };
 }
 
 describe("a sampler", () => {

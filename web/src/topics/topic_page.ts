@@ -5,7 +5,7 @@ import { expand } from "../element_names";
 import { bandwidth, hertz, plural } from "../format";
 import type { Model, TopicInfo } from "../model";
 import { kindsFor } from "../panels/kinds";
-import type { Panel } from "../panels/panel";
+import { closePanel, type Panel } from "../panels/panel";
 import type { DataSource } from "../source";
 import { definitions } from "../type_definition";
 import { type TypeDef, Types } from "../types";
@@ -44,6 +44,7 @@ export class TopicPage {
   #panels: { readonly panel: Panel; readonly section: HTMLDetailsElement }[] = [];
   #shownConnections = "";
   #stops: (() => void)[] = [];
+  #isClosed = false;
 
   /** `expectedType` is the type that the topic will get if it does not exist yet. */
   constructor(hub: DataSource, model: Model, plot: Plot, name: string, expectedType: string) {
@@ -88,6 +89,14 @@ export class TopicPage {
     this.#tools?.publish?.close();
   }
 
+  /** The page is not shown again. */
+  close(): void {
+    this.#isClosed = true;
+    this.hide();
+    for (const { panel } of this.#panels) closePanel(panel);
+    this.#panels = [];
+  }
+
   get #topic(): TopicInfo | undefined {
     return this.#model.graph.value?.topics.find(({ name }) => name === this.#name);
   }
@@ -119,7 +128,7 @@ export class TopicPage {
   }
 
   #createPanels(type: string): void {
-    for (const { panel } of this.#panels) panel.hide();
+    for (const { panel } of this.#panels) closePanel(panel);
     this.#panels = [];
     const kinds = kindsFor(type);
     // The first one is the most special: a scene has joints, too, but does not show their numbers.
@@ -128,7 +137,7 @@ export class TopicPage {
       const { element, body } = section(kind.label, true);
       element.addEventListener("toggle", () => this.#togglePanels());
       void kind.load().then(({ makePanel }) => {
-        if (this.#toolsType !== type) return;
+        if (this.#toolsType !== type || this.#isClosed) return;
         const panel = makePanel(this.#hub, this.#model, this.#name, type);
         this.#panels.push({ panel, section: element });
         replace(body, panel.element);

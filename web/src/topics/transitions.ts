@@ -6,7 +6,7 @@ import type { DataSource } from "../source";
 import { Types } from "../types";
 import { agoText, clock, type Extent, multiples, spanFor, timeStep } from "./axes";
 import { listen } from "./gestures";
-import { plotSource, type PlotSource } from "./plot_source";
+import { type PlotSource, plotSource } from "./plot_source";
 import { curvesFrom, curvesText, ranges, type ViewState } from "./plot_state";
 import { Sampler } from "./sampler";
 import { sharedCursor } from "./shared_cursor";

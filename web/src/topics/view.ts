@@ -50,7 +50,7 @@ class TopicsView {
   show([name = "", tool]: string[], state: URLSearchParams | null): void {
     const expected = this.#new.typeOf(name);
     if (this.#page?.name !== name || this.#page.expected !== expected) {
-      this.#page?.page.hide();
+      this.#page?.page.close();
       const page = new TopicPage(this.#hub, this.#model, this.#plot, name, expected);
       this.#page = name === "" ? undefined : { name, expected, page };
       replace(this.#place, this.#page?.page.element);
