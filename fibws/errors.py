@@ -154,16 +154,23 @@ class DefinitionLimit(InterfaceError):
     code = "limit_reached"
 
 
+_A_KIND = {"msg": "a message", "srv": "a service", "action": "an action"}
+
+
 class UnknownType(InterfaceError, LookupError):
     """A known package does not define this type."""
 
     code = "unknown_type"
 
-    def __init__(self, kind: str, package: str, name: str, nearest: str | None) -> None:
+    def __init__(
+        self, kind: str, package: str, name: str, nearest: str | None, other: str | None = None
+    ) -> None:
         self.package = package
         self.name = name
         self.nearest = nearest
         hint = f"; did you mean {nearest}?" if nearest else ""
+        if other is not None:  # The kind of which the package has a type of this name.
+            hint = f"; {package}/{name} is {_A_KIND[other]}"
         super().__init__(
             f"Unable to import {kind} class {name} from package {package}. "
             f"Caused by: no such {kind} in {package}{hint}"

@@ -26,6 +26,8 @@ def hub_url(address: str | None = None) -> str:
     Raises:
         InvalidAddress: the address is invalid.
     """
+    if not isinstance(address, str | None):
+        raise TypeError(f"a hub's address must be a string such as {DEFAULT}, got {address!r}")
     address = without_token((address or os.environ.get(ENVIRONMENT) or DEFAULT).strip())
     url = address if "://" in address else f"ws://{address}"
     try:

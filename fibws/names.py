@@ -36,6 +36,8 @@ def is_legal(name: str) -> bool:
 
 def check(name: str) -> str:
     """Return ``name`` if it is a legal graph name; raise `InvalidName` otherwise."""
+    if not isinstance(name, str):
+        raise TypeError(f"a name must be a string, got {name!r}")
     if not name:
         raise InvalidName(name, "it is empty")
     if len(name) > MAX_LENGTH:

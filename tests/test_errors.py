@@ -56,6 +56,11 @@ def test_docstring_has_all_classes() -> None:
             "Caused by: no such srv in std_srvs",
         ),
         (
+            UnknownType("srv", "std_msgs", "String", None, "msg"),
+            "Unable to import srv class String from package std_msgs. "
+            "Caused by: no such srv in std_msgs; std_msgs/String is a message",
+        ),
+        (
             UnknownPackage("my_msgs"),
             "Unable to load the manifest for package my_msgs. "
             "Caused by: no folder of definitions contains it (FIBWS_INTERFACES names them)",

@@ -2,6 +2,7 @@
 
 import pytest
 
+import fibws
 from fibws.errors import InvalidAddress
 from fibws.hub_address import (
     hub_url,
@@ -185,3 +186,10 @@ def test_advice_depends_on_whose_address_it_is(url: str, answers: bool, expected
     found = advice(url, "fibws hub", answers=answers)
     assert expected in found
     assert ("fibws hub" in found) == ("fibws hub" in expected)
+
+
+def test_address_is_a_string() -> None:
+    with pytest.raises(TypeError, match="must be a string such as ws://"):
+        fibws.Node("talker", hub=9090)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="got 9090"):
+        fibws.Hub(9090)  # type: ignore[arg-type]

@@ -32,6 +32,7 @@ BELOW = {
     "errors": {"command_names", "hub_advice"},
     "names": {"errors"},
     "suggestions": set[str](),
+    "public_classes": set[str](),
     "files": set[str](),
     "hub_address": {"errors", "hub_advice"},
     "hub_advice": set[str](),
@@ -51,15 +52,24 @@ BELOW = {
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"}
     | {"hub_address", "credentials", "tls", "bag_recorder", "origins", "client_handshake"}
-    | {"exit_signals", "suggestions", "values"},
+    | {"exit_signals", "suggestions", "values", "public_classes"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces", "suggestions"},
     "srv": {"errors", "interfaces", "msg"},
     "action": {"errors", "interfaces", "msg"},
-    "node": {"errors", "names", "hub_address", "tls", "credentials", "protocol", "interfaces"}
+    "node": {
+        "errors",
+        "public_classes",
+        "names",
+        "hub_address",
+        "tls",
+        "credentials",
+        "protocol",
+        "interfaces",
+    }
     | {*CLASSES}
     | {"__version__", "client_handshake", "exit_signals", "suggestions"},
-    "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
+    "tf": {"public_classes", *NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "bags", "values", "client", "node", "interfaces", *CLASSES}
     | {"command_names", "definition_folders", "exit_signals", "processes", "tf"},
     "broadcaster": {*NODE, *CLASSES, "cli"},

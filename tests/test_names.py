@@ -237,3 +237,8 @@ def test_private_parameters_are_not_remappings() -> None:
 def test_invalid_remapping_is_an_error(argument: str) -> None:
     with pytest.raises(InvalidName):
         names.parse_remappings([argument])
+
+
+def test_name_is_a_string() -> None:
+    with pytest.raises(TypeError, match="a name must be a string, got 5"):
+        names.resolve(5)  # type: ignore[arg-type]

@@ -284,6 +284,9 @@ def _print_next(workspace: Workspace, plan: Plan) -> None:
     inside = workspace.folder == paths.current_folder()
     if not plan.packages:
         where = "src" if inside else str(workspace.source)
+        for manifest in sorted(workspace.folder.glob("*/package.xml")):
+            beside = manifest.parent.name if inside else str(manifest.parent)
+            click.echo(f"{beside} is not in src, so it is not built: mv {quote(beside)} {where}")
         create = f"{command_name('pkg create')} NAME std_msgs rospy"
         click.echo(f"There is no package yet; to create one: cd {quote(where)} && {create}")
     if str(workspace.source) in os.environ.get(PATH, "").split(os.pathsep):

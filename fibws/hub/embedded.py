@@ -7,9 +7,10 @@ from typing import Self
 
 from fibws.hub.server import Hub as Server
 from fibws.hub.settings import Settings
+from fibws.public_classes import AsyncContext
 
 
-class Hub:
+class Hub(AsyncContext):
     """A hub that listens while its ``async with`` block runs, or from `start` to `close`.
 
     It is the hub of ``python -m fibws.hub``, for programs that have one of their own:
@@ -31,6 +32,8 @@ class Hub:
     """
 
     def __init__(self, settings: Settings | None = None) -> None:
+        if not isinstance(settings, Settings | None):
+            raise TypeError(f"expected fibws.Settings, such as Settings(port=0), got {settings!r}")
         self._server = Server(settings)
 
     def __repr__(self) -> str:

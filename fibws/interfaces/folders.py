@@ -241,7 +241,8 @@ class Folders:
         if near is None:
             others = (each.name for each in self.packages().values() if short in each.files(kind))
             near = next((f"{other}/{short}" for other in others), None)
-        return UnknownType(kind, package, short, near)
+        other = next((each for each in KINDS if name in self.names(each, package)), None)
+        return UnknownType(kind, package, short, near, other)
 
     def _similar(self, kind: Kind, package: str, short: str) -> str | None:
         """The package's type with the most similar name, if one is similar."""

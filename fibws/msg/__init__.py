@@ -9,10 +9,19 @@ imported, from the folders that the environment variable ``FIBWS_INTERFACES`` na
 """
 
 import sys
+from functools import partial
 
-from fibws.msg._finder import PackageFinder, add_folder, default_interfaces, message_class
+from fibws.msg._finder import (
+    PackageFinder,
+    add_folder,
+    default_interfaces,
+    message_class,
+    no_such_package,
+)
 
 __all__ = ["add_folder", "default_interfaces", "message_class"]
 
 if PackageFinder not in sys.meta_path:
     sys.meta_path.insert(0, PackageFinder)
+
+__getattr__ = partial(no_such_package, sys.modules[__name__])

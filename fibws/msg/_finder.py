@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import sys
 from collections.abc import Sequence
 from functools import partial
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
@@ -183,14 +184,9 @@ def _no_such_class(module: ModuleType, name: str) -> NoReturn:
         ImportError: the name is being imported.
         AttributeError: it is not.
     """
-    import sys
-    from opcode import opmap
-
     parent, _, package = module.__name__.rpartition(".")
     kind = _PARENTS[parent]
-    frame = sys._getframe(1)
-    is_import = frame.f_code.co_code[frame.f_lasti] == opmap["IMPORT_FROM"]
-    if not is_import or name.startswith("_"):
+    if not _is_imported(name):
         raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
     hint = suggestion(name, module.__all__)
     for other, others in _PARENTS.items():
@@ -202,6 +198,39 @@ def _no_such_class(module: ModuleType, name: str) -> NoReturn:
         name=module.__name__,
         path=getattr(module, "__file__", None),
     )
+
+
+def no_such_package(parent: ModuleType, name: str) -> NoReturn:
+    """Raise the error for a name that fibws.msg, srv or action does not have, as `_no_such_class`.
+
+    Raises:
+        ImportError: the name is being imported.
+        AttributeError: it is not.
+    """
+    # Packages that import each other: Python has the module, and the attribute a little later.
+    is_loading = f"{parent.__name__}.{name}" in sys.modules
+    if is_loading or not _is_imported(name):
+        raise AttributeError(f"module {parent.__name__!r} has no attribute {name!r}")
+    kind, interfaces = _PARENTS[parent.__name__], default_interfaces()
+    holders = [
+        package
+        for package in interfaces.packages()
+        if f"{package}/{name}" in interfaces.types(package, kind)
+    ]
+    lines = [f"from {parent.__name__}.{package} import {name}" for package in holders]
+    hint = f": write {' or '.join(lines)}" if lines else _other_package(name)
+    raise ImportError(
+        f"cannot import name {name!r} from {parent.__name__!r}{hint}", name=parent.__name__
+    )
+
+
+def _is_imported(name: str) -> bool:
+    """Return whether the caller's module function answers ``from ... import NAME``."""
+    from opcode import opmap
+
+    frame = sys._getframe(2)
+    is_import = frame.f_code.co_code[frame.f_lasti] == opmap["IMPORT_FROM"]
+    return is_import and not name.startswith("_")
 
 
 class _GeneratedLoader:

@@ -6,8 +6,8 @@ import asyncio
 import math
 import time
 
-from fibws.node.made_by import made_by
 from fibws.node.session import Session
+from fibws.public_classes import AsyncIterable, made_by
 
 CLOCK_QUEUE = 100
 """Length of the queue of /clock: with 1, as in ROS, the hub would drop the times of messages that
@@ -96,7 +96,7 @@ class Schedule:
 
 
 @made_by("Node.rate")
-class Rate:
+class Rate(AsyncIterable):
     """Ticks ``hz`` times a second until the node ends: ``async for _ in node.rate(10)``."""
 
     def __init__(self, hz: float, clock: Clock) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fibws.node.calls import Calls
-from fibws.node.made_by import made_by
+from fibws.public_classes import Public, made_by
 from fibws.srv import rosapi
 
 
@@ -20,7 +20,7 @@ class NodeDetails:
 
 
 @made_by("Node.graph")
-class Graph:
+class Graph(Public):
     """The current state of the graph. Names are resolved as everywhere.
 
     Unknown names give None or empty lists. While there is no hub, all methods wait, at

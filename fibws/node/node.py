@@ -30,6 +30,7 @@ from fibws.node.subscription import Subscription, TakeSerialized, next_message
 from fibws.node.topics import Topics
 from fibws.node.types import ANY_TYPE, Types
 from fibws.protocol.headers import check_headers
+from fibws.public_classes import AsyncContext
 from fibws.tls import File, TlsFiles
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ class Identity:
         )
 
 
-class Node:
+class Node(AsyncContext):
     """A node of the ROS graph: ``async with fibws.Node("talker") as node``.
 
     A node is entered once, which waits until the hub answers; `start` does the same, and `close`

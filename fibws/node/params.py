@@ -9,7 +9,7 @@ from typing import Any
 from fibws import names
 from fibws.errors import InvalidName, ParameterNotSet
 from fibws.node.calls import Calls
-from fibws.node.made_by import made_by
+from fibws.public_classes import Public, made_by
 from fibws.srv import rosapi
 
 _MISSING = object()
@@ -17,7 +17,7 @@ _ROOT = "/"
 
 
 @made_by("Node.params")
-class Params:
+class Params(Public):
     """The parameters that all nodes share: a tree of values, which lasts as long as the hub.
 
     Names are resolved as everywhere: ``gain`` belongs to the node's namespace, ``~gain`` to the

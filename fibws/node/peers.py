@@ -6,14 +6,14 @@ import asyncio
 from collections import deque
 from collections.abc import AsyncIterator, Iterable
 
-from fibws.node.made_by import made_by
+from fibws.public_classes import Public, made_by
 
 MOST_CHANGES = 1000
 """Most changes that wait for one slow reader; then the oldest are dropped."""
 
 
 @made_by("publishers and subscriptions")
-class Peers:
+class Peers(Public):
     """The subscribers of a publisher's topic, or the publishers of a subscription's.
 
     The hub reports them only if ``peers=True`` was given to `Node.advertise` or `Node.subscribe`;

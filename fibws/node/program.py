@@ -78,9 +78,10 @@ def _check_can_run(main: object) -> None:
         TypeError: it is not a coroutine.
         RuntimeError: an event loop is running in this thread.
     """
-    name = getattr(main, "__name__", "main")
+    name = getattr(main, "__qualname__", "main").rpartition("<locals>.")[2]
+    call = f"{name}()" if "." not in name else "..."  # Of a method the object is not known.
     if not isinstance(main, Coroutine):
-        called = f": write fibws.run({name}()), with parentheses" if callable(main) else ""
+        called = f": write fibws.run({call}), with parentheses" if callable(main) else ""
         raise TypeError(f"fibws.run takes a coroutine, got {main!r}{called}")
     try:
         asyncio.get_running_loop()
@@ -88,8 +89,8 @@ def _check_can_run(main: object) -> None:
         return
     main.close()  # Python would warn that it was never awaited.
     raise RuntimeError(
-        f"an event loop is running, as in a notebook: write await {name}() in place of "
-        f"fibws.run({name}())"
+        f"an event loop is running, as in a notebook: write await {call} in place of "
+        f"fibws.run({call})"
     )
 
 

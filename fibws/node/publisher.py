@@ -10,7 +10,6 @@ from typing_extensions import ParamSpec
 from fibws.errors import InvalidMessage, NodeClosed, NodeError, OperationRejected
 from fibws.interfaces import Message
 from fibws.interfaces.json_text import exact_json_of
-from fibws.node.made_by import made_by
 from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.peers import Peers
 from fibws.node.session import Registration, Session, throw
@@ -27,6 +26,7 @@ from fibws.protocol.operations import (
 )
 from fibws.protocol.serialized import publish_head, read_publish
 from fibws.protocol.websocket import BINARY, client_header, client_payload
+from fibws.public_classes import made_by
 
 M = TypeVar("M", bound=Message)
 P = ParamSpec("P", default=...)

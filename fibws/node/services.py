@@ -19,7 +19,6 @@ from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
 from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.checks import described, without_surrogates
-from fibws.node.made_by import made_by
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ServiceType, Types
 from fibws.protocol.operations import (
@@ -31,6 +30,7 @@ from fibws.protocol.operations import (
     UnadvertiseService,
 )
 from fibws.protocol.serialized import ROS1
+from fibws.public_classes import made_by
 
 MOST_CALLS = 100
 """Calls of one service that are handled at once."""

@@ -47,6 +47,7 @@ from fibws.protocol.operations import (
 )
 from fibws.protocol.serialized import is_operation
 from fibws.protocol.websocket import BINARY, TEXT, UNLIMITED, Payload, client_frame
+from fibws.public_classes import AsyncContext
 
 MAX_SIZE = 64 << 20
 """Default of the bytes that one message of the hub may have: images and point clouds pass."""
@@ -136,7 +137,7 @@ class Tasks:
         return self._tasks - {asyncio.current_task()} if self._tasks else set()
 
 
-class Registration(ABC):
+class Registration(AsyncContext, ABC):
     """A publisher, a service or an action server, which the hub registers or refuses."""
 
     _is_awaited = False

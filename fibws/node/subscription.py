@@ -12,12 +12,12 @@ from pydantic_core import from_json
 
 from fibws.errors import InvalidMessage, NodeClosed, OperationRejected, WaitTimeout
 from fibws.interfaces import Message
-from fibws.node.made_by import made_by
 from fibws.node.peers import Peers
 from fibws.node.session import throw
 from fibws.node.types import ANY_TYPE, MessageCodec
 from fibws.protocol.operations import Subscribe
 from fibws.protocol.serialized import ROS1
+from fibws.public_classes import AsyncContext, AsyncIterable, made_by
 
 M = TypeVar("M", bound=Message)
 
@@ -45,7 +45,7 @@ it, in nanoseconds since 1970; and its type."""
 
 
 @made_by("Node.subscribe")
-class Subscription(Generic[M]):
+class Subscription(AsyncContext, AsyncIterable, Generic[M]):
     """A topic's messages as they arrive: ``async for message in subscription``.
 
     A slow reader gets the newest ``queue_size`` messages; `dropped` counts the others. Messages are

@@ -97,11 +97,12 @@ class _PackageLoader:
         """Set a function that explains where the package's types are."""
 
         def find(name: str) -> Any:
-            if sys._getframe(1).f_code.co_name == "_handle_fromlist":  # from PACKAGE import NAME
-                for kind in _KINDS:
-                    if name in _owners(module.__name__, _KINDS[kind]):
-                        advise_submodule(module.__name__, kind, name)
             text = f"module {module.__name__!r} has no attribute {name!r}"
+            for kind in _KINDS:
+                if name in _owners(module.__name__, _KINDS[kind]):
+                    if sys._getframe(1).f_code.co_name == "_handle_fromlist":  # from ... import
+                        advise_submodule(module.__name__, kind, name)
+                    text += f": write from {module.__name__}.{kind} import {name}"
             raise AttributeError(text, name=name, obj=module)
 
         vars(module)["__getattr__"] = find

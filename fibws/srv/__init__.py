@@ -5,6 +5,11 @@
 What `fibws.msg` says of the user's own packages holds here too.
 """
 
-from fibws.msg._finder import service_class
+import sys
+from functools import partial
+
+from fibws.msg._finder import no_such_package, service_class
 
 __all__ = ["service_class"]
+
+__getattr__ = partial(no_such_package, sys.modules[__name__])

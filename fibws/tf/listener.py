@@ -9,6 +9,7 @@ from typing import Self
 
 import fibws
 from fibws.msg.tf2_msgs import TFMessage
+from fibws.public_classes import AsyncContext
 from fibws.tf.buffer import MAX_FRAME_ID, MAX_FRAMES, Buffer
 from fibws.tf.errors import InvalidTransform, TransformError
 from fibws.tf.history import LATEST, Sample
@@ -18,7 +19,7 @@ QUEUE_SIZE = 100
 """Length of the queues of messages, as in tf2."""
 
 
-class TransformListener:
+class TransformListener(AsyncContext):
     """Subscribes to ``/tf`` and ``/tf_static`` and fills a buffer: ``async with`` it.
 
     Invalid transforms are logged, once for each frame. As in tf2, all moving transforms are removed

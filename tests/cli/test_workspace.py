@@ -53,6 +53,12 @@ def make(type_: Type, *words: str, at: str = ".") -> Result:
     return type_("workspace", "make", *words, at=at)
 
 
+def test_package_beside_src_is_not_built(folder: Path, type_: Type) -> None:
+    type_("workspace", "init", at="src")
+    type_("pkg", "create", "fibonacci")
+    assert "fibonacci is not in src, so it is not built: mv fibonacci src" in make(type_).output
+
+
 def test_empty_workspace_is_built(folder: Path, type_: Type) -> None:
     begun = type_("workspace", "init", at="src")
     assert begun.output == f"Created file {folder / 'src' / 'CMakeLists.txt'}\n"

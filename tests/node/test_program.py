@@ -222,6 +222,8 @@ async def test_running_loop_is_named_with_what_to_write() -> None:
         warnings.simplefilter("error")
         with pytest.raises(RuntimeError, match=r"write await work\(\) in place"):
             fibws.run(work())
+        with pytest.raises(RuntimeError, match=r"write await \.\.\. in place"):
+            fibws.run(fibws.Node("talker").spin())
 
 
 def test_missing_parentheses_are_named() -> None:

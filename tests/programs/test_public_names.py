@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import sys
+from typing import Any
 
 import pytest
 from running_programs import ROOT
 
 import fibws
+from fibws.hub.server import Hub
+from fibws.msg.std_msgs import String
+from fibws.srv.std_srvs import Empty
 
 
 async def test_public_names_are_loaded_on_first_use() -> None:
@@ -30,3 +34,23 @@ def test_all_public_names_exist() -> None:
     assert set(fibws.__all__) <= set(dir(fibws))
     with pytest.raises(AttributeError, match="Master"):
         fibws.Master  # type: ignore[attr-defined]  # noqa: B018
+
+
+async def test_plain_with_and_for_are_answered_with_what_to_write(hub: Hub) -> None:
+    node: Any = fibws.Node("talker", hub=hub.url)
+    with pytest.raises(TypeError, match="write async with, not with, for a Node"):
+        with node:
+            pass
+    async with node:
+        for loop in (node.subscribe("chatter", String), node.rate(10)):
+            with pytest.raises(TypeError, match="write async for, not for, for a"):
+                list(loop)
+
+
+async def test_internal_names_are_not_suggested(hub: Hub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        publisher: Any = await node.advertise("chatter", String)
+        service: Any = await node.service("reset", Empty, lambda request: {})
+        for each in (node, publisher, service, node.params, node.graph, publisher.peers):
+            assert [name for name in dir(each) if name[0] == "_" != name[1]] == []
+        assert {"publish", "topic", "__aenter__"} <= {*dir(publisher)}

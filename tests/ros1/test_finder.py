@@ -157,6 +157,12 @@ def test_script_with_the_name_of_its_package_runs_once(define: Define, tmp_path:
     assert (done.stdout, done.stderr) == ("5\n", "")
 
 
+def test_type_is_not_an_attribute_of_its_package() -> None:
+    std_msgs: Any = importlib.import_module("std_msgs")
+    with pytest.raises(AttributeError, match=r"write from std_msgs\.msg import Int32"):
+        std_msgs.Int32  # noqa: B018
+
+
 @pytest.mark.parametrize(
     ("statement", "text"),
     [

@@ -48,6 +48,10 @@ class Sources:
         if files.count(launch_files.STANDARD_INPUT) > 1:
             raise click.UsageError("FILE can be - (standard input) only once.")
         self._values = _values(words)
+        for word in files:
+            name, equals, value = word.partition("=")
+            if equals and name.isidentifier() and not Path(word).exists():
+                raise click.UsageError(f"{word} is not a file; did you mean {name}:={value}?")
         self.files = launch_files.find_launch_files(files, self.packages)
         self._environment = LocalEnvironment(self.packages, parameter_files.parse)
 

@@ -11,16 +11,16 @@ from typing import Any, Generic, Self
 from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
 from fibws.interfaces.message import F, G, R
 from fibws.node.checks import check_queue_size, check_timeout
-from fibws.node.made_by import made_by
 from fibws.node.session import OperationHandler, Session, throw
 from fibws.node.types import ActionType
 from fibws.protocol.goals import GoalStatus
+from fibws.public_classes import AsyncContext, Public, made_by
 
 HUB_LOST = "the connection to the hub was lost"
 
 
 @made_by("ActionClient.send")
-class ClientGoal(Generic[R, F]):
+class ClientGoal(Public, Generic[R, F]):
     """A goal that was sent: its status, its feedback and its result."""
 
     # id_: its id.
@@ -126,7 +126,7 @@ class ClientGoal(Generic[R, F]):
 
 
 @made_by("Node.action_client")
-class ActionClient(OperationHandler, Generic[G, R, F]):
+class ActionClient(OperationHandler, AsyncContext, Generic[G, R, F]):
     """Sends goals to the server of one action.
 
     To stop before the node ends, call `close` or use ``async with``.

@@ -13,10 +13,10 @@ from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.message import F, G, R
 from fibws.node.actions.status import Record, Transition
 from fibws.node.checks import check_timeout, described, without_surrogates
-from fibws.node.made_by import made_by
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ActionType
 from fibws.protocol.goals import GoalStatus
+from fibws.public_classes import Public, made_by
 
 MOST_GOALS = 1000
 """Goals of one server that are executed at once."""
@@ -26,7 +26,7 @@ ENDED = "the action server has ended"
 
 
 @made_by("an action server")
-class ServerGoal(Generic[G, R, F]):
+class ServerGoal(Public, Generic[G, R, F]):
     """A goal to execute, which a server passes to its function.
 
     The function returns the goal's result. The goal has then succeeded, unless the function called

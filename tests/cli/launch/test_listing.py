@@ -93,6 +93,7 @@ def test_everything_can_be_put_into_a_namespace(
         (["a:=1"], "PACKAGE FILE"),
         (["-", "-"], "only once"),
         (["robot", "robot.launch", ":=1"], "':=1'"),
+        (["robot", "robot.launch", "name=n"], "name=n is not a file; did you mean name:=n?"),
         (
             ["robot", "robot.lanch"],
             "'robot.lanch' not found in package 'robot'; did you mean ",
