@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
+from subprocess import PIPE, Popen
 from typing import TypeAlias
 
 import pytest
@@ -170,7 +171,24 @@ def test_sourced_workspace_needs_no_sourcing(
 
 def test_zsh_has_its_own_file(type_: Type, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SHELL", "/usr/bin/zsh")
+    monkeypatch.setattr(os, "getppid", lambda: 0)  # Tests may run in any shell.
     assert make(type_).output.endswith("Next: source devel/setup.zsh\n")
+
+
+@pytest.mark.skipif(not Path("/proc/self/comm").exists(), reason="the system has no /proc")
+def test_zsh_in_another_shell_has_its_own_file_too(
+    folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shell = folder / "zsh"
+    shell.write_text("#!/bin/sh\necho ready\nread line\n")
+    shell.chmod(0o755)
+    with Popen([shell], stdin=PIPE, stdout=PIPE, text=True) as started:
+        assert started.stdin is not None
+        assert started.stdout is not None
+        assert started.stdout.readline() == "ready\n"
+        monkeypatch.setattr(os, "getppid", lambda: started.pid)
+        assert make(type_).output.endswith("Next: source devel/setup.zsh\n")
+        started.stdin.close()
 
 
 @pytest.mark.parametrize(

@@ -58,8 +58,18 @@ def source_command(devel: Path) -> str:
     """Return what to type so that the shell has the workspace."""
     if os.name == "nt":
         return f". {devel / 'setup.ps1'}    (cmd: call {devel / 'setup.bat'})"
-    shell = "zsh" if Path(os.environ.get("SHELL", "")).name == "zsh" else "bash"
-    return f"source {quote(str(devel / f'setup.{shell}'))}"
+    return f"source {quote(str(devel / f'setup.{_shell()}'))}"
+
+
+def _shell() -> str:
+    """Return the shell that has started this program, or else the user's: bash or zsh."""
+    try:
+        name = Path(f"/proc/{os.getppid()}/comm").read_text("utf-8").strip()
+    except OSError:
+        name = ""
+    if name not in ("bash", "zsh"):
+        name = Path(os.environ.get("SHELL", "")).name
+    return "zsh" if name == "zsh" else "bash"
 
 
 def current_folder() -> Path:
