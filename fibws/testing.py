@@ -144,7 +144,10 @@ async def running(program: Coroutine[Any, Any, object]) -> AsyncIterator[None]:
 
     Raises:
         Exception: the program failed. The block is cancelled then.
+        TypeError: it is not a coroutine, such as when its parentheses are missing.
     """
+    if not isinstance(program, Coroutine):
+        raise TypeError(f"running takes a coroutine such as main(), got {program!r}")
     block = asyncio.current_task()
     assert block is not None
     is_failed = False
@@ -181,7 +184,10 @@ async def receive(
 
     Raises:
         WaitTimeout: fewer messages arrived.
+        TypeError: it is not a subscription, such as a topic's name.
     """
+    if not isinstance(subscription, fibws.Subscription):
+        raise TypeError(f"receive takes what node.subscribe returns, got {subscription!r}")
     messages: list[M] = []
     try:
         async with asyncio.timeout(timeout) as limit:
@@ -213,7 +219,10 @@ async def wait_until(condition: Callable[[], Any], *, timeout: float = TIMEOUT) 
 
     Raises:
         WaitTimeout: it did not hold in time.
+        TypeError: it is not a function.
     """
+    if not callable(condition):
+        raise TypeError(f"wait_until takes a function such as lambda: x == 5, got {condition!r}")
     value: Any = None
     try:
         async with asyncio.timeout(timeout) as limit:

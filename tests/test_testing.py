@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -236,3 +237,14 @@ def test_example_of_the_documentation_passes(tmp_path: Path) -> None:
         (tmp_path / name).write_text(text)
     assert len(files) == section.count("\n```python\n") + section.count("\n```toml\n") == 4
     assert "3 passed" in run_pytest(tmp_path)
+
+
+async def test_mistaken_arguments_are_answered_with_what_to_give() -> None:
+    mistaken: Any = "numbers"
+    with pytest.raises(TypeError, match=r"coroutine such as main\(\), got 'numbers'"):
+        async with running(mistaken):
+            pass
+    with pytest.raises(TypeError, match=r"what node\.subscribe returns, got 'numbers'"):
+        await receive(mistaken, 1)
+    with pytest.raises(TypeError, match="a function such as lambda: x == 5, got 'numbers'"):
+        await wait_until(mistaken)
