@@ -147,7 +147,11 @@ def _parts(text: str, count: int, source: str) -> Iterator[tuple[int, str]]:
     parts = list(between(lines, lambda line: line.startswith("---")))
     if len(parts) != count:
         number = max(1, parts[min(count, len(parts) - 1)][0])
-        fault = f"expected {count - 1} lines of ---, got {len(parts) - 1}"
+        # A line such as -- is likely meant to be one.
+        meant = (at for at, line in enumerate(lines, 1) if line.strip() and not line.strip("- \t"))
+        if len(parts) < count:
+            number = next((at for at in meant if not lines[at - 1].startswith("---")), number)
+        fault = f"expected {count - 1} line{'s' * (count > 2)} of ---, got {len(parts) - 1}"
         raise DefinitionError(source, number, lines[number - 1][:200], fault)
     for begin, end in parts:
         yield begin + 1, "\n".join(lines[begin:end])

@@ -119,7 +119,7 @@ class PackageFinder:
         raise ModuleNotFoundError(
             f"No module named {fullname!r}: neither the standard packages nor the folders in "
             f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) hold {kind} files of {package}"
-            f"{_other_package(package)}",
+            f"{_misplaced(package, kind) or _other_package(package)}",
             name=fullname,
         )
 
@@ -149,6 +149,17 @@ def _write(fullname: str, package: str, kind: Kind) -> ModuleSpec | None:
     except OSError:
         return None
     return spec_from_file_location(fullname, generated_modules.path(package, kind))
+
+
+def _misplaced(package: str, kind: Kind) -> str:
+    """Return the end of an error about a package whose files are elsewhere than expected."""
+    for text in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
+        folder = Path(text).resolve()
+        if folder.name in _PARENTS.values() and folder.parent.name == package:
+            return f"; name {folder.parent.parent} in place of {text}"
+        if any((folder / package).glob(f"*.{kind}")):
+            return f"; move {folder / package}/*.{kind} to {folder / package / kind}"
+    return ""
 
 
 def _other_package(package: str) -> str:

@@ -355,7 +355,7 @@ def test_definition_sent_by_a_node_is_complete(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("int32 x", "expected 1 lines of ---, got 0"),
+        ("int32 x", "expected 1 line of ---, got 0"),
         ("int32 x\n---\nint32", "line 3: expected a field"),
         (f"Point p\nNo no\n---\n{POINT}", "unknown type (No|Ours)"),
         (f"---\nNo no\n{POINT}", "unknown type (No|Ours)"),
@@ -366,7 +366,7 @@ def test_invalid_service_or_action_adds_nothing(text: str, fault: str) -> None:
     interfaces = Keeper()
     with pytest.raises(DefinitionError, match=fault):
         interfaces.learn_service("new_msgs/Ask", text)
-    one_more = fault.replace("1 lines", "2 lines").replace("got 0", "got 1").replace("e 3", "e 4")
+    one_more = fault.replace("1 line", "2 lines").replace("got 0", "got 1").replace("e 3", "e 4")
     with pytest.raises(DefinitionError, match=one_more):
         interfaces.learn_action("new_msgs/Go", f"---\n{text}")
     assert interfaces.names() == []

@@ -167,8 +167,10 @@ def test_action_has_three_parts_and_seven_messages() -> None:
 @pytest.mark.parametrize(
     ("text", "line", "fault"),
     [
-        ("int64 a\n", 1, "1 lines of ---, got 0"),
-        ("---\n---\nint8 x", 2, "1 lines of ---, got 2"),
+        ("int64 a\n", 1, "1 line of ---, got 0"),
+        ("int64 a\n--\nint8 b", 2, "1 line of ---, got 0: '--'"),
+        ("int64 a\n ---\nint8 b", 2, "1 line of ---, got 0: '---'"),
+        ("---\n---\nint8 x", 2, "1 line of ---, got 2"),
         ("int64 a\n---\nint64", 3, "expected a field"),
     ],
 )

@@ -106,6 +106,20 @@ def test_unknown_package_is_an_import_error(kind: str) -> None:
     assert f"hold {kind} files of nobodys_msgs" in str(caught.value)
 
 
+def test_misplaced_definitions_are_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, "deep_msgs", "Field", "int32 x")
+    (tmp_path / "flat_msgs").mkdir()
+    (tmp_path / "flat_msgs" / "Field.msg").write_text("int32 x")
+    deep = tmp_path / "deep_msgs" / "msg"
+    monkeypatch.setenv("FIBWS_INTERFACES", str(deep))
+    with pytest.raises(ImportError, match=re.escape(f"name {tmp_path} in place of {deep}")):
+        importlib.import_module("fibws.msg.deep_msgs")
+    monkeypatch.setenv("FIBWS_INTERFACES", str(tmp_path))
+    flat = tmp_path / "flat_msgs"
+    with pytest.raises(ImportError, match=re.escape(f"move {flat}/*.msg to {flat / 'msg'}")):
+        importlib.import_module("fibws.msg.flat_msgs")
+
+
 @pytest.mark.parametrize(
     ("line", "text"),
     [
