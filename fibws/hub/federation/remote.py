@@ -8,8 +8,6 @@ changes of the graph leads to the same state.
 
 from __future__ import annotations
 
-import logging
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 
 from fibws.hub.delivery.clock import Clock
@@ -23,15 +21,10 @@ from fibws.hub.federation.records import Announcement, HubInfo, Kind
 from fibws.hub.federation.remote_nodes import RemoteNode, RemoteNodes
 from fibws.hub.federation.remote_services import RemoteServices
 from fibws.hub.federation.remote_topics import RemotePublisher, RemoteTopics
+from fibws.hub.foreign.warnings import OneTimeWarnings
 from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
-from fibws.hub.log_text import shortened
-
-logger = logging.getLogger("fibws.hub")
-
-MOST_WARNINGS = 1000
-"""Warnings that are remembered, so that each is logged once."""
 
 
 class RemoteGraph:
@@ -58,7 +51,7 @@ class RemoteGraph:
         self._graph = graph
         self._max_latched_bytes = max_latched_bytes
         self._homes: dict[Peer, PeerGraph] = {}
-        self._warned: OrderedDict[str, None] = OrderedDict()
+        warn = OneTimeWarnings()
         self._work = Worklist[Kind](
             call_soon,
             {
@@ -78,13 +71,13 @@ class RemoteGraph:
             self.ages,
             entered=self._entered,
             leaving=self._leaving,
-            warn=self._warn,
+            warn=warn,
         )
         self.topics = RemoteTopics(
-            graph, self._announced, definitions, outlets, clock, flowing=flowing, warn=self._warn
+            graph, self._announced, definitions, outlets, clock, flowing=flowing, warn=warn
         )
         self.services = RemoteServices(
-            graph, hub.id, self._announced, self.ages, definitions, calls, warn=self._warn
+            graph, hub.id, self._announced, self.ages, definitions, calls, warn=warn
         )
         graph.watch("node", self._node_changed)
         graph.watch("service", lambda name: self._served_changed("services", name))
@@ -154,7 +147,7 @@ class RemoteGraph:
 
     def _leaving(self, node: RemoteNode) -> None:
         """Detach, name by name, what a node uses and serves that is about to leave."""
-        self._graph.abandon(self.topics.users_of(node))
+        self.topics.abandon(node)
         self._graph.abandon(self.services.served_by(node))
         used = node.home.topics_of.get(node.name, ())
         for topic in {*used, *node.published, *node.subscribed}:
@@ -166,11 +159,3 @@ class RemoteGraph:
         if kind == "topics":
             self.topics.try_again(name)
         self._work.add(kind, name)
-
-    def _warn(self, text: str) -> None:
-        """Log a warning, once."""
-        if text not in self._warned:
-            self._warned[text] = None
-            if len(self._warned) > MOST_WARNINGS:
-                self._warned.popitem(last=False)
-            logger.warning("%s.", shortened(text))
