@@ -9,6 +9,7 @@ changes of the graph leads to the same state.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.federation.announced import Announced, PeerGraph
@@ -147,7 +148,7 @@ class RemoteGraph:
 
     def _leaving(self, node: RemoteNode) -> None:
         """Detach, name by name, what a node uses and serves that is about to leave."""
-        self.topics.abandon(node)
+        self.topics.abandon(node.published.values(), chain(*node.subscribed.values()))
         self._graph.abandon(self.services.served_by(node))
         used = node.home.topics_of.get(node.name, ())
         for topic in {*used, *node.published, *node.subscribed}:

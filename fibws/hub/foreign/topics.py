@@ -7,7 +7,7 @@ among the conflicts of its topic, and tried again when the topic has another typ
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar
@@ -247,12 +247,11 @@ class ForeignTopics(ABC, Generic[P, S]):
         if source is not None:
             self._graph.remove_source(source)
 
-    def abandon(self, node: ForeignNode) -> None:
+    def abandon(self, publishers: Iterable[P], subscribers: Iterable[S]) -> None:
         """Let no message pass of a node that has left, whose users are detached later."""
-        publishers = (each.source for each in node.published.values())
-        self._graph.abandon(source for source in publishers if source is not None)
-        sinks = (sink for each in node.subscribed.values() for sink in each)
-        self._graph.abandon(sink for sink in sinks if sink.is_attached)
+        sources = (each.source for each in publishers)
+        self._graph.abandon(source for source in sources if source is not None)
+        self._graph.abandon(sink for sink in subscribers if sink.is_attached)
 
     # Conflicts.
 

@@ -444,7 +444,7 @@ class Ros1Nodes:
     def _drop(self, node: Ros1Node) -> None:
         """Forget a node, and remove its registrations, in slices if they are many."""
         removals: Iterator[Callable[[], None]] = chain(
-            self.topics.abandon(node),
+            self.topics.removals(node),
             (partial(self._remove_service, node, service) for service in list(node.served)),
         )
         services = [self._graph.services.get(service) for service in node.served]

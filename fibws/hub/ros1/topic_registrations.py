@@ -9,24 +9,22 @@ hub's clients; the topic lists it among its conflicts. The same goes for what th
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections.abc import Callable, Container, Iterable, Iterator
 from functools import partial
 from itertools import chain
 from typing import Any, Protocol
 
-from fibws.errors import InterfaceError, InvalidMessage, NotAllowed, OperationError
+from fibws.errors import FibwsError, InterfaceError
 from fibws.hub.foreign.nodes import ForeignNode
+from fibws.hub.foreign.topics import ForeignPublisher, ForeignSubscriber, ForeignTopics
+from fibws.hub.foreign.warnings import OneTimeWarnings
 from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.publication import Publication
-from fibws.hub.graph.topic import Conflict, Receiver, SinkReport, Source, Topic
+from fibws.hub.graph.topic import Receiver, SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
-from fibws.hub.log_text import shortened
 from fibws.hub.ros1.http import NodeCalls
-
-logger = logging.getLogger("fibws.hub")
 
 CLIENT = "ros1"
 """The policy's name for all ROS 1 programs, because their own names are not proven. Names of nodes
@@ -67,57 +65,63 @@ class Registrant(ForeignNode, ExternalNode):
     subscribed: dict[str, Ros1Subscriber]
 
 
-class Ros1Publisher:
+class Ros1Publisher(ForeignPublisher):
     """A ROS 1 node's registration as a publisher of a topic.
 
     Attributes:
         type: ``package/Type`` as it was registered, or ``*``.
-        source: the node's source of the graph; None while it may not exchange messages with it.
         is_relayed: whether a link may be opened for it: its type is the topic's, or not known yet.
-        fault: why it conflicts with the topic; empty if it does not.
     """
 
-    __slots__ = ("fault", "is_relayed", "node", "source", "topic", "type")
+    __slots__ = ("is_relayed", "topic")
+
+    node: Registrant
+    type: str
 
     def __init__(self, node: Registrant, topic: str, type_: str) -> None:
-        self.node = node
+        super().__init__(node, type_)
         self.topic = topic
-        self.type = type_
-        self.source: Source | None = None
         self.is_relayed = True
-        self.fault = ""
+
+    @property
+    def type_name(self) -> str:
+        """The name of its type."""
+        return self.type
 
 
-class Ros1Subscriber:
-    """A ROS 1 node's registration as a subscriber of a topic; a `Sink`.
+class Ros1Subscriber(ForeignSubscriber):
+    """A ROS 1 node's registration as a subscriber of a topic.
 
     Attributes:
         type: ``package/Type`` as it was registered, or ``*``.
         sent: the addresses of publishers that it was sent last; None before that.
+        md5sum: of the type that it names, if it has told one that others publish.
         link: its connection to the hub, while there is one; the newest of several.
-        fault: why it conflicts with the topic; empty if it does not.
     """
 
-    __slots__ = ("_dropped", "_messages", "fault", "link", "node", "owner", "sent", "topic", "type")
+    __slots__ = ("_dropped", "_messages", "link", "md5sum", "sent", "topic")
 
-    def __init__(self, owner: Registrant, topic: str, type_: str) -> None:
-        self.owner = owner
-        self.node = owner.name
+    owner: Registrant
+    type: str
+
+    def __init__(self, owner: Registrant, topic: str, type_: str, outlet: Receiver) -> None:
+        super().__init__(owner, type_, outlet)
         self.topic = topic
-        self.type = type_
         self.sent: list[str] | None = None
+        self.md5sum: str | None = None
         self.link: Link | None = None
-        self.fault = ""
         self._messages = 0
         self._dropped = 0
+
+    @property
+    def type_name(self) -> str:
+        """The name of its type."""
+        return self.type
 
     def receive(self, publication: Publication) -> None:
         """Take a message for this subscriber alone; the topic's outlet takes those for all."""
         if self.link is not None:
             self.link.receive(publication)
-
-    def replay(self, publication: Publication) -> None:
-        """Do nothing: latched messages are sent when the subscriber connects."""
 
     def report(self) -> SinkReport:
         """Return the totals of all its connections."""
@@ -135,7 +139,7 @@ class Ros1Subscriber:
             self.link = other
 
 
-class TopicRegistrations:
+class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
     """The publishers and subscribers of all ROS 1 nodes.
 
     Args:
@@ -158,8 +162,8 @@ class TopicRegistrations:
         port: Callable[[], int],
         changed: Callable[[], object],
     ) -> None:
+        super().__init__(graph, OneTimeWarnings())
         self.links: Links
-        self._graph = graph
         self._calls = calls
         self._names = names
         self._quota = quota
@@ -168,8 +172,6 @@ class TopicRegistrations:
         self._publishers: dict[str, dict[str, Ros1Publisher]] = {}
         """By topic and node."""
         self._subscribers: dict[str, dict[str, Ros1Subscriber]] = {}
-        self._types_in_conflict: dict[str, MessageType | None] = {}
-        """By topic: the type that it had when nodes conflicted with it."""
         self._work = Worklist(
             lambda run: asyncio.get_running_loop().call_soon(run), {"topics": self._update_topic}
         )
@@ -267,7 +269,7 @@ class TopicRegistrations:
             self.remove_publisher(older)
         publisher = Ros1Publisher(node, topic, type_)
         node.published[topic] = self._publishers.setdefault(topic, {})[node.name] = publisher
-        self._attach_publisher(publisher)
+        self.attach_publisher(topic, publisher)
         self._mark(topic)
         self._changed()
 
@@ -278,9 +280,9 @@ class TopicRegistrations:
             if older.owner is node and type_ in (older.type, ANY):
                 return
             self.remove_subscriber(older)
-        subscriber = Ros1Subscriber(node, topic, type_)
+        subscriber = Ros1Subscriber(node, topic, type_, self.links.outlet(topic))
         node.subscribed[topic] = self._subscribers.setdefault(topic, {})[node.name] = subscriber
-        self._attach_subscriber(subscriber)
+        self.attach_subscriber(topic, subscriber)
         self._mark(topic)
         self._changed()
 
@@ -290,8 +292,7 @@ class TopicRegistrations:
         if node.published.pop(topic, None) is None:
             return
         _remove(self._publishers, topic, node.name)
-        self._detach_source(publisher)
-        self._detach_conflict(topic, node.name, publishes=True)
+        self.detach_user(topic, publisher)
         self._mark(topic)
         self._changed()
 
@@ -301,10 +302,7 @@ class TopicRegistrations:
         if node.subscribed.pop(topic, None) is None:
             return
         _remove(self._subscribers, topic, node.name)
-        found = self._graph.topics.get(topic)
-        if found is not None:
-            self._graph.unsubscribe(found, subscriber)
-        self._detach_conflict(topic, node.name, publishes=False)
+        self.detach_user(topic, subscriber)
         self._mark(topic)
         self._changed()
 
@@ -323,61 +321,56 @@ class TopicRegistrations:
         if publisher not in self.publishers(publisher.topic):
             return None
         publisher.type = type_
-        self._detach_conflict(publisher.topic, publisher.node.name, publishes=True)
         source = publisher.source
-        if source is not None and not _is_same(source.type, type_, md5sum):
+        if source is None or not _is_same(source.type, type_, md5sum):
             # It must not be held to the type that it had before.
-            self._detach_source(publisher)
-        self._attach_publisher(publisher, definition, md5sum)
+            self.detach_user(publisher.topic, publisher)
+        self.attach_publisher(publisher.topic, publisher, definition=definition, md5sum=md5sum)
         return publisher.source
 
     def apply_rights(self, node: Registrant) -> None:
         """Attach what a node may use now, and detach what it may not."""
         graph = self._graph
         for topic, publisher in node.published.items():
-            is_allowed = graph.is_allowed(node.name, "publish", topic)
-            if is_allowed is not (publisher.source is not None):
-                self._detach_source(publisher)
-                self._detach_conflict(topic, node.name, publishes=True)
-                self._attach_publisher(publisher)
+            if graph.is_allowed(node.name, "publish", topic) is not publisher.is_attached:
+                self.detach_user(topic, publisher)
+                self.attach_publisher(topic, publisher)
         for topic, subscriber in node.subscribed.items():
-            is_allowed = graph.is_allowed(node.name, "subscribe", topic)
-            if is_allowed is not graph.topic(topic).has_sink(subscriber):
-                graph.unsubscribe(graph.topic(topic), subscriber)
-                self._detach_conflict(topic, node.name, publishes=False)
-                self._attach_subscriber(subscriber)
+            if graph.is_allowed(node.name, "subscribe", topic) is not subscriber.is_attached:
+                self.detach_user(topic, subscriber)
+                self.attach_subscriber(topic, subscriber)
         for topic in (*node.published, *node.subscribed):
             self._mark(topic)
 
     # Attaching to the graph.
 
-    def _attach_publisher(
-        self, publisher: Ros1Publisher, definition: str | None = None, md5sum: str | None = None
-    ) -> None:
+    def advertise(
+        self,
+        topic: Topic,
+        publisher: Ros1Publisher,
+        definition: str | None = None,
+        md5sum: str | None = None,
+    ) -> Source | None:
+        """See `ForeignTopics`."""
         publisher.is_relayed = True
         if publisher.type == ANY:
-            return
-        topic = self._graph.topic(publisher.topic)
-        node = publisher.node.name
+            return publisher.source
         try:
-            publisher.source = self._graph.advertise(
+            return self._graph.advertise(
                 topic,
-                node,
+                publisher.name,
                 publisher.type,
                 definition,
                 quota=self._quota(),
                 serialized=md5sum is not None,
                 md5sum=md5sum,
                 linked=False,
-                on_conflict=partial(self._log_conflict, node),
+                on_conflict=self.reporter(publisher),
             )
-        except (NotAllowed, OperationError, InterfaceError, InvalidMessage) as error:
+        except FibwsError as error:
             # An unknown type may become known by the definition that the publisher sends.
             publisher.is_relayed = isinstance(error, InterfaceError) and md5sum is None
-            self._detach_source(publisher)
-            self._conflict(topic, publisher, node, str(error), publishes=True)
-        else:
-            publisher.fault = ""
+            raise
 
     def name_md5(self, subscriber: Ros1Subscriber, md5sum: str) -> None:
         """Subscribe with the md5 that a subscriber tells, if others publish that type."""
@@ -385,68 +378,29 @@ class TopicRegistrations:
         own = topic.type_for(subscriber)
         is_known = own is None or md5sum in (ANY, own.md5sum) or own.name != subscriber.type
         if not is_known and any(each and each.md5sum == md5sum for each in topic.types()):
-            self._attach_subscriber(subscriber, md5sum)
+            subscriber.md5sum = md5sum
+            self.attach_subscriber(topic.name, subscriber)
 
-    def _attach_subscriber(self, subscriber: Ros1Subscriber, md5sum: str | None = None) -> None:
-        topic = self._graph.topic(subscriber.topic)
-        type_ = None if subscriber.type == ANY else subscriber.type
-        try:
-            outlet = self.links.outlet(topic.name)
-            report = partial(self._log_conflict, subscriber.node)
-            self._graph.subscribe(
-                topic,
-                subscriber,
-                type_,
-                receiver=lambda group: outlet,
-                follow=partial(self._attach_subscriber, subscriber) if md5sum is None else None,
-                md5sum=md5sum,
-                linked=False,
-                on_conflict=report,
-            )
-        except (NotAllowed, OperationError, InterfaceError) as error:
-            self._conflict(topic, subscriber, subscriber.node, str(error), publishes=False)
-        else:
-            subscriber.fault = ""
-
-    def _conflict(
-        self,
-        topic: Topic,
-        registration: Ros1Publisher | Ros1Subscriber,
-        node: str,
-        fault: str,
-        *,
-        publishes: bool,
-    ) -> None:
-        """List a conflict at its topic; it is logged once, although it is tried again often."""
-        if registration.fault != fault:
-            text = f"{node} exchanges no messages on {topic.name}: {fault}"
-            logger.warning("%s", shortened(text))
-        registration.fault = fault
-        self._graph.add_conflict(topic, Conflict(node, registration.type, publishes, fault))
-        self._types_in_conflict[topic.name] = topic.type
-
-    def _log_conflict(self, node: str, text: str) -> None:
-        if text:
-            logger.warning("%s", shortened(f"{node}: {text}"))
-
-    def _detach_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
-        found = self._graph.topics.get(topic)
-        if found is not None:
-            self._graph.remove_conflict(found, node, publishes=publishes)
-
-    def _detach_source(self, publisher: Ros1Publisher) -> None:
-        source, publisher.source = publisher.source, None
-        if source is not None:
-            self._graph.remove_source(source)
+    def subscribe(self, topic: Topic, subscriber: Ros1Subscriber) -> None:
+        """See `ForeignTopics`."""
+        follow = partial(self.attach_subscriber, topic.name, subscriber)
+        self._graph.subscribe(
+            topic,
+            subscriber,
+            None if subscriber.type == ANY else subscriber.type,
+            receiver=lambda group: subscriber.outlet,
+            follow=follow if subscriber.md5sum is None else None,
+            md5sum=subscriber.md5sum,
+            linked=False,
+            on_conflict=self.reporter(subscriber),
+        )
 
     # Removing.
 
-    def abandon(self, node: Registrant) -> Iterator[Callable[[], None]]:
-        """Take note that a node has left; return functions that remove its registrations."""
+    def removals(self, node: Registrant) -> Iterator[Callable[[], None]]:
+        """Return functions that remove the registrations of a node that has left."""
         publishers, subscribers = list(node.published.values()), list(node.subscribed.values())
-        sources = (each.source for each in publishers)
-        self._graph.abandon(source for source in sources if source is not None)
-        self._graph.abandon(each for each in subscribers if not each.fault)
+        self.abandon(publishers, subscribers)
         return chain(
             (partial(self.remove_publisher, each) for each in publishers),
             (partial(self.remove_subscriber, each) for each in subscribers),
@@ -460,11 +414,8 @@ class TopicRegistrations:
 
     def _update_topic(self, name: str) -> None:
         """Bring links up to date, and send subscribers the publishers that have changed."""
-        topic = self._graph.topic(name)
-        if topic.unattached:
-            self._retry(topic)
-        else:
-            self._types_in_conflict.pop(name, None)
+        if self._graph.topic(name).unattached:
+            self._retry(name)
         # An action's status may have no ROS 1 node, and decide who its goals are for.
         self.links.changed(self._graph.topic(name))
         for subscriber in self.subscribers(name):
@@ -475,24 +426,16 @@ class TopicRegistrations:
                     subscriber.owner.api, name, "publisherUpdate", MASTER, name, apis
                 )
 
-    def _retry(self, topic: Topic) -> None:
+    def _retry(self, name: str) -> None:
         """Attach the registrations that conflicted with a topic's type, if it has another now."""
-        name = topic.name
-        if topic.type is self._types_in_conflict.get(name):
-            return
-        for node, _, publishes, _ in list(topic.unattached):
-            if self._graph.topic(name).held:
-                break
-            self._detach_conflict(name, node, publishes=publishes)
-            if publishes:
-                publisher = self._publishers.get(name, {}).get(node)
-                if publisher is not None:
-                    self._attach_publisher(publisher)
-            else:
-                subscriber = self.subscriber(node, name)
-                if subscriber is not None:
-                    self._attach_subscriber(subscriber)
-        self._types_in_conflict[name] = self._graph.topic(name).type
+        for publisher in self.publishers(name):
+            if self.is_due_again(self._graph.topic(name), publisher):
+                self.detach_user(name, publisher)
+                self.attach_publisher(name, publisher)
+        for subscriber in self.subscribers(name):
+            if self.is_due_again(self._graph.topic(name), subscriber):
+                self.detach_user(name, subscriber)
+                self.attach_subscriber(name, subscriber)
 
 
 def _is_same(present: MessageType, type_: str, md5sum: str) -> bool:

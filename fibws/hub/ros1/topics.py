@@ -14,6 +14,7 @@ from typing import Any
 
 from fibws.errors import TcprosError
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.foreign.topics import LINGER
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1.api import Answer
@@ -25,9 +26,6 @@ from fibws.hub.ros1.outlet import Outlet, OutletLink
 from fibws.hub.ros1.tcpros import require
 from fibws.hub.ros1.topic_registrations import Ros1Publisher
 from fibws.hub.settings import Settings
-
-LINGER = 2.0
-"""Seconds for which links to publishers stay open when no client subscribes any more."""
 
 
 class TopicLinks:

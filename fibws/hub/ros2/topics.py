@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
+from itertools import chain
 from typing import Any
 
 from fibws.errors import FibwsError, LimitReached
@@ -299,7 +300,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
 
     def detach(self, node: Ros2Node) -> None:
         """Detach, topic by topic, what a node that has left publishes and subscribes to."""
-        self.abandon(node)
+        self.abandon(node.published.values(), chain(*node.subscribed.values()))
         for name in {**node.published, **node.subscribed}:
             self.changed(name)
 

@@ -64,7 +64,7 @@ class Topic:
 
     def subscriber(self, name: str = "/listener") -> Ros1Subscriber:
         node = new_node(self.nodes, name)
-        subscriber = Ros1Subscriber(node, "/t", "*")
+        subscriber = Ros1Subscriber(node, "/t", "*", self._outlet)
         node.subscribed["/t"] = subscriber
         self.graph.subscribe(self.graph.topic("/t"), subscriber, receiver=lambda _: self._outlet)
         return subscriber
