@@ -46,6 +46,7 @@ class FakeTimer:
 
     def cancel(self) -> None:
         self.cancelled = True
+        self.callback = lambda: None  # As asyncio's, it keeps nothing.
 
 
 class FakeClock:

@@ -231,15 +231,7 @@ class Calls:
 
         values = SerializedValues(bytes(request.body))
         call = graph.call(name, values, caller, succeeded, failed, headers)
-        call.start()
-        return self._until_done(open_, call)
-
-    def _until_done(self, open_: _OpenRequest, call: Call) -> Cancel:
-        """Return what abandons a call, which ends after the time that a service may take."""
-        if not self._timeout or open_.is_done:
-            return open_.cancelled(call.abandon)
-        timer = self._clock.call_later(self._timeout, lambda: call.time_out(self._timeout))
-        open_.on_done = timer.cancel
+        call.start(self._timeout, self._clock.call_later)
         return open_.cancelled(call.abandon)
 
     def _send_goal(self, peer: Peer, request: Request, caller: str, open_: _OpenRequest) -> Cancel:
@@ -272,8 +264,8 @@ class Calls:
 
         values = {"node": str(request.fields.get("node"))}
         call = self._graph.call(f"/rosapi/{request.op}", values, caller, succeeded, failed)
-        call.start()
-        return self._until_done(open_, call)
+        call.start(self._timeout, self._clock.call_later)
+        return open_.cancelled(call.abandon)
 
     def _describe(self, request: Request, caller: str) -> str:
         """Return the full text of a type; raise `InterfaceError` if it is unknown."""

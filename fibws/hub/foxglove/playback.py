@@ -12,7 +12,6 @@ from functools import partial
 from typing import Any, NamedTuple, Self
 
 from fibws.errors import FibwsError, OperationError
-from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import PlaybackRequest, playback_frame
 from fibws.hub.graph.body import Body
@@ -75,7 +74,7 @@ class Playback:
         self._topic: Topic | None = None
         self._state: PlayerState | None = None
         self._messages = 0
-        self._calls: dict[Call, Timer | None] = {}
+        self._calls: dict[Call, None] = {}
 
     @property
     def node(self) -> str:
@@ -142,9 +141,7 @@ class Playback:
 
     def leave(self) -> None:
         """Control nothing any more."""
-        for call, timer in list(self._calls.items()):
-            if timer is not None:
-                timer.cancel()
+        for call in list(self._calls):
             call.abandon()
         self._calls.clear()
         self._unsubscribe()
@@ -220,7 +217,7 @@ class Playback:
         client = self._client
 
         def succeeded(call: Call, body: Body) -> None:
-            self._end(call)
+            self._calls.pop(call, None)
             response = body.values()
             state = PlayerState.read(response.get("state"))
             if self._state is not None and state is not None:
@@ -228,24 +225,16 @@ class Playback:
             done("" if response.get("success") else str(response.get("message")))
 
         def failed(call: Call, text: str, code: str) -> None:
-            self._end(call)
+            self._calls.pop(call, None)
             done(text)
 
         call = client.graph.call(self._service, command, client.node, succeeded, failed)
-        timer, timeout = None, client.settings.service_timeout
-        if timeout:
-            timer = client.clock.call_later(timeout, lambda: call.time_out(timeout))
-        self._calls[call] = timer
+        self._calls[call] = None
         try:
-            call.start()
+            call.start(client.settings.service_timeout, client.clock.call_later)
         except FibwsError:
-            self._end(call)
+            self._calls.pop(call, None)
             raise
-
-    def _end(self, call: Call) -> None:
-        timer = self._calls.pop(call, None)
-        if timer is not None:
-            timer.cancel()
 
     def _answered(self, request: PlaybackRequest | None, fault: str) -> None:
         """Report a fault, and answer the client's request once all is done."""

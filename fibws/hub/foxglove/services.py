@@ -7,7 +7,6 @@ from typing import NamedTuple
 from pydantic_core import from_json
 
 from fibws.errors import CallFailed, FibwsError, OperationError, UnknownDefinition
-from fibws.hub.delivery.clock import Timer
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.feeds import ServiceFeed
 from fibws.hub.foxglove.messages import (
@@ -32,7 +31,6 @@ class WaitingCall(NamedTuple):
     service: int
     call: int
     encoding: str
-    timer: Timer | None
 
 
 class Calls:
@@ -75,8 +73,7 @@ class Calls:
         return ((self._abandon, list(self._waiting)),)
 
     def _abandon(self, call: Call) -> None:
-        if call in self._waiting:  # It may have ended meanwhile.
-            self._pop(call)
+        if self._waiting.pop(call, None) is not None:  # It may have ended meanwhile.
             call.abandon()
 
     def _start(self, request: ClientRequest) -> None:
@@ -100,18 +97,15 @@ class Calls:
             raise CallFailed(f"Service {entry.name} has another type now", "type_conflict")
         args = _read(request)
         call = client.graph.call(entry.name, args, client.node, self._succeeded, self._failed)
-        timer, timeout = None, client.settings.service_timeout
-        if timeout:
-            timer = client.clock.call_later(timeout, lambda: call.time_out(timeout))
-        self._waiting[call] = WaitingCall(request.service, request.call, request.encoding, timer)
+        self._waiting[call] = WaitingCall(request.service, request.call, request.encoding)
         try:
-            call.start()
+            call.start(client.settings.service_timeout, client.clock.call_later)
         except Exception:
-            self._pop(call)
+            del self._waiting[call]
             raise
 
     def _succeeded(self, call: Call, response: Body) -> None:
-        waiting = self._pop(call)
+        waiting = self._waiting.pop(call)
         try:
             is_json = waiting.encoding == JSON
             data = plain_json(response.json()) if is_json else response.ros1()
@@ -126,14 +120,8 @@ class Calls:
         self._client.queue.reply(frame)
 
     def _failed(self, call: Call, text: str, code: str) -> None:
-        waiting = self._pop(call)
-        self._fail(waiting.service, waiting.call, text)
-
-    def _pop(self, call: Call) -> WaitingCall:
         waiting = self._waiting.pop(call)
-        if waiting.timer is not None:
-            waiting.timer.cancel()
-        return waiting
+        self._fail(waiting.service, waiting.call, text)
 
     def _fail(self, service: int, call: int, text: str) -> None:
         message = shortened(text)

@@ -7,7 +7,6 @@ respond in time, or responds with something that does not fit the type.
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -26,6 +25,8 @@ REQUEST, RESPONSE = 0, 1
 ANY_MD5SUM = "*"
 """The md5sum of a caller that leaves open which type it means."""
 
+CallLater: TypeAlias = Callable[[float, Callable[[], object]], Any]
+"""Calls a function after some seconds, and returns what cancels that: ``call_later`` of a loop."""
 Response: TypeAlias = dict[str, Any] | bytes
 """A response's values, or their JSON where that is at hand."""
 
@@ -134,9 +135,9 @@ class Call:
         "_open",
         "_started",
         "_succeeded",
+        "_timer",
         "_totals",
         "caller",
-        "due",
         "headers",
         "id",
         "request",
@@ -159,19 +160,25 @@ class Call:
         """With every field filled; unchanged from the caller if the type is unknown."""
         self.caller = caller
         self.headers = headers
-        self.due = math.inf
-        """The deadline of the caller, by the clock of the code that set it."""
         self.id = ""
         """Its id at the server."""
         self._succeeded = succeeded
         self._failed = failed
         self._open = True
+        self._timer: Any = None
         self._totals = totals
         self._started = totals.now() if totals is not None else 0
 
-    def start(self) -> None:
-        """Pass the call to the server."""
+    def start(self, timeout: float, call_later: CallLater) -> None:
+        """Pass the call to the server.
+
+        Args:
+            timeout: seconds in which the server must respond; 0 for no limit.
+            call_later: calls a function after some seconds, unless it is cancelled.
+        """
         self.service.server.handle(self)
+        if timeout and self._open:
+            self._timer = call_later(timeout, partial(self.time_out, timeout))
         # The server has it; a large request need not be kept until it responds.
         self.request = Body(self.service.type, REQUEST, values={})
         self.headers = None
@@ -239,6 +246,9 @@ class Call:
     def _close(self) -> bool:
         """Return whether this is the call's one end."""
         was_open, self._open = self._open, False
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
         return was_open
 
 

@@ -364,9 +364,7 @@ class ServedClient:
             lambda call, text, code: _finish(done, CallFailed(text, code)),
             dict(self._header),
         )
-        call.start()
-        timeout = self._links.settings.service_timeout
-        timer = loop.call_later(timeout, call.time_out, timeout) if timeout else None
+        call.start(self._links.settings.service_timeout, loop.call_later)
         self._links.calls[call] = None
         try:
             result = await done
@@ -378,8 +376,6 @@ class ServedClient:
             raise
         finally:
             del self._links.calls[call]
-            if timer is not None:
-                timer.cancel()
 
 
 class ServiceLinks:

@@ -383,15 +383,9 @@ class Ros2Services:
             raise UnknownDefinition(type_.name, type_.fault)
         into, _ = type_.codecs.service_serializers(type_.name)
         convert = own.type.response.to_cdr
-        ended: list[Callable[[], object]] = []
-
-        def end(call: Call) -> None:
-            self._requests.discard(call)
-            for each in ended:
-                each()
 
         def succeeded(call: Call, body: Body) -> None:
-            end(call)
+            self._requests.discard(call)
             try:
                 response = body.ros1()
             except (FibwsError, ValueError) as error:
@@ -401,13 +395,10 @@ class Ros2Services:
             respond(lambda: (convert(response), echo))
 
         def failed(call: Call, text: str, code: str) -> None:
-            end(call)
+            self._requests.discard(call)
             respond(None, text)
 
         values = read_values(into, data, "strict")
         call = self._graph.call(name, values, caller, succeeded, failed)
         self._requests.add(call)
-        if self._timeout:
-            timer = self._loop.call_later(self._timeout, lambda: call.time_out(self._timeout))
-            ended.append(timer.cancel)
-        call.start()
+        call.start(self._timeout, self._loop.call_later)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import secrets
 from collections import OrderedDict
-from heapq import heapify, heappop, heappush
-from itertools import count
-from math import inf
 from typing import Any, NamedTuple
 
 from fibws.errors import (
@@ -17,7 +14,6 @@ from fibws.errors import (
     NotSerialized,
     OperationError,
 )
-from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import Client, check_room
@@ -40,8 +36,6 @@ LONGEST_TIMEOUT = 86400.0
 """Seconds that a call may ask for: a day."""
 SECRET_BYTES = 8
 """Random bytes in the ids of a server's calls."""
-MOST_ENDED = 8
-"""Deadlines of ended calls that are kept however few calls wait."""
 
 
 class WaitingCall(NamedTuple):
@@ -54,7 +48,6 @@ class WaitingCall(NamedTuple):
     id: Id
     service: str
     fragment_size: int | None
-    timeout: float
     headers: bool = False
     serialized: bool = False
 
@@ -62,18 +55,11 @@ class WaitingCall(NamedTuple):
 class Calls:
     """One client's calls until their responses; each call gets one."""
 
-    __slots__ = ("_client", "_deadlines", "_due", "_numbers", "_timer", "_waiting")
+    __slots__ = ("_client", "_waiting")
 
     def __init__(self, client: Client) -> None:
         self._client = client
         self._waiting: dict[Call, WaitingCall] = {}
-        self._deadlines: list[tuple[float, int, Call]] = []
-        """A heap, in which calls that have ended stay for a while."""
-        self._numbers = count()
-        """For calls of equal deadlines."""
-        self._timer: Timer | None = None
-        """One for all calls; it is due no later than the first of them."""
-        self._due = 0.0
 
     def call(self, request: CallService) -> None:
         """Call a service.
@@ -89,12 +75,10 @@ class Calls:
             raise OperationError(f"an id behind the # has at most {LONGEST_ID} characters")
         # There may be an id behind the name, as the real server's call_service.py takes it.
         id_ = suffix if hash_ and request.id is None else request.id
-        timeout = self._timeout(request)
         waiting = WaitingCall(
             id_,
             request.service,
             request.fragment_size,
-            timeout,
             headers=request.headers is not None,
             serialized=isinstance(request.args, SerializedValues),
         )
@@ -107,7 +91,7 @@ class Calls:
         """Respond with an error to a malformed call_service: its caller may wait all the same."""
         service, id_ = fields.get("service"), legal_id(fields.get("id"))
         if isinstance(service, str) and id_ is not None:
-            self._fail(WaitingCall(id_, service, None, inf), text, code)
+            self._fail(WaitingCall(id_, service, None), text, code)
 
     def withdraw_forbidden(self) -> Work:
         """End, one by one, the calls that the client's rights do not allow any more."""
@@ -119,11 +103,7 @@ class Calls:
             yield
 
     def leave(self) -> Removals:
-        """Wait for no response any more, and return the calls that are to be abandoned."""
-        self._deadlines.clear()
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        """Return the calls that are to be abandoned."""
         return ((self._abandon, list(self._waiting)),)
 
     def _abandon(self, call: Call) -> None:
@@ -136,12 +116,9 @@ class Calls:
         call = client.graph.call(
             name, request.args, client.node, self._succeeded, self._failed, request.headers
         )
-        call.due = client.clock.time() + waiting.timeout
         self._waiting[call] = waiting
-        if call.due < inf:
-            self._add_deadline(call)
         try:
-            call.start()
+            call.start(self._timeout(request), client.clock.call_later)
         except Exception:
             self._waiting.pop(call, None)
             raise
@@ -181,43 +158,10 @@ class Calls:
         }
 
     def _timeout(self, request: CallService) -> float:
-        """Return the seconds that a call may take; without any, or with 0, the hub decides."""
+        """Return the seconds that a call may take, 0 for no limit; the hub has a default."""
         if request.timeout is None or request.timeout <= 0:
-            return self._client.settings.service_timeout or inf
+            return self._client.settings.service_timeout
         return min(request.timeout, LONGEST_TIMEOUT)
-
-    def _add_deadline(self, call: Call) -> None:
-        if len(self._deadlines) > 2 * len(self._waiting) + MOST_ENDED:
-            self._deadlines = [each for each in self._deadlines if each[2] in self._waiting]
-            heapify(self._deadlines)
-        heappush(self._deadlines, (call.due, next(self._numbers), call))
-        self._watch(call.due)
-
-    def _watch(self, due: float) -> None:
-        """Make sure that the timer is due when a call is."""
-        if self._timer is not None:
-            if self._due <= due:
-                return
-            self._timer.cancel()
-        clock = self._client.clock
-        self._due = due
-        self._timer = clock.call_later(due - clock.time(), self._time_out)
-
-    def _time_out(self) -> None:
-        """Fail the calls that are overdue."""
-        self._timer = None
-        deadlines, overdue = self._deadlines, []
-        # The timer may be a little early or late.
-        now = max(self._due, self._client.clock.time())
-        while deadlines and (deadlines[0][0] <= now or deadlines[0][2] not in self._waiting):
-            _, _, call = heappop(deadlines)
-            overdue.append(call)
-        if deadlines:
-            self._watch(deadlines[0][0])
-        for call in overdue:
-            waiting = self._waiting.get(call)
-            if waiting is not None:
-                call.time_out(waiting.timeout)
 
 
 class ServedService(NamedTuple):

@@ -21,7 +21,7 @@ from fibws.hub.graph.service import (
 from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces
 
-from ..fakes import ADD, NANOSECONDS
+from ..fakes import ADD, NANOSECONDS, FakeClock
 
 TYPE = Types(Interfaces(), lambda: NANOSECONDS, strict=False).service(ADD)
 REQUEST = {"a": 1, "b": 2}
@@ -67,9 +67,9 @@ class Caller:
         self.received.append((text, code))
 
 
-def started() -> Caller:
+def started(timeout: float = 0.0, clock: FakeClock | None = None) -> Caller:
     caller = Caller()
-    caller.call.start()
+    caller.call.start(timeout, (clock or FakeClock()).call_later)
     return caller
 
 
@@ -105,6 +105,23 @@ def test_call_ends_with_the_first_event_only(order: tuple[str, ...]) -> None:
         event(caller)
     _, expected = EVENTS[order[0]]
     assert caller.received == ([] if expected is None else [expected])
+
+
+def test_call_without_a_response_ends_at_its_deadline() -> None:
+    clock = FakeClock()
+    caller = started(5.0, clock)
+    clock.advance(4.9)
+    assert caller.received == []
+    clock.advance(0.1)
+    assert caller.received == [EVENTS["time_out"][1]]
+
+
+@pytest.mark.parametrize("name", EVENTS)
+def test_call_that_has_ended_has_no_deadline(name: str) -> None:
+    clock = FakeClock()
+    event, _ = EVENTS[name]
+    event(started(5.0, clock))
+    assert clock.timers == 0
 
 
 @pytest.mark.parametrize(("name", "left"), [("abandon", 0), ("time_out", 0), ("fail", 1)])
@@ -146,7 +163,7 @@ def test_internal_server_responds_with_values_or_json(response: Response) -> Non
         return response
 
     caller = call_internal(function)
-    caller.call.start()
+    caller.call.start(0.0, FakeClock().call_later)
     assert caller.received == [b'{"sum":3}']
     assert calls == [(REQUEST, "/caller")]
 
@@ -156,14 +173,14 @@ def test_error_of_an_internal_server_fails_the_call_with_its_code() -> None:
         raise OperationError("not today")
 
     caller = call_internal(function)
-    caller.call.start()
+    caller.call.start(0.0, FakeClock().call_later)
     assert caller.received == [("not today", "invalid_operation")]
 
 
 @pytest.mark.parametrize("response", [{"sum": "three"}, {"total": 3}])
 def test_response_of_an_internal_server_is_checked(response: dict[str, Any]) -> None:
     caller = call_internal(lambda request, node: response)
-    caller.call.start()
+    caller.call.start(0.0, FakeClock().call_later)
     [error] = caller.received
     assert isinstance(error, tuple)
     assert "rospy_tutorials/AddTwoIntsResponse" in error[0]
@@ -177,7 +194,7 @@ def test_exception_in_an_internal_server_is_logged_and_fails_the_call(
         raise KeyError("injected")
 
     caller = call_internal(function)
-    caller.call.start()
+    caller.call.start(0.0, FakeClock().call_later)
     [error] = caller.received
     assert isinstance(error, tuple)
     assert "/add" in error[0]
@@ -188,7 +205,7 @@ def test_exception_in_an_internal_server_is_logged_and_fails_the_call(
 def test_internal_server_keeps_nothing_of_a_finished_call() -> None:
     server = InternalServer("/rosapi", lambda request, node: {"sum": 3})
     caller = Caller(server)
-    caller.call.start()
+    caller.call.start(0.0, FakeClock().call_later)
     server.cancel(caller.call)
     caller.call.abandon()
     assert caller.received == [b'{"sum":3}']
@@ -202,7 +219,7 @@ class DeferredCall:
         self.response = Deferred()
         self.response.on_cancel(self._cancel)
         self.caller = call_internal(lambda request, node: self.response)
-        self.caller.call.start()
+        self.caller.call.start(0.0, FakeClock().call_later)
 
     def _cancel(self) -> None:
         self.cancelled += 1
@@ -254,7 +271,7 @@ def test_deferred_response_may_be_there_before_the_call_waits_for_it() -> None:
 
     server = InternalServer("/rosapi", function)
     caller = Caller(server)
-    caller.call.start()
+    caller.call.start(0.0, FakeClock().call_later)
     assert caller.received == [b'{"sum":3}']
     caller.call.abandon()
     server.cancel(caller.call)

@@ -63,7 +63,7 @@ class Links:
             failed,
             headers,
         )
-        call.start()
+        call.start(0.0, asyncio.get_running_loop().call_later)
         return call, done
 
     async def call(self, args: object, name: str = "/add", **others: Any) -> Any:
