@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Protocol, TypeVar
 
 from fibws.access.rights import Principal
@@ -158,14 +158,23 @@ class Ros2Nodes:
     # Attaching.
 
     def set_principal(self, principal: Principal) -> None:
-        """Give all nodes the rights of a principal."""
+        """Give all nodes the rights of a principal, and attach them again, in turns."""
         self._principal = principal
-        self._graph.policy.enter(CLIENT, principal, is_chosen=False, is_taken=False)
+        for name in (CLIENT, *self.attached):
+            self._graph.policy.enter(name, principal, is_chosen=False, is_taken=False)
+        self._graph.revision += 1
         self._warned.clear()
-        for node in list(self.attached.values()):
-            self._detach(node)
+        self._graph.finish(self._attach_again(principal))
+
+    def _attach_again(self, principal: Principal) -> Iterator[None]:
         for name in list(self._by_node):
+            if self._principal is not principal:
+                return  # A newer one is on its way.
+            attached = self.attached.get(name)
+            if attached is not None:
+                self._detach(attached)
             self._settle(name)
+            yield
 
     def close(self) -> None:
         """Detach all nodes."""
