@@ -27,10 +27,17 @@ logger = logging.getLogger("fibws.hub")
 KINDS: tuple[Kind, ...] = ("nodes", "topics", "services", "actions")
 """The records that are kept here; `shared_parameters` keeps those of parameters."""
 
-RECORD = 1500
-"""Bytes of memory that a record takes, about, beside its texts and parts."""
-PART = 800
-"""Bytes of memory that a hub on a node's path, or a publisher, takes, about."""
+RECORD = 1300
+"""Bytes of memory that a record of a node, a service or an action takes, about, beside its texts
+and parts."""
+HOP = 300
+"""Bytes of memory that a hub on a node's path takes, about."""
+TOPIC = 5200
+"""Bytes of memory that a topic with its record takes, about, beside its texts and users."""
+PUBLISHER = 1800
+"""Bytes of memory that a publisher takes, about, beside its texts; most are attached."""
+SUBSCRIBER = 700
+"""Bytes of memory that a subscriber takes, about, beside its texts."""
 
 T = TypeVar("T")
 
@@ -207,16 +214,18 @@ def _bytes(name: str, record: Any) -> int:
     """Return about how much memory a record takes, and what is attached for it."""
     if isinstance(record, NodeRecord):
         texts = [text for hub in record.path for text in (hub.name, hub.version)]
-        size = len(record.path) * PART
+        size = RECORD + len(record.path) * HOP
     elif isinstance(record, RemoteTopic):
         users = record.by_type
         texts = [
             text for each in users for text in (each.type, *each.publishers, *each.subscribers)
         ]
-        size = sum(len(each.publishers) for each in users) * PART
+        publishers = sum(len(each.publishers) for each in users)
+        subscribers = sum(len(each.subscribers) for each in users)
+        size = TOPIC + publishers * PUBLISHER + subscribers * SUBSCRIBER
     else:
-        texts, size = [record.type, record.node], 0
-    return RECORD + size + sum(map(getsizeof, (name, *texts)))
+        texts, size = [record.type, record.node], RECORD
+    return size + sum(map(getsizeof, (name, *texts)))
 
 
 def _translated(record: TopicRecord | None, name: str, peer: Peer) -> RemoteTopic | None:

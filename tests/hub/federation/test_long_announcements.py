@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import json
 import struct
+import tracemalloc
 from collections.abc import Callable, Iterator
 from typing import Any
 from unittest.mock import Mock
@@ -23,6 +24,7 @@ from ..work_clock import WorkClock
 from .test_link import HELLO, ID, NODE, record
 
 FEW, MANY = 50, 1000
+MD5_OF_INT32 = "da5909fbe378aeaf85e547e830cc1bb7"
 LIMIT = 1.2
 """How many times as much work there may be between two steps if there are twenty times as many
 records."""
@@ -149,3 +151,51 @@ def test_empty_namespace_may_come_before_the_end_of_what_was_in_it() -> None:
         ("/shared/arm/length", 2, None),
     ]
     assert shared(changes) == b'{"arm":{}}'
+
+
+def users(publishers: int, subscribers: int) -> Callable[[int], dict[str, Any]]:
+    """Return what makes a topic's record with so many users, by the topic's number."""
+    return lambda number: {
+        "type": INT32,
+        "md5sum": MD5_OF_INT32,
+        "publishers": [
+            {"node": f"/there{each}", "number": 10 * number + each, "origin": each}
+            for each in range(publishers)
+        ],
+        "subscribers": [f"/there{each}" for each in range(subscribers)],
+    }
+
+
+@pytest.mark.parametrize(
+    ("kind", "make"),
+    [
+        ("nodes", lambda number: NODE),
+        ("services", lambda number: RECORDS["services"]),
+        *(("topics", users(*each)) for each in ((0, 1), (0, 10), (1, 0), (10, 0), (5, 5))),
+    ],
+)
+def test_memory_of_records_is_what_is_counted(
+    kind: str, make: Callable[[int], dict[str, Any]]
+) -> None:
+    world, count = World(), 60
+
+    def take(records: dict[str, Any]) -> None:
+        for _ in by_link(world, json.dumps(records).encode()):
+            pass
+        while world.hub.clock._soon:  # What is attached for the records.
+            world.hub.clock.turn()
+
+    def counted() -> int:
+        return sum(each.measure() for each in world.federation.records())
+
+    take({"nodes": {f"/there{each}": NODE for each in range(10)}})
+    before = counted()
+    gc.collect()
+    tracemalloc.start()
+    try:
+        take({kind: {f"/name/of/thing_{each}": make(each) for each in range(count)}})
+        gc.collect()
+        measured = tracemalloc.get_traced_memory()[0]
+    finally:
+        tracemalloc.stop()
+    assert 0.75 * measured <= counted() - before <= 2 * measured, (measured, counted() - before)
