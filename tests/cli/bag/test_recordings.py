@@ -11,8 +11,10 @@ import os
 import re
 import signal
 import subprocess
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -44,9 +46,9 @@ TOPICS, ROUNDS, RATE = 500, 200, 200
 each_suffix = pytest.mark.parametrize("suffix", ["bag", "mcap"])
 
 
-def publish_blobs(client: HubClient) -> None:
+def publish_blobs(client: HubClient, begin: int = 0) -> None:
     """Publish messages of `SIZE` bytes, which begin with their numbers, and wait for the hub."""
-    for number in range(BLOBS):
+    for number in range(begin, begin + BLOBS):
         text = str(number).ljust(SIZE, ".")
         client.send({"op": "publish", "topic": "/blob", "msg": {"data": text}})
     client.call("/rosapi/get_time")
@@ -241,6 +243,121 @@ def test_recording_that_fills_a_disk_is_complete_up_to_then(
     result = run("bag", "record", "-L", "0", "-O", f"{small_disk}/again.{suffix}", "/blob")
     assert result.exit_code == 1
     assert not list(small_disk.glob("again*"))
+
+
+# The last minutes of a hub.
+
+
+class RecordingHub:
+    """A ``fibws hub --record`` in a process of its own, with files of 1 MB."""
+
+    def __init__(self, folder: Path, suffix: str) -> None:
+        words = ["--port", "0", "--record-size", "1", "--record-min-space", "0"]
+        if suffix == "mcap":
+            words.append("--record-mcap")
+        self.process = subprocess.Popen(
+            (sys.executable, "-m", "fibws", "hub", "--record", str(folder), *words),
+            env={**os.environ, "PYTHONUNBUFFERED": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.output = ""
+        self.url = self.wait_for(r"listens at (ws://[^;]+);")
+
+    def wait_for(self, pattern: str) -> str:
+        """Wait for a line of its output; return what the pattern's group matches."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.output += line
+            if found := re.search(pattern, line):
+                return found[1]
+        raise AssertionError(self.output)
+
+    def end(self, number: signal.Signals) -> str:
+        """Send a signal, and wait for the end; return all of its output."""
+        self.process.send_signal(number)
+        output, _ = self.process.communicate(timeout=PATIENCE)
+        return self.output + output
+
+
+@contextmanager
+def recording_hub(folder: Path, suffix: str) -> Iterator[RecordingHub]:
+    hub = RecordingHub(folder, suffix)
+    try:
+        yield hub
+    finally:
+        if hub.process.poll() is None:
+            hub.process.kill()
+        hub.process.communicate()
+
+
+def publish_to(hub: RecordingHub, begin: int) -> None:
+    """Publish messages as `publish_blobs`, by a node that leaves them to the hub."""
+    with HubClient("pub", hub.url) as client:
+        client.send({"op": "advertise", "topic": "/map", "type": "std_msgs/Int32", "latch": True})
+        client.send({"op": "publish", "topic": "/map", "msg": {"data": begin}})
+        client.send({"op": "advertise", "topic": "/blob", "type": "std_msgs/String"})
+        publish_blobs(client, begin)
+
+
+@pytest.mark.long
+@each_suffix
+def test_recordings_of_a_hub_that_was_killed_have_all_messages(
+    run: Run, tmp_path: Path, suffix: str
+) -> None:
+    """Also if it begins again in the same folder, whose files it leaves as they are."""
+    folder = tmp_path / "rec"
+    for begin, end in ((0, signal.SIGKILL), (BLOBS, signal.SIGKILL), (2 * BLOBS, signal.SIGTERM)):
+        with recording_hub(folder, suffix) as hub:
+            publish_to(hub, begin)
+            while sum(map(count, folder.iterdir())) < begin + BLOBS:
+                assert hub.process.poll() is None
+            hub.end(end)
+            assert hub.process.returncode == (0 if end == signal.SIGTERM else -end)
+    left = sorted(map(str, folder.glob("*.active")))
+    assert len(left) == 2
+    assert run("bag", "reindex", "-q", "--output-dir", f"{tmp_path}/restored", *left).exit_code == 0
+    restored = [
+        path.rename(path.with_suffix("")) for path in (tmp_path / "restored").glob("*.active")
+    ]
+    found = sorted([*folder.glob(f"*.{suffix}"), *restored], key=lambda path: path.name)
+    check(run, *found)
+    assert sorted(number for path in found for number in blobs(path)) == list(range(3 * BLOBS))
+
+
+@pytest.mark.slow
+@each_suffix
+def test_hub_goes_on_when_its_recording_has_filled_the_disk(
+    run: Run, small_disk: Path, suffix: str
+) -> None:
+    """Only root can mount a small disk: the test is left out of the landing."""
+    with recording_hub(small_disk, suffix) as hub:
+        publish_to(hub, 0)
+        hub.wait_for("(No space left on device)")
+        hub.wait_for("(complete up to then|To restore)")
+        publish_to(hub, BLOBS)
+        output = hub.end(signal.SIGKILL)
+    with recording_hub(small_disk, suffix) as hub:
+        publish_to(hub, 2 * BLOBS)
+        if "No space left on device" not in hub.output:  # It may have had room for a file.
+            hub.wait_for("(No space left on device)")
+        output += hub.end(signal.SIGTERM)
+        assert hub.process.returncode == 0
+    found = sorted(small_disk.iterdir())
+    left = [path for path in found if path.suffix == ".active"]  # Their indexes did not fit.
+    assert list(map(str, left)) == re.findall(r"bag reindex --output-dir DIR (\S+)", output)
+    for path in left:
+        restored = small_disk.with_name("restored") / path.name
+        words = ("--output-dir", str(restored.parent), str(path))
+        assert run("bag", "reindex", "-q", *words).exit_code == 0
+        found[found.index(path)] = restored.rename(restored.with_suffix(""))
+    check(run, *found)
+    recorded = [number for path in found for number in blobs(path)]
+    first = [number for number in recorded if number < BLOBS]
+    assert len(first) > 10
+    assert recorded == [*first, *range(2 * BLOBS, 2 * BLOBS + len(recorded) - len(first))]
+    assert first == list(range(len(first)))
 
 
 # Many topics.
