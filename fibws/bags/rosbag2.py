@@ -35,7 +35,7 @@ _STEP = 2**20
 def open_folder(path: str, *, allow_unindexed: bool = False) -> Reader:
     """Open a folder of rosbag2 for reading; raise as `fibws.bags.open_reader`."""
     metadata = _read_metadata(path)
-    names = metadata.files or _listed(path)
+    names = metadata.files or listed(path)
     if not names:
         bags = sorted(each for each in os.listdir(path) if each.endswith(".bag"))
         hint = f"; name a file in it, such as {os.path.join(path, bags[0])}" if bags else ""
@@ -176,9 +176,18 @@ def _information(place: str) -> dict[str, Any]:
     return found
 
 
-def _listed(path: str) -> list[str]:
-    """Return the names of the .mcap and .db3 files in a folder."""
-    return sorted(each for each in os.listdir(path) if each.endswith(SUFFIXES))
+def listed(path: str) -> list[str]:
+    """Return the names of the .mcap and .db3 files in a folder.
+
+    Originals that were kept when a file was rewritten have the same messages: they are left out.
+    """
+    names = {each for each in os.listdir(path) if each.endswith(SUFFIXES)}
+    return sorted(each for each in names if ".orig." not in each or not _is_rewritten(each, names))
+
+
+def _is_rewritten(name: str, names: Collection[str]) -> bool:
+    """Return whether a file such as ``walk.orig.mcap`` is the original of one of these."""
+    return "".join(name.rsplit(".orig", 1)) in names
 
 
 def _decompressed(path: str) -> BinaryIO:

@@ -14,6 +14,7 @@ import click
 from fibws.bags import open_reader, open_writer, reindex
 from fibws.bags.files import is_mcap
 from fibws.bags.mcap_files import rewrite_mcap
+from fibws.bags.rosbag2 import listed
 from fibws.bags.sqlite_files import SUFFIX as SQLITE_SUFFIX
 from fibws.cli import output
 from fibws.cli.bag.filtering import Copy
@@ -26,6 +27,8 @@ from fibws.files import replacing
 
 Rewrite: TypeAlias = Callable[[Path, Path, Progress], None]
 """Writes a new bag, the second path, of one, and shows its progress."""
+MOST_NAMES = 5
+"""Files of a folder that are named in an error."""
 
 
 def _options(function: Callable[..., None]) -> Callable[..., None]:
@@ -133,12 +136,13 @@ def _rewrite(
     keeps_all: bool,
 ) -> None:
     if path.is_dir():
-        raise BagError(f"{path} is a folder; name the files in it: {path / '*.mcap'}")
+        names = listed(os.fspath(path))
+        if names and all(each.endswith(SQLITE_SUFFIX) for each in names):
+            raise _only_read(path)
+        files = " ".join(str(path / each) for each in names[:MOST_NAMES]) or path / "*.mcap"
+        raise BagError(f"{path} is a folder; name the files in it: {files}")
     if path.suffix == SQLITE_SUFFIX:
-        raise BagError(
-            f"{path}: SQLite (.db3) is only read; to convert it: {command_name('bag filter')} "
-            f"{path} {path.with_suffix('.mcap')} True"
-        )
+        raise _only_read(path)
     target = path if output_dir is None else output_dir / path.name
     backup = None
     if output_dir is None or (target.exists() and target.samefile(path)):
@@ -151,6 +155,13 @@ def _rewrite(
             backup = None  # The new file has the same messages.
     with replacing(target, backup=backup) as new, Progress(target, quiet=quiet) as progress:
         rewrite(path, new, progress)
+
+
+def _only_read(path: Path) -> BagError:
+    return BagError(
+        f"{path}: SQLite (.db3) is only read; to convert it: {command_name('bag filter')} "
+        f"{path} {path.with_suffix('.mcap')} True"
+    )
 
 
 def _change_compression(method: str, source: Path, target: Path, progress: Progress) -> None:

@@ -256,7 +256,41 @@ def test_folder_is_not_rewritten(fibws: Tool, tmp_path: Path, name: str) -> None
     ros2_recordings.write(tmp_path / "walk", end=1)
     result = fibws("bag", name, tmp_path / "walk")
     assert result.exit_code == 1
-    assert result.output.startswith("Error: ") and "name the files" in result.output
+    assert result.output.startswith("Error: ")
+    assert f"name the files in it: {tmp_path / 'walk' / 'walk.mcap'}" in result.output
+
+
+@pytest.mark.parametrize("name", ["compress", "decompress", "reindex"])
+def test_folder_of_sqlite_is_not_rewritten_but_converted(
+    fibws: Tool, tmp_path: Path, name: str
+) -> None:
+    folder = tmp_path / "walk"
+    ros2_recordings.write(folder, ros2_recordings.KINDS["sqlite3-none"], end=1)
+    result = fibws("bag", name, folder)
+    assert result.exit_code == 1
+    advice = re.findall(r"fibws (bag filter .*)", result.output)[0].split()
+    assert fibws(*advice, "-q").exit_code == 0
+    with open_reader(tmp_path / "walk.mcap") as reader:
+        assert reader.message_count == 5
+
+
+def test_folder_of_a_killed_recorder_is_read_after_reindex(fibws: Tool, tmp_path: Path) -> None:
+    """What was kept of the old file is not read once more."""
+    folder = tmp_path / "walk"
+    ros2_recordings.write(folder)
+    (folder / "metadata.yaml").unlink()
+    path = folder / "walk.mcap"
+    path.write_bytes(path.read_bytes()[:-100])
+    result = fibws("bag", "info", folder)
+    assert result.exit_code == 1
+    advice = re.findall(r"fibws (bag reindex .*)", result.output)[0].split()
+    assert fibws(*advice, "-q").exit_code == 0
+    assert len(list(folder.iterdir())) == 2
+    assert fibws("bag", "compress", "-q", path).exit_code == 0
+    with open_reader(folder) as reader:
+        assert reader.message_count == 100
+    path.unlink()
+    assert fibws("bag", "info", folder).exit_code == 1  # The original is the only file now.
 
 
 def test_types_are_those_of_the_installed_ros_1(fibws: Tool, folder: Path, tmp_path: Path) -> None:
