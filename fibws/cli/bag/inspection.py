@@ -46,19 +46,41 @@ def info(bags: tuple[str, ...], as_yaml: bool, as_json: bool, key: str | None, f
         raise click.UsageError("You can only specify key when printing in YAML format: add --yaml.")
     from fibws.bags import summary
 
+    def show(number: int, path: str) -> bool:
+        if number and not as_json:
+            output.line("---")
+        with open_bag(path) as bag:
+            if as_json:
+                output.as_json(summary.as_dict(bag, path, frequencies=freq))
+            elif key is not None:
+                output.line(_value(summary.as_dict(bag, path, frequencies=freq), key))
+            elif as_yaml:
+                output.line(summary.as_yaml(summary.as_dict(bag, path, frequencies=freq)))
+            else:
+                output.line(summary.text(bag, path, frequencies=freq))
+        return True
+
+    _for_each(bags, show)
+
+
+def _for_each(bags: tuple[str, ...], inspect: Callable[[int, str], bool]) -> None:
+    """Inspect bags; go on after one that cannot be read, and exit with 1 in the end.
+
+    Args:
+        inspect: takes the number of a bag and its path; returns whether it is valid.
+    """
+    are_valid = True
     with clean_exit():
-        for number, path in enumerate(bags):
-            if number and not as_json:
-                output.line("---")
-            with open_bag(path) as bag:
-                if as_json:
-                    output.as_json(summary.as_dict(bag, path, frequencies=freq))
-                elif key is not None:
-                    output.line(_value(summary.as_dict(bag, path, frequencies=freq), key))
-                elif as_yaml:
-                    output.line(summary.as_yaml(summary.as_dict(bag, path, frequencies=freq)))
-                else:
-                    output.line(summary.text(bag, path, frequencies=freq))
+        for number, bag in enumerate(bags):
+            try:
+                are_valid &= inspect(number, bag)
+            except click.UsageError:
+                raise
+            except (BagError, click.ClickException) as error:
+                click.echo(output.visible(f"Error: {error}"), err=True)
+                are_valid = False
+    if not are_valid:
+        raise click.exceptions.Exit(1)
 
 
 def _value(found: dict[str, Any], key: str) -> str:
@@ -94,14 +116,13 @@ def check(bags: tuple[str, ...], genrules: str | None, append: bool, noplugins: 
     """
     if genrules or append or any(each.endswith(".bmr") for each in bags):
         raise click.UsageError("rules of migration are not supported; rosbag of ROS 1 has them")
-    are_valid = True
-    with clean_exit():
-        for bag in bags:
-            if len(bags) > 1:
-                output.line(f"{bag}:")
-            are_valid &= _check(bag)
-    if not are_valid:
-        raise click.exceptions.Exit(1)
+
+    def check_one(_: int, bag: str) -> bool:
+        if len(bags) > 1:
+            output.line(f"{bag}:")
+        return _check(bag)
+
+    _for_each(bags, check_one)
 
 
 def _check(bag: str) -> bool:

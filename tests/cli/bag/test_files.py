@@ -349,6 +349,20 @@ def test_bag_that_is_written_is_not_said_to_need_an_index(
                 assert "reindex" not in result.output
 
 
+@pytest.mark.parametrize("name", ["info", "check"])
+def test_bags_after_one_that_cannot_be_read_are_inspected(
+    bag: Tool, path: Path, tmp_path: Path, name: str
+) -> None:
+    other = tmp_path / "other.bag"
+    other.write_bytes(path.read_bytes())
+    path.write_bytes(b"")
+    result = bag(name, tmp_path / "none.bag", path, other)
+    assert result.exit_code == 1
+    assert f"Error: {path}: the file is empty" in result.output
+    assert "none.bag: No such file" in result.output
+    assert ("messages: " if name == "info" else "does not need") in result.output
+
+
 def test_check_reads_several_bags(bag: Tool, path: Path, tmp_path: Path) -> None:
     bad = tmp_path / "bad.bag"
     with open_writer(bad) as writer:
