@@ -1,6 +1,7 @@
 /** A table of named parts of the graph, each with its type and its node. */
 import { followOnClick } from "./browse";
-import { breakable, h, replace } from "./dom";
+import { breakable, h, setAttribute, setName } from "./dom";
+import { KeyedRows } from "./keyed_rows";
 import { route } from "./view";
 
 export interface Row {
@@ -14,7 +15,7 @@ export interface Row {
 export class NameTable {
   readonly element: HTMLTableElement;
   readonly #body = h("tbody");
-  #shown = "";
+  readonly #rows = new KeyedRows<Row, RowElement, string>(this.#body, tableRow, ({ link }) => link);
 
   /** `label` is the heading of the names. */
   constructor(label: string) {
@@ -27,42 +28,40 @@ export class NameTable {
   /** Show rows sorted by name; `selected` is the link of the chosen one. */
   show(rows: readonly Row[], selected: string): void {
     const sorted = [...rows].sort((one, other) => (one.link < other.link ? -1 : 1));
-    const text = JSON.stringify([sorted, selected]);
-    if (this.#shown === text) return;
-    this.#shown = text;
-    const { activeElement } = document;
-    const focused = this.#body.contains(activeElement) && activeElement?.getAttribute("href");
-    replace(this.#body, ...sorted.map((row) => tableRow(row, selected)));
-    for (const link of focused ? this.#body.querySelectorAll("a") : []) {
-      if (link.getAttribute("href") === focused) link.focus({ preventScroll: true });
-    }
+    this.#rows.show(sorted);
+    for (const row of sorted) this.#rows.get(row.link)?.show(row, selected);
   }
 }
 
-function tableRow({ name, type, node, link }: Row, selected: string): HTMLElement {
-  const title = h(
-    "a",
-    {
-      href: link,
-      class: "ros-name",
-      title: name,
-      "aria-current": link === selected ? "true" : null,
-    },
-    ...breakable(name),
-  );
-  const below = h("span", { class: "type-below ros-name", title: type }, ...breakable(type));
-  const provider = h(
-    "a",
-    { class: "mono ros-name", title: node, href: route("graph", "node", node) },
-    ...breakable(node),
-  );
-  const row = h(
+/** A row of the table on the page. */
+interface RowElement {
+  readonly element: HTMLElement;
+  show(row: Row, selected: string): void;
+}
+
+function tableRow({ name, link }: Row): RowElement {
+  const title = h("a", { href: link, class: "ros-name", title: name }, ...breakable(name));
+  const below = h("span", { class: "type-below ros-name" });
+  const typeCell = h("td", { class: "col-type ros-name" });
+  const provider = h("a", { class: "mono ros-name" });
+  const element = h(
     "tr",
     {},
     h("th", { scope: "row", class: "col-name" }, title, below),
-    h("td", { class: "col-type ros-name", title: type }, ...breakable(type)),
-    h("td", { class: "col-node" }, node !== "" && provider),
+    typeCell,
+    h("td", { class: "col-node" }, provider),
   );
-  followOnClick(row, title);
-  return row;
+  followOnClick(element, title);
+  return {
+    element,
+    show: ({ type, node }, selected) => {
+      if (link === selected) title.setAttribute("aria-current", "true");
+      else title.removeAttribute("aria-current");
+      setName(below, type);
+      setName(typeCell, type);
+      setName(provider, node);
+      provider.hidden = node === "";
+      setAttribute(provider, "href", route("graph", "node", node));
+    },
+  };
 }

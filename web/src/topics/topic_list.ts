@@ -1,9 +1,10 @@
 /** The table of topics: filtered, sorted, and updated cell by cell. */
 import { followOnClick } from "../browse";
-import { breakable, h, reorder, setName, setText } from "../dom";
+import { breakable, h, setName, setText } from "../dom";
 import { type Filter, FilterInput, fieldsOf } from "../filter";
 import { bandwidth, hertz, plural, whole } from "../format";
 import { isHidden } from "../hidden_names";
+import { KeyedRows } from "../keyed_rows";
 import { plotButton } from "../message_tree";
 import type { Graph, Model, Rates, TopicInfo } from "../model";
 import { flowKey } from "../rates";
@@ -37,7 +38,7 @@ export class TopicList {
   readonly #debug: HTMLInputElement;
   readonly #count = h("span", { class: "soft small", role: "status" });
   readonly #empty = h("p", { class: "empty" });
-  readonly #rows = new Map<string, RowElement>();
+  readonly #rows = new KeyedRows(this.#body, (name: string) => this.#createRow(name));
   #order: Order = { column: "name", descending: false };
   #selected = "";
   #stops: (() => void)[] = [];
@@ -178,22 +179,8 @@ export class TopicList {
       this.#debug.checked,
       this.#order,
     );
-    const names = new Set(rows.map(({ name }) => name));
-    for (const [name, row] of this.#rows) {
-      if (names.has(name)) continue;
-      row.element.remove();
-      this.#rows.delete(name);
-    }
-    const elements = rows.map((row) => {
-      let shown = this.#rows.get(row.name);
-      if (shown === undefined) {
-        shown = this.#createRow(row.name);
-        this.#rows.set(row.name, shown);
-      }
-      shown.show(row);
-      return shown.element;
-    });
-    reorder(this.#body, elements);
+    this.#rows.show(rows.map(({ name }) => name));
+    for (const row of rows) this.#rows.get(row.name)?.show(row);
     this.#showCount(rows.length, graph.topics.length);
   }
 
@@ -259,7 +246,7 @@ export class TopicList {
   }
 
   #select(): void {
-    for (const [name, { link }] of this.#rows) {
+    for (const [name, { link }] of this.#rows.entries()) {
       if (name === this.#selected) link.setAttribute("aria-current", "true");
       else link.removeAttribute("aria-current");
     }

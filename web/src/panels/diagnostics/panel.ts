@@ -1,8 +1,9 @@
 /** Shows diagnostics as rqt_robot_monitor does: a tree, the worst first, and what has changed. */
 import "./diagnostics.css";
 
-import { h, reorder, replace, setAttribute, setText } from "../../dom";
+import { h, replace, setAttribute, setText } from "../../dom";
 import { plural, timeOfDay } from "../../format";
+import { KeyedRows } from "../../keyed_rows";
 import { subscribe } from "../../messages/data_client";
 import type { Model } from "../../model";
 import type { DataSource } from "../../source";
@@ -48,16 +49,18 @@ interface Row {
   readonly sign: HTMLElement;
   readonly message: HTMLElement;
   readonly facts: HTMLElement;
-  readonly children: HTMLElement;
+  readonly children: Rows;
   shown: Status | undefined;
 }
+
+/** The items below another one, by their paths. */
+type Rows = KeyedRows<Item, Row, string>;
 
 class DiagnosticsPanel implements Panel {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
   readonly #topic: string;
   #tree = new DiagnosticsTree();
-  readonly #rows = new Map<string, Row>();
   readonly #counts = h("p", { class: "diagnostics-counts", role: "status" });
   readonly #filter = h("input", {
     type: "search",
@@ -67,6 +70,7 @@ class DiagnosticsPanel implements Panel {
     oninput: () => this.#show(),
   });
   readonly #list = h("div", { class: "diagnostics-tree" });
+  readonly #rows = this.#rowsIn(this.#list);
   readonly #changes = h("ol", { class: "plain diagnostics-changes small" });
   readonly #history = h("details", {}, h("summary", {}, "Changes"), this.#changes);
   readonly #empty = h("p", { class: "soft" }, "No message yet.");
@@ -146,13 +150,7 @@ class DiagnosticsPanel implements Panel {
       ...(isFull ? [`only ${MAX_ITEMS} are shown`] : []),
     ];
     setText(this.#counts, isEmpty ? "" : texts.join(" · "));
-    const found = new Set<string>();
-    this.#showChildren(this.#list, root, this.#filter.value.trim().toLowerCase(), found);
-    for (const [path, { element }] of this.#rows) {
-      if (found.has(path)) continue;
-      element.remove();
-      this.#rows.delete(path);
-    }
+    this.#showChildren(this.#rows, root, this.#filter.value.trim().toLowerCase());
     this.#history.hidden = changes.length === 0;
     if (this.#history.open) {
       replace(
@@ -171,37 +169,41 @@ class DiagnosticsPanel implements Panel {
     }
   }
 
-  #showChildren(parent: HTMLElement, item: Item, filter: string, found: Set<string>): void {
+  #showChildren(rows: Rows, item: Item, filter: string): void {
     const shown = sorted(item).filter((child) => filter === "" || matches(child, filter));
-    const rows = shown.map((child) => {
-      const row = this.#row(child);
-      found.add(child.path);
+    rows.show(shown);
+    for (const child of shown) {
+      const row = rows.get(child.path);
+      if (row === undefined) continue;
       this.#update(row, child);
       // What is below an item that matches itself belongs to it.
       const isWhole = filter !== "" && child.path.toLowerCase().includes(filter);
-      this.#showChildren(row.children, child, isWhole ? "" : filter, found);
-      return row.element;
-    });
-    reorder(parent, rows);
+      this.#showChildren(row.children, child, isWhole ? "" : filter);
+    }
   }
 
-  #row({ path, label, level }: Item): Row {
-    let row = this.#rows.get(path);
-    if (row !== undefined) return row;
+  #rowsIn(parent: HTMLElement): Rows {
+    return new KeyedRows(
+      parent,
+      (item) => this.#row(item),
+      ({ path }) => path,
+    );
+  }
+
+  #row({ label, level }: Item): Row {
     const sign = h("span", { class: "diagnostics-sign" });
     const message = h("span", { class: "soft diagnostics-message" });
     const facts = h("div", { class: "diagnostics-facts" });
-    const children = h("div", { class: "diagnostics-children" });
+    const below = h("div", { class: "diagnostics-children" });
     const element = h(
       "details",
       { open: level !== "ok" },
       h("summary", {}, sign, " ", h("b", {}, cut(label)), " ", message),
       facts,
-      children,
+      below,
     );
-    row = { element, sign, message, facts, children, shown: undefined };
-    this.#rows.set(path, row);
-    return row;
+    const children = this.#rowsIn(below);
+    return { element, sign, message, facts, children, shown: undefined };
   }
 
   #update(row: Row, { level, status }: Item): void {

@@ -1,8 +1,9 @@
 /** Shows the tree of coordinate frames, what is wrong with it, and where one frame is in another. */
 import "./frames.css";
 
-import { h, reorder, replace, setText } from "../../dom";
+import { h, replace, setText } from "../../dom";
 import { hertz, plural } from "../../format";
+import { KeyedRows } from "../../keyed_rows";
 import { subscribe } from "../../messages/data_client";
 import { fixedText } from "../../messages/values";
 import type { Model } from "../../model";
@@ -31,17 +32,20 @@ interface Row {
   readonly element: HTMLElement;
   readonly facts: HTMLElement;
   readonly faults: HTMLElement;
-  readonly children: HTMLElement;
+  readonly children: Tree;
 }
+
+/** Some frames below another one, or the roots. */
+type Tree = KeyedRows<string, Row>;
 
 class FramesPanel implements Panel {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
   readonly #topics: readonly string[];
   readonly #frames = new Frames();
-  readonly #rows = new Map<string, Row>();
   readonly #counts = h("p", { class: "frames-counts", role: "status" });
-  readonly #tree = h("ul", { class: "frames-tree", "aria-label": "Frames" });
+  readonly #list = h("ul", { class: "frames-tree", "aria-label": "Frames" });
+  readonly #tree: Tree = new KeyedRows(this.#list, (name) => this.#row(name));
   readonly #target = this.#select("In the frame");
   readonly #source = this.#select("Where the frame is");
   readonly #transform = h("table", { class: "frames-transform mono" });
@@ -74,7 +78,7 @@ class FramesPanel implements Panel {
       this.#counts,
       this.#error,
       this.#empty,
-      this.#tree,
+      this.#list,
       this.#lookup,
     );
   }
@@ -141,14 +145,9 @@ class FramesPanel implements Panel {
   }
 
   /** Show some frames and those below them; `above` are those that a loop would come back to. */
-  #showTree(
-    parent: HTMLElement,
-    names: readonly string[],
-    now: number,
-    above: ReadonlySet<string>,
-  ): void {
-    const rows = names.map((name) => {
-      const row = this.#row(name);
+  #showTree(tree: Tree, names: readonly string[], now: number, above: ReadonlySet<string>): void {
+    tree.show(names);
+    for (const [name, row] of tree.entries()) {
       const frame = this.#frames.all.get(name);
       setText(row.facts, frame === undefined ? "" : factsOf(frame, now));
       const faults = frame === undefined ? [] : this.#frames.faultsOf(frame, now);
@@ -161,20 +160,13 @@ class FramesPanel implements Panel {
         now,
         path,
       );
-      return row.element;
-    });
-    for (const child of [...parent.children]) {
-      if (!rows.includes(child as HTMLElement)) child.remove();
     }
-    reorder(parent, rows);
   }
 
   #row(name: string): Row {
-    let row = this.#rows.get(name);
-    if (row !== undefined) return row;
     const facts = h("span", { class: "soft small" });
     const faults = h("span", { class: "frames-faults small" });
-    const children = h("ul", {});
+    const list = h("ul", {});
     const choose = (): void => {
       this.#source.value = name;
       this.#choose();
@@ -191,11 +183,10 @@ class FramesPanel implements Panel {
       facts,
       " ",
       faults,
-      children,
+      list,
     );
-    row = { element, facts, faults, children };
-    this.#rows.set(name, row);
-    return row;
+    const children: Tree = new KeyedRows(list, (each) => this.#row(each));
+    return { element, facts, faults, children };
   }
 
   /** Offer the frames in the two lists; the first choice is the robot's base in its root. */

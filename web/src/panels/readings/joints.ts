@@ -1,7 +1,8 @@
 /** Shows the joints of a robot as bars between their limits. */
-import { h, reorder, setText } from "../../dom";
+import { h, setText } from "../../dom";
 import { plural } from "../../format";
 import type { Message } from "../../hub";
+import { KeyedRows } from "../../keyed_rows";
 import { fixedText } from "../../messages/values";
 import { ParameterServer } from "../../parameters/parameters";
 import type { DataSource } from "../../source";
@@ -35,8 +36,10 @@ interface Row {
 
 export class Joints implements Reading {
   readonly element: HTMLElement;
-  readonly #rows = new Map<string, Row>();
   readonly #body = h("tbody");
+  readonly #rows = new KeyedRows(this.#body, (name: string) => this.#row(name));
+  /** The names of joints so far, in the order of the rows. */
+  #names: readonly string[] = [];
   readonly #more = h("p", { class: "soft small", hidden: true });
   /** Why there are no limits, if the description has a fault. */
   readonly #fault = h("p", { class: "soft small", hidden: true });
@@ -72,8 +75,15 @@ export class Joints implements Reading {
 
   show(message: Message): void {
     const names = Array.isArray(message.name) ? message.name.map(String) : [];
+    const unknown = names.filter((name) => this.#rows.get(name) === undefined);
+    if (unknown.length > 0 && this.#names.length < MAX_JOINTS) {
+      this.#names = [...new Set([...this.#names, ...unknown])]
+        .slice(0, MAX_JOINTS)
+        .sort((one, other) => one.localeCompare(other, undefined, { numeric: true }));
+      this.#rows.show(this.#names);
+    }
     names.forEach((name, at) => {
-      const row = this.#row(name);
+      const row = this.#rows.get(name);
       if (row === undefined) return;
       row.values = ["position", "velocity", "effort"].map((key) => {
         const value = own(own(message, key), String(at));
@@ -81,7 +91,7 @@ export class Joints implements Reading {
       });
       this.#update(name, row);
     });
-    const hidden = names.filter((name) => !this.#rows.has(name)).length;
+    const hidden = names.filter((name) => this.#rows.get(name) === undefined).length;
     this.#more.hidden = hidden === 0;
     setText(this.#more, `and ${plural(hidden, "more joint")}; only ${MAX_JOINTS} are shown`);
   }
@@ -101,7 +111,7 @@ export class Joints implements Reading {
         setText(this.#fault, `No limits: ${name} is invalid: ${(error as Error).message}`);
         this.#fault.hidden = false;
       }
-      for (const [joint, row] of this.#rows) {
+      for (const [joint, row] of this.#rows.entries()) {
         this.#setRange(joint, row);
         this.#update(joint, row);
       }
@@ -109,9 +119,7 @@ export class Joints implements Reading {
     }
   }
 
-  #row(name: string): Row | undefined {
-    const found = this.#rows.get(name);
-    if (found !== undefined || this.#rows.size >= MAX_JOINTS) return found;
+  #row(name: string): Row {
     const bar = h("div", { class: "joint-bar", "aria-hidden": "true" });
     const note = h(
       "span",
@@ -130,14 +138,6 @@ export class Joints implements Reading {
     const range = { low: -HALF_TURN, high: HALF_TURN, isEndless: false };
     const row: Row = { element, bar, note, cells, values: [], ...range };
     this.#setRange(name, row);
-    this.#rows.set(name, row);
-    const sorted = [...this.#rows.keys()].sort((one, other) =>
-      one.localeCompare(other, undefined, { numeric: true }),
-    );
-    reorder(
-      this.#body,
-      sorted.flatMap((each) => this.#rows.get(each)?.element ?? []),
-    );
     return row;
   }
 

@@ -1,5 +1,6 @@
 /** The list of layers: each with a box to show it, its state in words, and its settings. */
-import { h, reorder, setAttribute, setName, setText } from "../../dom";
+import { h, setAttribute, setName, setText } from "../../dom";
+import { KeyedRows } from "../../keyed_rows";
 import type { Model } from "../../model";
 import type { Entry, Level } from "./entry";
 import type { Setting, Value } from "./layer";
@@ -21,8 +22,8 @@ export class LayerList {
   readonly #scene: Scene;
   readonly #model: Model;
   readonly #onChange: () => void;
-  readonly #rows = new Map<Entry, Row>();
   readonly #list = h("ul", { class: "scene-layer-list" });
+  readonly #rows = new KeyedRows(this.#list, (entry: Entry) => this.#row(entry));
   readonly #empty = h(
     "p",
     { class: "soft small" },
@@ -55,8 +56,10 @@ export class LayerList {
         .filter(({ publishers }) => publishers.length > 0)
         .map(({ name }) => name),
     );
-    for (const entry of entries) {
-      const row = this.#row(entry);
+    // What is shown comes first.
+    const isOn = (entry: Entry): number => (entry.isOn ? 0 : 1);
+    this.#rows.show([...entries].sort((a, b) => isOn(a) - isOn(b)));
+    for (const [entry, row] of this.#rows.entries()) {
       const { level, text } = entry.state(now, published.has(entry.topic), places);
       row.box.checked = entry.isOn;
       row.gear.hidden = !entry.isOn;
@@ -70,13 +73,6 @@ export class LayerList {
       setText(row.sign, SIGNS[level]);
       setText(row.text, text);
     }
-    // What is shown comes first.
-    const isOn = (entry: Entry): number => (entry.isOn ? 0 : 1);
-    const sorted = [...entries].sort((a, b) => isOn(a) - isOn(b));
-    reorder(
-      this.#list,
-      sorted.map((entry) => this.#row(entry).element),
-    );
   }
 
   /** All states, as lines of text. */
@@ -87,8 +83,6 @@ export class LayerList {
   }
 
   #row(entry: Entry): Row {
-    let row = this.#rows.get(entry);
-    if (row !== undefined) return row;
     const { kind, topic } = entry;
     const box = h("input", {
       type: "checkbox",
@@ -112,7 +106,7 @@ export class LayerList {
         "aria-expanded": "false",
         onclick: () => {
           if (settings.childElementCount === 0) settings.append(...this.#settings(entry));
-          this.#openSettings(row as Row, settings.hidden === true);
+          this.#openSettings(row, settings.hidden === true);
           this.update();
         },
       },
@@ -130,8 +124,7 @@ export class LayerList {
       h("p", { class: "scene-state" }, sign, text),
       settings,
     );
-    row = { element, box, gear, sign, text, settings };
-    this.#rows.set(entry, row);
+    const row: Row = { element, box, gear, sign, text, settings };
     return row;
   }
 
