@@ -495,6 +495,37 @@ async def test_all_plots_show_the_time_under_the_mouse(hub: Hub, open_page: Open
         await expect(marks.last).to_be_hidden()
 
 
+async def test_choice_of_a_panel_is_filtered_and_stays_while_the_graph_changes(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with fibws.Node("robot", hub=hub.url) as node:
+        for number in range(20):
+            await node.advertise(f"/fleet/robot_{number}/speed", Float64)
+        page = await open_page(hub, DASHBOARD)
+        await page.get_by_role("button", name="Add panel").click()
+        chooser = page.locator(".pane-chooser:not([hidden])")
+        echo = chooser.locator("details", has=page.locator("summary", has_text="Echo (20)"))
+        await expect(echo.locator("button").first).to_be_hidden()
+        await echo.locator("summary").click()
+        button = echo.get_by_role("button", name="/fleet/robot_7/speed")
+        await button.focus()
+        scrolled = await chooser.evaluate("(element) => element.scrollTop = 40")
+        await node.advertise("/fleet/robot_20/speed", Float64)
+        other = chooser.locator("details", has=page.locator("summary", has_text="Echo (21)"))
+        added = other.get_by_role("button", name="/fleet/robot_20/speed")
+        await expect(added).to_be_visible()
+        await expect(other.get_by_role("button", name="/fleet/robot_7/speed")).to_be_focused()
+        assert await chooser.evaluate("(element) => element.scrollTop") == scrolled
+        await page.get_by_label("Filter views").fill("echo robot_7/")
+        buttons = chooser.locator(".pane-offers button")
+        await expect(buttons).to_have_text(["/fleet/robot_7/speed"])
+        await page.get_by_label("Filter views").fill("nothing such")
+        await expect(chooser).to_contain_text("No views match the filter.")
+        await page.get_by_label("Filter views").fill("echo robot_7/")
+        await buttons.click()
+        await expect(pane(page, "Echo /fleet/robot_7/speed")).to_be_visible()
+
+
 @pytest.mark.parametrize("kind", ["laserScan", "Laser scan"])
 async def test_layouts_have_ids_of_layers_in_place_of_words(
     hub: Hub, open_page: OpenPage, kind: str

@@ -2,12 +2,10 @@
 import { h, replace, setText, svg } from "../dom";
 import type { Graph } from "../model";
 import { type Config, closePanel, type Panel } from "../panels/panel";
+import { type Choice, Chooser } from "./chooser";
 import type { Context } from "./context";
 import type { Pane, Side } from "./layout";
-import { VIEWS, type ViewKind, viewNamed } from "./views";
-
-/** From as many names on, those of a view are folded. */
-const FOLDED = 9;
+import { type ViewKind, viewNamed } from "./views";
 
 /** What the pane's buttons do to the layout. */
 export interface Changes {
@@ -43,6 +41,7 @@ export class PaneView {
   readonly #body = h("div", { class: "pane-body" });
   readonly #notice = h("p", { class: "pane-notice soft", role: "status" });
   readonly #chooser = h("div", { class: "pane-chooser", hidden: true });
+  #offers: Chooser | undefined;
   readonly #title: HTMLButtonElement;
   readonly #maximize: HTMLButtonElement;
   /** The type that the panel is for, or that is being loaded. */
@@ -147,9 +146,9 @@ export class PaneView {
 
   /** The graph has changed: what the pane shows may exist by now. */
   update(graph: Graph | null): void {
+    if (!this.#chooser.hidden) this.#offers?.show(graph);
     if (this.view === "") {
       if (this.#chooser.hidden) this.#toggleChooser(graph);
-      else if (this.#chooser.dataset.revision !== String(graph?.revision)) this.#offer(graph);
       return;
     }
     const type = graph === null ? undefined : this.#kind?.typeOf(graph, this.name);
@@ -223,37 +222,13 @@ export class PaneView {
   }
 
   #offer(graph: Graph | null): void {
-    this.#chooser.dataset.revision = String(graph?.revision);
-    const groups = VIEWS.flatMap(({ name: view, label, offers }) => {
-      const names = graph === null ? [] : offers(graph);
-      if (names.length === 0) return [];
-      const buttons = names.map((name) =>
-        h(
-          "button",
-          {
-            type: "button",
-            class: name === "" ? "" : "mono",
-            "aria-current": view === this.view && name === this.name && "true",
-            onclick: () => this.#changes.choose(this.id, view, name),
-          },
-          name === "" ? label : name,
-        ),
-      );
-      return h(
-        "details",
-        { open: names.length < FOLDED },
-        h("summary", {}, label, names.length < FOLDED ? null : ` (${names.length})`),
-        ...buttons,
-      );
-    });
-    const nothing = h(
-      "p",
-      { class: "soft" },
-      graph === null ? "Waiting for the hub …" : "Nothing.",
-    );
+    const { id } = this;
+    const choose = ({ view, name }: Choice): void => this.#changes.choose(id, view, name);
+    this.#offers = new Chooser(this, choose);
+    this.#offers.show(graph);
     replace(
       this.#chooser,
-      h("div", { class: "pane-offers" }, ...(groups.length === 0 ? [nothing] : groups)),
+      this.#offers.element,
       this.#moveForm(),
       h(
         "div",
