@@ -78,6 +78,43 @@ async def test_head_has_no_body(hub: Hub) -> None:
     assert int(headers["content-length"]) == file.stat().st_size
 
 
+@pytest.mark.parametrize(
+    ("asked", "part"),
+    [
+        ("bytes=0-0", slice(0, 1)),
+        ("bytes=10-19", slice(10, 20)),
+        ("bytes=10-999999999999", slice(10, None)),
+        ("bytes=10-", slice(10, None)),
+        ("bytes=-7", slice(-7, None)),
+        ("bytes=-999999999999", slice(0, None)),
+    ],
+)
+async def test_range_of_a_recording_is_sent(hub: Hub, asked: str, part: slice) -> None:
+    file = await record(hub)
+    data = file.read_bytes()
+    start, end, _ = part.indices(len(data))
+    status, headers, body = await get(hub, f"/recordings/{file.name}", Range=asked)
+    assert (status, body) == (206, data[part])
+    assert int(headers["content-length"]) == len(body)
+    assert headers["content-range"] == f"bytes {start}-{end - 1}/{len(data)}"
+
+
+@pytest.mark.parametrize("asked", ["bytes=9-2", "bytes=0-1,3-4", "lines=1-2", "bytes=", "bytes=a-"])
+async def test_other_ranges_are_the_whole_recording(hub: Hub, asked: str) -> None:
+    file = await record(hub)
+    status, headers, body = await get(hub, f"/recordings/{file.name}", Range=asked)
+    assert (status, body) == (200, file.read_bytes())
+    assert headers["accept-ranges"] == "bytes"
+
+
+@pytest.mark.parametrize("asked", ["bytes=999999999-", "bytes=-0"])
+async def test_range_after_the_end_is_refused(hub: Hub, asked: str) -> None:
+    file = await record(hub)
+    size = file.stat().st_size
+    status, headers, _ = await get(hub, f"/recordings/{file.name}", Range=asked)
+    assert (status, headers["content-range"]) == (416, f"bytes */{size}")
+
+
 @pytest.mark.both_loops
 async def test_large_recording_arrives_whole_in_pieces(hub: Hub) -> None:
     file = await record(hub)

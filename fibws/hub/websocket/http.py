@@ -116,10 +116,17 @@ class FileResponse(Response):
     Args:
         file: open for reading; it is closed in the end.
         size: bytes to send.
+        status: of the response; PARTIAL_CONTENT for a part of the file.
     """
 
-    def __init__(self, headers: Headers, file: BinaryIO, size: int) -> None:
-        super().__init__(http.HTTPStatus.OK, http.HTTPStatus.OK.phrase, headers)
+    def __init__(
+        self,
+        headers: Headers,
+        file: BinaryIO,
+        size: int,
+        status: http.HTTPStatus = http.HTTPStatus.OK,
+    ) -> None:
+        super().__init__(status, status.phrase, headers)
         self._file = file
         self.left = size
         """Bytes that are still to be read."""
