@@ -28,6 +28,16 @@ const withoutWs: Plugin = {
   load: (id) => (id === "\0without-ws" ? "export {}" : null),
 };
 
+/** Bags are read without parsing their messages, by code that the page's policy would forbid. */
+const withoutParser: Plugin = {
+  name: "without-parser",
+  enforce: "pre",
+  resolveId: (source) =>
+    /^@foxglove\/rosmsg(-serialization)?$/.test(source) ? "\0without-parser" : null,
+  load: (id) =>
+    id === "\0without-parser" ? "export const parse = null; export class MessageReader {}" : null,
+};
+
 /** `/roslib.js` and `/roslib.mjs`, beside the page in the build and from memory while one develops. */
 const roslib: Plugin = {
   name: "roslib",
@@ -100,5 +110,5 @@ export default defineConfig({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
   },
-  worker: { format: "es" },
+  worker: { format: "es", plugins: () => [withoutParser] },
 });

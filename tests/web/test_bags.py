@@ -48,10 +48,10 @@ async def test_header_starts_and_stops_the_recording(tmp_path: Path, open_page: 
         await expect(page.locator(".bags-progress")).to_contain_text(re.compile(r"\d:\d\d"))
         await button.click()
         await expect(button).to_have_text("Record")
-        saved = re.compile(r"^saved [\d_-]+\.bag · .+ · \d+ messages?$")
+        saved = re.compile(r"^saved [\d_-]+\.bag · .+ · \d+ messages? · Show$")
         await expect(page.locator(".bags-progress")).to_have_text(saved)
         async with page.expect_download() as download:
-            await page.locator(".bags-progress a").click()
+            await page.locator(".bags-progress a").first.click()
         copy = tmp_path.parent / "copy.bag"
         await (await download.value).save_as(copy)
         assert [copy.read_bytes()] == contents(tmp_path)

@@ -9,6 +9,7 @@ from playwright.async_api import Page, expect
 import fibws
 from fibws.hub import Hub
 from fibws.msg.std_msgs import Int32, String
+
 from .conftest import OpenPage
 
 

@@ -2,8 +2,9 @@
 // Receives all messages that the page shows, and prepares images and clouds, off the main thread.
 // Most visits have neither: their code is loaded when they are first opened.
 
-import { Feed } from "./messages/feed";
+import { Feed, type Messages } from "./messages/feed";
 import type { Player } from "./messages/player";
+import type { FileRequest, Origin } from "./messages/recording_messages";
 import { openRelay } from "./messages/relay";
 import type { Request as MessageRequest } from "./messages/worker_messages";
 import type { Request as PictureRequest } from "./panels/image/worker_messages";
@@ -11,7 +12,7 @@ import type { Request as CloudRequest } from "./panels/scene/cloud_messages";
 
 declare const self: DedicatedWorkerGlobalScope;
 
-type Request = MessageRequest | PictureRequest | CloudRequest;
+type Request = MessageRequest | PictureRequest | CloudRequest | FileRequest;
 type Numbered = Extract<Request, { id: number }>;
 
 type Handle = (request: Numbered) => void;
@@ -19,6 +20,8 @@ type Handle = (request: Numbered) => void;
 /** What the page has opened, by its ids: each takes its further requests, once its code is loaded. */
 const opened = new Map<number, Promise<Handle>>();
 const feed = new Feed();
+/** What the page shows: what the hub sends, or a recording. */
+let messages: Promise<Messages> = Promise.resolve(feed);
 /** Shows what was kept, once that is asked for. */
 let player: Promise<Player> | undefined;
 
@@ -26,6 +29,7 @@ self.onmessage = ({ data }: MessageEvent<Request>): void => {
   if (data.kind === "connect") feed.connect(data.url, data.token);
   else if (data.kind === "disconnect") feed.close();
   else if (data.kind === "keep") keep();
+  else if (data.kind === "play file") openFile(data.origin);
   else if (data.kind === "playback")
     player?.then((each) => each.control(data.command), console.debug);
   else receive(data);
@@ -35,9 +39,19 @@ function keep(): void {
   player ??= import("./messages/timeline").then((timeline) => timeline.keep(feed, post));
 }
 
-/** Wait until messages are kept, if they are to be: none is missed. */
-async function isKeeping(): Promise<void> {
+function openFile(origin: Origin): void {
+  const opening = import("./recordings/open").then(({ openRecording }) =>
+    openRecording(origin, post),
+  );
+  messages = opening;
+  player = opening.then((recorded) => recorded.player);
+  player.catch(console.debug);
+}
+
+/** What panels subscribe to, once messages are kept, if they are to be: none is missed. */
+async function source(): Promise<Messages> {
   await player?.catch(console.debug);
+  return messages;
 }
 
 function receive(request: Numbered): void {
@@ -57,14 +71,14 @@ function receive(request: Numbered): void {
 function open(request: Numbered): Promise<(request: never) => void> | undefined {
   switch (request.kind) {
     case "messages":
-      return isKeeping().then(() => openRelay(feed, request, post));
+      return source().then((each) => openRelay(each, request, post));
     case "picture":
-      return Promise.all([import("./panels/image/remote_picture"), isKeeping()]).then(
-        ([{ openPicture }]) => openPicture(feed, request, post),
+      return Promise.all([import("./panels/image/remote_picture"), source()]).then(
+        ([{ openPicture }, each]) => openPicture(each, request, post),
       );
     case "cloud":
-      return Promise.all([import("./panels/scene/remote_cloud"), isKeeping()]).then(
-        ([{ openCloud }]) => openCloud(feed, request, post),
+      return Promise.all([import("./panels/scene/remote_cloud"), source()]).then(
+        ([{ openCloud }, each]) => openCloud(each, request, post),
       );
     default:
       return undefined;

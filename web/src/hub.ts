@@ -187,6 +187,12 @@ export class Hub {
     this.#end(why);
   }
 
+  /** Disconnect for good. */
+  end(): void {
+    this.deny("");
+    this.#data?.close();
+  }
+
   /** Replace a connection that no longer responds by a new one. */
   drop(why: string): void {
     if (this.#state.value !== "open") return;

@@ -10,7 +10,7 @@ const SOURCES: Record<string, string> = import.meta.glob("./**/*.ts", {
 /** Folders, from the lowest to the highest; each may use those before it. */
 const FLOORS = [
   ["messages"],
-  ["bags", "form", "parameters"],
+  ["bags", "form", "parameters", "recordings"],
   ["timebar"],
   ["panels"],
   ["console", "graph", "hubs", "reconfigure", "services", "topics"],

@@ -1,4 +1,4 @@
-/** The page's entry: connects to the hub and shows the view of the chosen tab. */
+/** The page's entry: connects to the hub, or opens a recording, and shows the view of the chosen tab. */
 import { loadRoslib, offerConsole } from "./browser_console";
 import { connectionProblem } from "./connection_problem";
 import { h, replace } from "./dom";
@@ -6,17 +6,37 @@ import { isHidden } from "./hidden_names";
 import { Hub, hubUrl, splitToken } from "./hub";
 import { Login, loginForm } from "./login";
 import { HubModel } from "./model";
+import { Navigation, staticView } from "./navigation";
 import { Shell, TABS, type Tab } from "./shell";
-import { type MakeView, pathOf, stateOf, type View } from "./view";
-import { welcome } from "./welcome";
 
-/** The modules of the views, each loaded when its tab is first opened. */
-const MODULES = import.meta.glob<{ makeView: MakeView }>("./*/view.ts");
+/** Ends what is shown, before a recording takes its place. */
+let end = (): void => undefined;
 
-try {
-  start(address());
-} catch (error) {
-  replace(document.body, invalidAddress((error as Error).message));
+const query = new URLSearchParams(location.search);
+const file = query.get("file");
+if (file) void open({ url: new URL(file, location.href).href, token: "" });
+else {
+  try {
+    start(address());
+  } catch (error) {
+    replace(document.body, invalidAddress((error as Error).message));
+  }
+}
+document.addEventListener("dragover", (event) => {
+  if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
+});
+document.addEventListener("drop", (event) => {
+  const dropped = event.dataTransfer?.files[0];
+  if (dropped === undefined) return;
+  event.preventDefault();
+  void open(dropped);
+});
+
+/** Show a recording. */
+async function open(origin: File | { url: string; token: string }): Promise<void> {
+  const { showRecording } = await import("./file_page");
+  end();
+  end = showRecording(origin, open);
 }
 
 /** Show the hub at a WebSocket address. */
@@ -25,42 +45,22 @@ function start(address: string): void {
   const hub = new Hub(url, token);
   const login = new Login(hub);
   const model = new HubModel(hub);
-  const shell = new Shell(hub, model, login);
+  const shell = new Shell(hub, model, login, open);
   shell.stage.before(connectionProblem(hub), loginForm(hub, login));
   void login.identify();
-  const views = new Map<Tab, Promise<View>>();
-  const welcomeView = staticView(
-    h(
-      "section",
-      { class: "welcome-view", "aria-labelledby": "welcome" },
-      h("h2", { id: "welcome" }, "This hub is empty"),
-      welcome(url),
-    ),
-    loadRoslib,
+  const steps = h(
+    "section",
+    { class: "welcome-view", "aria-labelledby": "welcome" },
+    h("h2", { id: "welcome" }, "This hub is empty"),
   );
+  const welcomeView = staticView(steps, () => {
+    loadRoslib();
+    if (steps.children.length > 1) return;
+    void import("./welcome").then(({ welcome }) => steps.append(welcome(url)));
+  });
   /** Whether the hub has no nodes and topics besides its own and those of pages. */
   let isEmpty = false;
-  let shown: View | null = null;
   let hasTimeBar = false;
-
-  /** Show the view that the URL fragment names. */
-  async function navigate(): Promise<void> {
-    const { hash } = location;
-    const [first = "graph", ...path] = pathOf(hash);
-    const tab = TABS.find(({ name }) => name === first)?.name ?? "graph";
-    shell.select(tab);
-    if (tab !== "graph") void showTimeBar();
-    const view = isEmpty && tab === "graph" ? welcomeView : await viewOf(tab);
-    // The user may have gone on while the view was loading.
-    if (hash !== location.hash || (isEmpty && tab === "graph" && view !== welcomeView)) return;
-    if (shown !== view) {
-      shown?.hide();
-      replace(shell.stage, view.element);
-      shell.stage.dataset.view = tab;
-      shown = view;
-    }
-    view.show(path, stateOf(hash));
-  }
 
   /** Keep messages from the first view on that shows some, and offer to go back. */
   async function showTimeBar(): Promise<void> {
@@ -71,39 +71,38 @@ function start(address: string): void {
     shell.stage.after(new TimeBar(hub.clock, hub.data, model, false).element);
   }
 
-  function viewOf(tab: Tab): Promise<View> {
-    let view = views.get(tab);
-    if (view === undefined) {
-      view = loadView(tab);
-      views.set(tab, view);
-      // It may succeed at the next try.
-      view.catch(() => views.delete(tab));
-    }
-    return view.catch((error: unknown) => errorView(tab, String(error)));
+  function select(tab: Tab): void {
+    shell.select(tab);
+    if (tab !== "graph") void showTimeBar();
   }
 
-  async function loadView(tab: Tab): Promise<View> {
-    const load = MODULES[`./${tab}/view.ts`];
-    if (load === undefined) return errorView(tab, "it was not built");
-    return (await load()).makeView(hub, model);
-  }
-
-  window.addEventListener("hashchange", () => void navigate());
+  const navigation = new Navigation(
+    shell.stage,
+    hub,
+    model,
+    TABS.map(({ name }) => name),
+    select,
+    (tab) => (isEmpty && tab === "graph" ? welcomeView : undefined),
+  );
   model.graph.watch((graph) => {
     if (graph === null) return;
     const wasEmpty = isEmpty;
     isEmpty = [...graph.nodes, ...graph.topics].every(({ name }) => isHidden(name));
-    if (isEmpty !== wasEmpty) void navigate();
+    if (isEmpty !== wasEmpty) void navigation.navigate();
   });
   offerConsole(url);
-  void navigate();
+  void navigation.navigate();
+  end = () => {
+    navigation.end();
+    hub.end();
+  };
 }
 
 /** The hub's address: that of this page, unless `?hub=robot:9090` names another. */
 function address(): string {
-  const { protocol, host, pathname, search } = location;
+  const { protocol, host, pathname } = location;
   const secure = protocol === "https:";
-  const other = new URLSearchParams(search).get("hub")?.trim();
+  const other = query.get("hub")?.trim();
   if (other) return hubUrl(other, secure);
   return `${secure ? "wss" : "ws"}://${host}${pathname.replace(/[^/]*$/, "")}`;
 }
@@ -115,13 +114,4 @@ function invalidAddress(problem: string): HTMLElement {
     h("p", {}, `${problem}.`),
     h("p", {}, h("a", { href: location.pathname }, "Show the hub of this page")),
   );
-}
-
-function errorView(tab: Tab, why: string): View {
-  const text = `The ${tab} view could not be loaded: ${why}.`;
-  return staticView(h("section", { class: "empty", role: "alert" }, text));
-}
-
-function staticView(element: HTMLElement, show = (): void => undefined): View {
-  return { element, show, hide: () => undefined };
 }

@@ -10,8 +10,8 @@ import { isHidden } from "./hidden_names";
 import type { Hub, State } from "./hub";
 import { account, type Login } from "./login";
 import type { Graph, Model, Rates } from "./model";
+import { openButton } from "./open_button";
 import { route } from "./view";
-import { showHelp } from "./welcome";
 
 export const TABS = [
   { name: "graph", label: "Graph" },
@@ -53,8 +53,8 @@ export class Shell {
   /** The place of what is shown once there is a recorder or a player. */
   readonly #bags = h("div", { id: "bags" });
 
-  constructor(hub: Hub, model: Model, login: Login) {
-    replace(document.body, this.#header(hub, model.log, login), this.stage);
+  constructor(hub: Hub, model: Model, login: Login, open: (file: File) => void) {
+    replace(document.body, this.#header(hub, model.log, login, open), this.stage);
     this.#badge(model);
     this.#showBags(hub, model);
     model.graph.watch((graph) => this.#showCounts(graph));
@@ -77,7 +77,7 @@ export class Shell {
     document.title = `${label} · fibws hub`;
   }
 
-  #header(hub: Hub, log: Log, login: Login): HTMLElement {
+  #header(hub: Hub, log: Log, login: Login, open: (file: File) => void): HTMLElement {
     const count = (noun: string, number: HTMLElement) => h("div", {}, h("dt", {}, noun), number);
     return h(
       "header",
@@ -102,10 +102,11 @@ export class Shell {
         { id: "tools" },
         this.#bags,
         account(hub, login),
+        openButton(open),
         applicationLink(FOXGLOVE, hub.url, "Foxglove"),
         h(
           "button",
-          { type: "button", class: "quiet", id: "help", onclick: () => showHelp(hub.url) },
+          { type: "button", class: "quiet", id: "help", onclick: () => void showHelp(hub.url) },
           "Help",
         ),
       ),
@@ -172,6 +173,10 @@ export class Shell {
     event.preventDefault();
     this.stage.focus();
   }
+}
+
+async function showHelp(url: string): Promise<void> {
+  (await import("./welcome")).showHelp(url);
 }
 
 /** Whether there is something to record or play with. */

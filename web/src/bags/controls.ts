@@ -112,14 +112,19 @@ function canRecord(graph: Graph | null): boolean {
 /**
  * What a recording has left: `saved 2026-11-27.bag · 20 MiB · 5000 messages`.
  *
- * The name is a link that downloads the file, of several the last one.
+ * The name is a link that downloads the file, of several the last one; another link shows it.
  */
 function saved({ file, files, bytes: size, messages }: RecordingState, hub: string): Child[] {
   if (files === 0) return [];
   const name = nameOf(file);
-  const link = h("a", { href: downloadUrl(file, hub, location.href), download: name }, name);
   const before = files > 1 ? `saved ${plural(files, "file")}, the last one ` : "saved ";
-  return [before, link, ["", bytes(size), plural(messages, "message")].join(" · ")];
+  const url = downloadUrl(file, hub, location.href);
+  const link = h("a", { href: url, download: name }, name);
+  const facts = [before, link, ["", bytes(size), plural(messages, "message")].join(" · ")];
+  // The hub sends files to its own pages alone.
+  if (new URL(url).origin !== location.origin) return facts;
+  const show = h("a", { href: `?${new URLSearchParams({ file: url })}` }, "Show");
+  return [...facts, " · ", show];
 }
 
 /** How long and how much: `1:05 · 20 MiB`, and what was dropped. */

@@ -4,6 +4,7 @@ import { dataWorker } from "../script_urls";
 import type { Signal } from "../signal";
 import type { Delivery, Subscription } from "./feed";
 import type { Fields } from "./reader";
+import type { FileRequest, RecordingReport } from "./recording_messages";
 import type { ClockReport, Report, Request } from "./worker_messages";
 
 interface Numbered {
@@ -34,10 +35,12 @@ export class DataClient {
   readonly #listeners = new Map<number, (report: Numbered) => void>();
   #ids = 0;
 
-  constructor(clock: Clock) {
+  /** `onRecording` takes reports about a file that is played. */
+  constructor(clock: Clock, onRecording?: (report: RecordingReport) => void) {
     this.#worker = new Worker(dataWorker, { type: "module" });
-    this.#worker.onmessage = ({ data }: MessageEvent<ClockReport | Numbered>) => {
+    this.#worker.onmessage = ({ data }: MessageEvent<ClockReport | RecordingReport | Numbered>) => {
       if ("id" in data) this.#listeners.get(data.id)?.(data);
+      else if (data.kind === "recording") onRecording?.(data);
       else if (data.kind === "clock") clock.report(data.playback);
       else clock.jump();
     };
@@ -60,8 +63,13 @@ export class DataClient {
     });
   }
 
+  /** End the worker, and its connection. */
+  close(): void {
+    this.#worker.terminate();
+  }
+
   /** Send what is about no single stream. */
-  send(request: Exclude<Request, { id: number }>): void {
+  send(request: Exclude<Request, { id: number }> | FileRequest): void {
     this.#worker.postMessage(request);
   }
 

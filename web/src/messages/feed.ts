@@ -81,6 +81,12 @@ export interface FeedPlayer {
   record(message: Kept): void;
 }
 
+/** Where the worker takes messages from. */
+export interface Messages {
+  /** Subscribe; returns a function that unsubscribes. */
+  subscribe(subscriber: Subscriber): () => void;
+}
+
 interface Entry {
   readonly id: string;
   readonly subscriber: Subscriber;
@@ -108,7 +114,7 @@ interface Incoming {
   read(reader: Reader | undefined, isShared: boolean): Fields;
 }
 
-export class Feed {
+export class Feed implements Messages {
   player: FeedPlayer | undefined;
   #url = "";
   #token = "";

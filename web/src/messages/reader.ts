@@ -1,5 +1,6 @@
 /**
- * Reads messages in ROS 1's serialization (http://wiki.ros.org/msg).
+ * Reads messages in ROS 1's serialization (http://wiki.ros.org/msg), and in ROS 2's, which is CDR:
+ * values are aligned to their sizes, and texts end with a zero.
  *
  * A reader is made from the definition of a type, as functions for its fields: the page's security
  * policy forbids making code from text.
@@ -69,6 +70,11 @@ const SCALARS = new Map<string, Scalar>([
   ],
 ]);
 
+/** Bytes before a message in CDR: the kind of CDR, and options. */
+const CDR_HEAD = 4;
+/** The second byte of these, for values whose lowest byte comes first. */
+const CDR_LITTLE_ENDIAN = 1;
+
 /** Most elements of an array whose elements take no bytes. */
 const MAX_EMPTY = 65_536;
 
@@ -76,10 +82,14 @@ const MAX_EMPTY = 65_536;
 class Cursor {
   readonly bytes: Uint8Array;
   readonly view: DataView;
-  at = 0;
+  at: number;
+  /** Where alignment begins; none without CDR. */
+  readonly origin: number | undefined;
 
-  constructor(bytes: Uint8Array) {
+  constructor(bytes: Uint8Array, isCdr: boolean) {
     this.bytes = bytes;
+    this.origin = isCdr ? CDR_HEAD : undefined;
+    this.at = this.origin ?? 0;
     this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   }
 
@@ -93,7 +103,13 @@ class Cursor {
     return start;
   }
 
+  /** Go on to where a value of some bytes may begin. */
+  align(size: number): void {
+    if (this.origin !== undefined) this.at += (this.origin - this.at) & (size - 1);
+  }
+
   length(): number {
+    this.align(4);
     return this.view.getUint32(this.skip(4), true);
   }
 }
@@ -105,15 +121,18 @@ class Cursor {
  * that are aligned, are views of the message. Throws an `Error` if the definition of a type is
  * missing.
  */
-export function makeReader(definitions: readonly Definition[]): Reader {
+export function makeReader(definitions: readonly Definition[], isCdr = false): Reader {
   const known = new Map(definitions.map((def) => [def.type, def]));
   const [first] = definitions;
   if (first === undefined) throw new Error("no definition");
   const { read } = messageReader(first.type, known, []);
   return (bytes) => {
-    const cursor = new Cursor(bytes);
+    const cursor = new Cursor(bytes, isCdr);
+    if (isCdr && bytes[1] !== CDR_LITTLE_ENDIAN)
+      throw new RangeError("only CDR of version 1, little-endian, can be read");
     const message = read(cursor) as Fields;
-    if (cursor.at !== bytes.length) {
+    // In CDR an empty message has a byte, and padding may follow.
+    if (cursor.at !== bytes.length && !isCdr) {
       throw new RangeError(`the message has ${bytes.length - cursor.at} bytes too many`);
     }
     return message;
@@ -155,15 +174,26 @@ function elementReader(type: string, known: Map<string, Definition>, above: stri
   const scalar = SCALARS.get(type);
   if (scalar !== undefined) {
     const { size, read } = scalar;
-    return { read: (cursor) => read(cursor.view, cursor.skip(size)), least: size, scalar };
+    const align = alignmentOf(scalar);
+    const readOne = (cursor: Cursor): unknown => {
+      cursor.align(align);
+      return read(cursor.view, cursor.skip(size));
+    };
+    return { read: readOne, least: size, scalar };
   }
   if (type === "string" || type === "wstring") return { read: readString, least: 4 };
   return messageReader(type, known, above);
 }
 
+/** Times are of two numbers. */
+function alignmentOf({ size, array }: Scalar): number {
+  return array === undefined ? Math.min(size, 4) : size;
+}
+
 function readString(cursor: Cursor): string {
   const start = cursor.skip(cursor.length());
-  return decodeText(cursor.bytes.subarray(start, cursor.at));
+  const end = cursor.origin === undefined ? cursor.at : Math.max(start, cursor.at - 1);
+  return decodeText(cursor.bytes.subarray(start, end));
 }
 
 /** Read arrays; `length` is 0 for those of any length. */
@@ -187,6 +217,8 @@ function arrayReader({ read, least, scalar }: Element, length: number): Part {
 }
 
 function numbers(cursor: Cursor, array: TypedArrayClass, size: number, count: number): unknown {
+  // An empty array has no padding.
+  if (count > 0) cursor.align(size);
   const start = cursor.skip(count * size);
   const { buffer, byteOffset } = cursor.bytes;
   const at = byteOffset + start;

@@ -1,16 +1,16 @@
 /** Passes the messages of a subscription on to the page; it runs in the worker. */
-import type { Delivery, Feed } from "./feed";
+import type { Delivery, Messages } from "./feed";
 import type { Report, Request } from "./worker_messages";
 
 /** Subscribe for the page; return a function for its further requests. */
 export function openRelay(
-  feed: Feed,
+  messages: Messages,
   { kind: _, id, ...subscription }: Request & { kind: "messages" },
   post: (report: Report, transfer?: Transferable[]) => void,
 ): (request: Request) => void {
   /** Those of the messages that the page has not taken yet. */
   let done: (() => void)[] = [];
-  const end = feed.subscribe({
+  const end = messages.subscribe({
     ...subscription,
     receive: (delivery) =>
       new Promise((resolve) => {

@@ -1,18 +1,18 @@
 /** A picture on the page, whose images are received and drawn here, in the worker. */
-import type { Feed } from "../../messages/feed";
+import type { Messages } from "../../messages/feed";
 import { Picture } from "./picture";
 import type { Report, Request } from "./worker_messages";
 
 /** Draw the images of a topic; return a function for further requests. */
 export function openPicture(
-  feed: Feed,
+  messages: Messages,
   { id, canvas, topic, type, throttle }: Request & { kind: "picture" },
   post: (report: Report) => void,
 ): (request: Request) => void {
   const fail = (why: string): void => post({ kind: "fault", id, why });
   const picture = new Picture(canvas, (state) => post({ kind: "state", id, state }), fail);
   const subscribe = (least: number): (() => void) =>
-    feed.subscribe({
+    messages.subscribe({
       topic,
       type,
       throttle: least,

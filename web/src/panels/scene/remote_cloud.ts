@@ -1,12 +1,12 @@
 /** Receives the point clouds of a topic, and prepares them for the graphics card, in the worker. */
-import type { Delivery, Feed } from "../../messages/feed";
+import type { Delivery, Messages } from "../../messages/feed";
 import { pack } from "./cloud";
 import type { Report, Request } from "./cloud_messages";
 import type { Header } from "./layer";
 
 /** Subscribe for the page; return a function for its further requests. */
 export function openCloud(
-  feed: Feed,
+  messages: Messages,
   { id, topic, type, throttle, options }: Request & { kind: "cloud" },
   post: (report: Report, transfer?: Transferable[]) => void,
 ): (request: Request) => void {
@@ -21,7 +21,7 @@ export function openCloud(
     const cloud = { header: message.header as Header, packed: { ...packed, data } };
     post({ kind: "cloud", id, message: cloud, isAgain, ...rest }, [data.buffer]);
   };
-  const end = feed.subscribe({
+  const end = messages.subscribe({
     topic,
     type,
     throttle,
