@@ -353,6 +353,8 @@ class TopicActionClient(ActionClient[G, R, F]):
             watchdog.timer = _later(LOST_AFTER - silence, self._check_silence, id_)
         else:
             text = f"no message about the goal for {LOST_AFTER:g} s"
+            if not self._has_server():
+                text += "; the action has no server"
             self._fail(self._goals[id_], GoalStatus.LOST, text)
 
     # Called by the base class

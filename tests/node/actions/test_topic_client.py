@@ -172,7 +172,7 @@ async def test_goal_without_a_server_is_lost(client: FibonacciClient, clock: Clo
     clock.advance(4.9)
     assert goal.status is GoalStatus.PENDING
     clock.advance(0.2)
-    with pytest.raises(ActionError, match=r"LOST: .*5 s"):
+    with pytest.raises(ActionError, match=r"LOST: .*5 s; the action has no server"):
         await goal.result()
 
 

@@ -74,3 +74,9 @@ def test_classes_are_found_by_type_names() -> None:
     assert get_service_class("std_srvs/Emty") is None
     with pytest.raises(ValueError, match="message type is missing package name: Int32"):
         get_message_class("Int32")
+
+
+def test_unknown_field_is_answered_with_the_nearest() -> None:
+    transform: Any = message_class("geometry_msgs/TransformStamped")
+    with pytest.raises(AttributeError, match="did you mean child_frame_id"):
+        transform(child_frame="base")

@@ -13,6 +13,7 @@ from fibws.interfaces import MessageDefinition
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.message import ObjectStyle
 from fibws.interfaces.serialization import class_codec
+from fibws.suggestions import suggestion
 from genpy.checking import check_type
 from genpy.errors import DeserializationError, MessageException, SerializationError
 from genpy.filling import fill_message_args, get_printable_message_args
@@ -87,7 +88,8 @@ class Message(GraphMessage):
         given = dict(zip(names, args, strict=True)) if args else kwds
         for name in given:
             if name not in names:
-                raise AttributeError(f"{name} is not an attribute of {type(self).__name__}")
+                hint = suggestion(name, names)
+                raise AttributeError(f"{name} is not an attribute of {type(self).__name__}{hint}")
         for attribute, _, default, *_ in self._members:
             value = given.get(attribute)
             setattr(self, attribute, default() if value is None else value)
