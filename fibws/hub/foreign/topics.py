@@ -231,6 +231,14 @@ class ForeignTopics(ABC, Generic[P, S]):
             self._conflict(name, new, error)
         new.tried_with = self.type_of(self._graph.topic(name), new)
 
+    def attach_again(self, name: str, user: Any) -> None:
+        """Attach a publisher or subscriber, after its rights or the type of its topic changed."""
+        self.detach_user(name, user)
+        if user.publishes:
+            self.attach_publisher(name, user)
+        else:
+            self.attach_subscriber(name, user)
+
     def detach_user(self, name: str, old: Any) -> None:
         """Detach a publisher or subscriber."""
         topic = self._graph.topics.get(name)

@@ -333,12 +333,10 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
         graph = self._graph
         for topic, publisher in node.published.items():
             if graph.is_allowed(node.name, "publish", topic) is not publisher.is_attached:
-                self.detach_user(topic, publisher)
-                self.attach_publisher(topic, publisher)
+                self.attach_again(topic, publisher)
         for topic, subscriber in node.subscribed.items():
             if graph.is_allowed(node.name, "subscribe", topic) is not subscriber.is_attached:
-                self.detach_user(topic, subscriber)
-                self.attach_subscriber(topic, subscriber)
+                self.attach_again(topic, subscriber)
         for topic in (*node.published, *node.subscribed):
             self._mark(topic)
 
@@ -415,7 +413,9 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
     def _update_topic(self, name: str) -> None:
         """Bring links up to date, and send subscribers the publishers that have changed."""
         if self._graph.topic(name).unattached:
-            self._retry(name)
+            for user in (*self.publishers(name), *self.subscribers(name)):
+                if self.is_due_again(self._graph.topic(name), user):
+                    self.attach_again(name, user)
         # An action's status may have no ROS 1 node, and decide who its goals are for.
         self.links.changed(self._graph.topic(name))
         for subscriber in self.subscribers(name):
@@ -425,17 +425,6 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
                 self._calls.notify(
                     subscriber.owner.api, name, "publisherUpdate", MASTER, name, apis
                 )
-
-    def _retry(self, name: str) -> None:
-        """Attach the registrations that conflicted with a topic's type, if it has another now."""
-        for publisher in self.publishers(name):
-            if self.is_due_again(self._graph.topic(name), publisher):
-                self.detach_user(name, publisher)
-                self.attach_publisher(name, publisher)
-        for subscriber in self.subscribers(name):
-            if self.is_due_again(self._graph.topic(name), subscriber):
-                self.detach_user(name, subscriber)
-                self.attach_subscriber(name, subscriber)
 
 
 def _is_same(present: MessageType, type_: str, md5sum: str) -> bool:
