@@ -51,7 +51,8 @@ class Worklist(Generic[K]):
         """Handle a name soon."""
         if not self._is_closed:
             self._waiting[kind][name] = None
-            self._schedule()
+            if not self._is_due:
+                self._schedule()
 
     def add_steps(self, steps: Iterator[object], *, at_once: bool = False) -> None:
         """Take some steps soon, before names are handled.
