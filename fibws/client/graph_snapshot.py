@@ -12,6 +12,9 @@ from fibws.suggestions import suggestion
 Entry = dict[str, Any]
 """A node, topic, service or action, with the fields of its message in fibws_msgs."""
 
+OTHER_FIELDS = "with other fields"
+"""In the fault of a conflict between two definitions of one type."""
+
 
 class GraphSnapshot:
     """The nodes, topics, services and actions on a hub, each sorted by name."""

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from fibws.cli.doctor.finding import Finding, join_names, ok, warning
 from fibws.cli.graph.view import Topic, View
 from fibws.cli.output import counted
-from fibws.client.graph_snapshot import Entry, conflict_text, is_of_other_type
+from fibws.client.graph_snapshot import OTHER_FIELDS, Entry, conflict_text, is_of_other_type
 from fibws.command_names import command_name
 from fibws.suggestions import misspelled
 
@@ -66,16 +66,29 @@ def conflicts(topics: list[Entry]) -> Iterator[Finding]:
     """Find nodes that use a topic with another type, or otherwise as the hub cannot."""
     for topic in topics:
         for each in topic["conflicts"]:
-            is_type = is_of_other_type(each, topic)
             yield warning(
                 "conflicts",
                 f"{each['node']} on {topic['name']}: {conflict_text(each, topic)}",
-                "It exchanges messages only with nodes that use its type. Correct the type, or "
-                f"give it another topic: {topic['name']}:=/OTHER"
-                if is_type
-                else "It exchanges no messages with the hub's clients there. The section [ros1] of "
-                "the hub's file of tokens has the rights of ROS 1 nodes.",
+                _advice(each, topic),
             )
+
+
+def _advice(conflict: Entry, topic: Entry) -> str:
+    """Return what to do about a conflict."""
+    if is_of_other_type(conflict, topic):
+        return (
+            "It exchanges messages only with nodes that use its type. Correct the type, or "
+            f"give it another topic: {topic['name']}:=/OTHER"
+        )
+    if OTHER_FIELDS in conflict["fault"]:
+        return (
+            "It exchanges messages only with nodes that have its definition of the type. Start all "
+            f"with the same version of the package {conflict['type'].partition('/')[0]}."
+        )
+    return (
+        "It exchanges no messages with the hub's clients there. The section [ros1] of "
+        "the hub's file of tokens has the rights of ROS 1 nodes."
+    )
 
 
 def ends(view: View) -> Iterator[Finding]:

@@ -206,3 +206,14 @@ def test_missing_right_of_ros1_nodes_is_a_warning() -> None:
     (finding,) = graph.conflicts([{"name": "/image", "type": "a/B", "conflicts": [conflict]}])
     assert finding.verdict == "warning" and "not allowed" in finding.text
     assert "[ros1]" in finding.advice
+
+
+def test_other_definition_of_a_type_is_a_warning(hub: HubThread) -> None:
+    with HubClient("first", hub.url) as first, HubClient("second", hub.url) as second:
+        for client, definition in ((first, "int8 x"), (second, "int16 x")):
+            operation = {"op": "advertise", "topic": "/a", "type": "my_msgs/Thing"}
+            client.send({**operation, "definition": definition})
+            client.call("/rosapi/get_time")
+        (finding,) = [each for each in doctor.findings(hub.url) if each.check == "conflicts"]
+    assert finding.verdict == "warning" and "with other fields" in finding.text
+    assert "package my_msgs" in finding.advice
