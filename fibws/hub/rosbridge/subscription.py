@@ -301,10 +301,10 @@ class Subscription:
         "_complained",
         "_conflict",
         "_default",
-        "_follow",
         "_graph",
         "_group",
         "_groups",
+        "_on_follow",
         "_reported_text",
         "_statuses",
         "encoding",
@@ -357,7 +357,7 @@ class Subscription:
         """Why messages of others do not pass, as it was reported."""
         self._reported_text = False
         self._default = queue_length
-        self._follow = partial(follow, self)
+        self._on_follow = follow
 
     # As a sink.
 
@@ -425,6 +425,10 @@ class Subscription:
         self._join(None, requests)
         self._graph.unsubscribe(self.topic, self)
         self.queue.forget(self.lane)
+
+    def follow(self) -> None:
+        """Follow the publishers of the type that the client names to another definition of it."""
+        self._on_follow(self)
 
     def name_again(self) -> None:
         """Subscribe again with the type that the requests name; raises as `request`."""
@@ -526,7 +530,7 @@ class Subscription:
             self,
             new.type if new is not None else None,
             receiver=receiver,
-            follow=None if type_ is None or names_fields else self._follow,
+            follow=None if type_ is None or names_fields else self.follow,
             keeps_type=keeps_type,
             takes_all=any(each.type is None for each in requests.values()),
             needs_definition=encoding.needs_definition or names_fields,

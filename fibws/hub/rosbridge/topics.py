@@ -355,7 +355,8 @@ class Topics:
     def subscribe(self, request: Subscribe) -> None:
         """Add a request to the subscription of the topic that is spelled so, and of its type."""
         client = self._client
-        topic = self._topic(request.topic)
+        present = self._present(request.topic)
+        topic = present[0].topic if present else self._topic(request.topic)
         if request.compression not in COMPRESSIONS:
             request = self._with_known_compression(request, topic)
         if request.credit is not None and request.compression != ROS1:
@@ -363,7 +364,6 @@ class Topics:
                 f"credit needs serialized messages: subscribe with the compression {ROS1} "
                 f"on a connection of {SUBPROTOCOL}"
             )
-        present = self._present(request.topic)
         if len(present) > 1 and request.type is None:
             present = self._merge(present)
         subscription = self._request(request, topic, present)
