@@ -48,7 +48,7 @@ _SECONDS = ("to_sec", "to_nsec", "secs", "nsecs")
     help="Convert messages to those of ROS 1, or to cdr, those of ROS 2. The default is ros1 for "
     ".bag; for .mcap, messages are copied as they are.",
 )
-@click.option("-q", "--quiet", is_flag=True, help="Do not show the progress.")
+@click.option("-q", "--quiet", is_flag=True, help="Print warnings and errors only.")
 @examples(
     "{bag filter} lab.bag turns.bag \"topic == '/cmd_vel' and m.angular.z != 0\"",
     '{bag filter} lab.bag part.bag "t.secs >= 1700000000 and t.to_sec() < 1700000060.5"',
@@ -112,6 +112,9 @@ def command(
             if not copy.count:
                 hint = "" if condition is None else condition.unknown_topic(original)
                 warn(f"no message passed the filter, {target} is empty{hint}")
+            elif not quiet:
+                passed = f"{copy.count} of {output.counted(reader.message_count, 'message')}"
+                click.echo(output.visible(f"{target}: {passed}"), err=True)
 
 
 def _check_topics(topics: tuple[str, ...], reader: Reader) -> None:

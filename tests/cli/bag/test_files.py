@@ -238,6 +238,13 @@ def test_filter_by_topics_and_times(bag: Tool, path: Path) -> None:
     assert numbers(target) == [10, 11, 12, 13, 14, 15]
 
 
+def test_filter_says_how_many_messages_passed(bag: Tool, path: Path) -> None:
+    target = path.with_name(f"part{path.suffix}")
+    result = bag("filter", path, target, "topic == '/number' and m.data < 3")
+    assert f"{target}: 3 of 102 messages" in result.stderr
+    assert str(target) not in bag("filter", path, target, "True", "-q").stderr
+
+
 def test_filter_changes_the_format(bag: Tool, path: Path) -> None:
     target = path.with_name("other.mcap" if path.suffix == ".bag" else "other.bag")
     assert bag("filter", path, target, "True").exit_code == 0

@@ -353,10 +353,19 @@ def test_program_in_the_documentation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    [program] = re.findall(r"```python\n(.*?)```", BAGS_PAGE.read_text("utf-8"), re.DOTALL)
-    exec(program, {})
+    programs = re.findall(r"```python\n(.*?)```", BAGS_PAGE.read_text("utf-8"), re.DOTALL)
+    exec(programs.pop(0), {})
     lines = capsys.readouterr().out.splitlines()
     assert lines == ["/number 97 98.0", "/number 98 99.0", "/number 99 100.0", "100 std_msgs/Int32"]
+    [merge] = programs
+    header = {"topic": "/number", "callerid": "/talker", "latching": "1"}
+    with rosbag.Bag("lab.mcap", "w") as bag:
+        bag.write("/number", Int32(-1), rospy.Time(50.5), connection_header=header)
+    exec(merge, {})
+    with rosbag.Bag("all.bag") as bag:
+        assert numbers(bag) == [*range(50), -1, *range(50, 100)]
+        found = bag.read_messages(start_time=rospy.Time(50.5), return_connection_header=True)
+        assert next(iter(found)).connection_header["callerid"] == b"/talker"
 
 
 def test_start_of_a_script_that_calls_rosbag(path: str) -> None:
