@@ -61,7 +61,9 @@ def check_method(method: str) -> None:
         UnsupportedBag: the package for it is not installed.
     """
     if method not in METHODS:
-        raise BagError(f"unknown compression {method!r}, expected {', '.join(METHODS)}")
+        raise BagError(
+            f"compression {method!r} does not exist in .bag, expected {', '.join(METHODS)}"
+        )
     if method == "lz4":
         _lz4_frame()
 

@@ -66,12 +66,14 @@ def _active_fault(path: str, active: str) -> str:
 
 
 def check_new_name(name: str | PathLike[str]) -> None:
-    """Raise a UsageError for the name of a new bag whose format is only read."""
-    if fspath(name).endswith(".db3"):
-        raise click.UsageError(
-            f"{fspath(name)}: SQLite (.db3) is not written; expected a name that ends in .bag or "
-            ".mcap"
-        )
+    """Raise a UsageError for the name of a new bag that is one of a format that is not written."""
+    name = fspath(name)
+    expected = "expected a name that ends in .bag or .mcap"
+    if name.endswith(".db3"):
+        raise click.UsageError(f"{name}: SQLite (.db3) is not written; {expected}")
+    if name.endswith(".csv"):
+        advice = f"{command_name('topic echo')} -b BAG -p TOPIC > {name}"
+        raise click.UsageError(f"{name}: CSV is not written; {expected}, or: {advice}")
 
 
 class BagType:

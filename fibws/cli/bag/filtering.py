@@ -79,6 +79,8 @@ def command(
         condition = Condition(expression) if expression is not None else None
         pattern = Condition(shown, "--print") if shown is not None else None
         check_new_name(target)
+        if target.is_dir():
+            raise click.UsageError(f"{target} is a folder; name a file, such as {target}.bag")
         if target.exists() and source.exists() and source.samefile(target):
             raise click.UsageError(f"Cannot use same file as input and output [{source}]")
         if condition is None and not topics and start is None and end is None and not encoding:
@@ -109,12 +111,12 @@ def command(
                     None if start is None else reader.start + round(start * 1e9),
                     None if end is None else reader.start + round(end * 1e9),
                 )
-            if not copy.count:
-                hint = "" if condition is None else condition.unknown_topic(original)
-                warn(f"no message passed the filter, {target} is empty{hint}")
-            elif not quiet:
-                passed = f"{copy.count} of {output.counted(reader.message_count, 'message')}"
-                click.echo(output.visible(f"{target}: {passed}"), err=True)
+            hint = "" if condition is None else condition.unknown_topic(original)
+            total = output.counted(reader.message_count, "message")
+        if not copy.count:
+            warn(f"no message passed the filter, {target} is empty{hint}")
+        elif not quiet:
+            click.echo(output.visible(f"{target}: {copy.count} of {total}"), err=True)
 
 
 def _check_topics(topics: tuple[str, ...], reader: Reader) -> None:

@@ -117,6 +117,8 @@ def _rewrite_all(
             except (BagError, OSError) as error:
                 failed = True
                 text = str(error)
+                if isinstance(error, BagError) and str(path) not in text:
+                    text = f"{path}: {text}"
                 if isinstance(error, OSError):
                     text = f"{error.filename or path}: {error.strerror or error}"
                     if error.errno == errno.ENOSPC and output_dir is None:

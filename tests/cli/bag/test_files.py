@@ -294,12 +294,21 @@ def test_filter_of_a_bag_to_itself_is_refused(bag: Tool, path: Path) -> None:
     assert path.read_bytes() == before
 
 
-def test_filter_to_a_format_that_is_only_read_is_refused(bag: Tool, path: Path) -> None:
-    target = path.with_name("part.db3")
+@pytest.mark.parametrize("name", ["part.db3", "part.csv"])
+def test_filter_to_a_format_that_is_not_written_is_refused(
+    bag: Tool, path: Path, name: str
+) -> None:
+    target = path.with_name(name)
     result = bag("filter", path, target, "True")
     assert result.exit_code == 2
     assert ".mcap" in result.output
     assert not target.exists()
+
+
+def test_filter_to_a_folder_is_refused(bag: Tool, path: Path, tmp_path: Path) -> None:
+    result = bag("filter", path, tmp_path, "True")
+    assert result.exit_code == 2
+    assert f"{tmp_path} is a folder" in result.output
 
 
 def test_filter_that_lets_nothing_pass_says_so(bag: Tool, path: Path, tmp_path: Path) -> None:
@@ -388,6 +397,14 @@ def test_reindex_says_how_many_messages_are_restored(bag: Tool, path: Path) -> N
 
 
 # compress, decompress
+
+
+def test_compression_that_a_format_lacks_is_an_error(bag: Tool, path: Path) -> None:
+    """Each error names the bag."""
+    method = "zstd" if path.suffix == ".bag" else "bz2"
+    result = bag("compress", f"--{method}", path)
+    assert result.exit_code == 1
+    assert f"{path}: compression '{method}' does not exist in" in result.output
 
 
 def test_compress_and_decompress(bag: Tool, path: Path) -> None:
