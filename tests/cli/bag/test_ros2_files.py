@@ -260,13 +260,10 @@ def test_folder_is_not_rewritten(fibws: Tool, tmp_path: Path, name: str) -> None
     assert f"name the files in it: {tmp_path / 'walk' / 'walk.mcap'}" in result.output
 
 
-@pytest.mark.parametrize("name", ["compress", "decompress", "reindex"])
-def test_folder_of_sqlite_is_not_rewritten_but_converted(
-    fibws: Tool, tmp_path: Path, name: str
-) -> None:
+def test_folder_of_sqlite_is_not_rewritten_but_converted(fibws: Tool, tmp_path: Path) -> None:
     folder = tmp_path / "walk"
     ros2_recordings.write(folder, ros2_recordings.KINDS["sqlite3-none"], end=1)
-    result = fibws("bag", name, folder)
+    result = fibws("bag", "compress", folder)
     assert result.exit_code == 1
     advice = re.findall(r"fibws (bag filter .*)", result.output)[0].split()
     assert fibws(*advice, "-q").exit_code == 0
