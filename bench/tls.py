@@ -21,7 +21,7 @@ from bench.machine import cpu_seconds, cpus, free_port, on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import START_SECONDS, running
-from fibws.hub.websocket.self_signed import Files, ensure_certificate
+from fibws.hub.tls.self_signed import Files, ensure_certificate
 
 PLAIN, TLS, NGINX = "{} without TLS", "{} with TLS", "nginx with TLS, {}"
 TOPIC, TYPE = "/text", "std_msgs/String"

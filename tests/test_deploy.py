@@ -36,7 +36,7 @@ from fibws.hub import Settings
 from fibws.hub.__main__ import environment_settings
 from fibws.hub.ros1.server import default_state_file
 from fibws.hub.server import Hub
-from fibws.hub.websocket import self_signed
+from fibws.hub.tls import self_signed
 from fibws.protocol.websocket import LIMITED, UNAUTHENTICATED
 
 ROOT = Path(__file__).parents[1]

@@ -21,7 +21,7 @@ from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
-from fibws.hub.websocket.http import CODINGS, packed, read_files
+from fibws.hub.http.requests import CODINGS, packed, read_files
 from fibws.interfaces import Interfaces
 from fibws.interfaces.folders import KINDS, Kind
 from fibws.interfaces.generator import generate

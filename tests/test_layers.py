@@ -98,14 +98,22 @@ BELOW_IN_HUB = {
         "access",
         "protocol.websocket",
         "hub.delivery",
+        "hub.http",
+        "hub.tls",
         "hub.websocket",
     }
-    | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication", "hub.memory"}
+    | {"hub.settings", "hub.log", "hub.access.authentication", "hub.memory"}
     | {"tls"},
-    "monitoring": {"errors", "access", "hub.access", "hub.audit", "hub.graph", "hub.settings"}
-    | {"hub.memory"}
+    "http": {"errors", "access", "files", "names", "origins", "hub.access", "hub.http", "hub.log"}
+    | {"hub.graph", "hub.memory", "hub.package_folders", "hub.recording", "hub.settings"}
+    | {"hub.websocket.endpoint", "hub.worker_threads", "protocol.websocket"},
+    "tls": {"errors", "files", "tls", "hub.access", "hub.log", "hub.tls"},
+    "log": {"errors", "hub.log"},
+    "memory": {"hub.delivery", "hub.memory", "protocol.websocket"},
+    "monitoring": {"errors", "access", "hub.access", "hub.log", "hub.graph", "hub.settings"}
+    | {"hub.http", "hub.memory"}
     | {"hub.delivery", "hub.monitoring", "hub.websocket", "__version__"},
-    "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
+    "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log"}
     | {"protocol.websocket", "origins"},
     "rosbridge": {
         "errors",
@@ -116,25 +124,25 @@ BELOW_IN_HUB = {
         "hub.delivery",
         "hub.rosbridge",
     }
-    | {"hub.settings", "hub.log_text", "hub.node_session", "hub.websocket.endpoint"}
+    | {"hub.settings", "hub.log", "hub.node_session", "hub.websocket.endpoint"}
     | {"interfaces.serialized_values"},
     "foxglove": {"errors", "access.rights", "interfaces", "protocol", "hub.foxglove", "hub.graph"}
-    | {"hub.audit", "hub.byte_room", "hub.delivery", "hub.log_text", "hub.settings"}
+    | {"hub.log", "hub.memory", "hub.delivery", "hub.settings"}
     | {"hub.node_session", "hub.websocket.endpoint"},
-    "foreign": {"errors", "hub.graph", "hub.foreign", "hub.delivery.clock", "hub.log_text"},
+    "foreign": {"errors", "hub.graph", "hub.foreign", "hub.delivery.clock", "hub.log"},
     "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
     | {"hub.foreign", "origins", "hub.memory", "hub.kept_file"}
-    | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.package_folders", "hub.settings"},
+    | {"hub.log", "hub.delivery.clock", "hub.package_folders", "hub.settings"},
     "federation": {"errors", "names", "access.rights", "interfaces"}
     | {"protocol.refusals", "protocol.websocket"}
     | {"client_handshake", "credentials", "hub_address", "tls"}
-    | {"hub.federation", "hub.foreign", "hub.graph", "hub.audit"}
-    | {"hub.delivery.clock", "hub.log_text", "hub.settings", "hub.websocket.endpoint"}
+    | {"hub.federation", "hub.foreign", "hub.graph", "hub.log"}
+    | {"hub.delivery.clock", "hub.log", "hub.settings", "hub.websocket.endpoint"}
     | {"hub.memory", "hub.zenoh_session"},
     "ros2": {"errors", "access.rights", "interfaces", "hub.graph", "hub.ros2", "hub.settings"}
-    | {"hub.delivery.clock", "hub.foreign", "hub.log_text", "hub.zenoh_session"},
+    | {"hub.delivery.clock", "hub.foreign", "hub.log", "hub.zenoh_session"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "access.rights", "hub.graph"}
-    | {"hub.delivery", "hub.rosapi", "hub.log_text", "hub.audit"},
+    | {"hub.delivery", "hub.rosapi", "hub.log"},
 }
 """The modules of fibws that each layer of the hub may import: the graph knows no frames and no
 operations, delivery knows bytes, websocket knows endpoints but no operations."""
@@ -210,7 +218,7 @@ PURE = modules(
     "hub/foxglove/*.py",
     *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
     "ros1/launch/xml_element.py",
-    *("hub/settings.py", "hub/log_text.py", "hub/audit.py", "hub/websocket/keepalive.py"),
+    *("hub/settings.py", "hub/log/text.py", "hub/log/audit.py", "hub/websocket/keepalive.py"),
     "hub/websocket/quotas.py",
     *(f"hub/ros2/{name}.py" for name in ("key_layout", "type_hashes", "types")),
     *(

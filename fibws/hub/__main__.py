@@ -22,8 +22,8 @@ from fibws import __version__
 from fibws.errors import FibwsError, HubError, SettingError
 from fibws.exit_signals import ExitSignals, end_at_once
 from fibws.files import replace_file
-from fibws.hub import log_output
 from fibws.hub.announcement import announcement
+from fibws.hub.log import output as log_output
 from fibws.hub.monitoring.service_manager import ServiceManager
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings, flag_of

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import ifaddr
 
 from fibws.hub.settings import Settings
-from fibws.hub.websocket import self_signed
+from fibws.hub.tls import self_signed
 from fibws.origins import AllowedOrigins, OwnHosts
 
 ALL_IPV4 = "0.0.0.0"

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibws.hub.byte_room import ByteRoom
 from fibws.hub.federation.federation import Federation
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.latched import LatchQuota
-from fibws.hub.machine_memory import available_memory
-from fibws.hub.memory import Account, Bound, Holding, Part
+from fibws.hub.memory.account import Account, Bound, Holding, Part
+from fibws.hub.memory.byte_room import ByteRoom
+from fibws.hub.memory.machine import available_memory
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection
 

@@ -25,12 +25,12 @@ from fibws.bag_recorder import (
     Stream,
 )
 from fibws.errors import FibwsError, NotAllowed
-from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Deferred, Function, Response
 from fibws.hub.graph.topic import SinkReport, Topic
 from fibws.hub.graph.types import MessageType
+from fibws.hub.log.audit import Audit
 from fibws.hub.settings import Settings
 
 if TYPE_CHECKING:

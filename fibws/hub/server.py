@@ -26,8 +26,6 @@ from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import ALL, ALL_IPV4, machine_addresses
-from fibws.hub.audit import Audit, Identity
-from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.federation import link
 from fibws.hub.federation.connections import Join, LinkEndpoint
@@ -38,25 +36,27 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
 from fibws.hub.held_memory import count_held, memory_limit
-from fibws.hub.memory import Account
+from fibws.hub.http.login import LoginRoutes
+from fibws.hub.http.proxies import TrustedProxies
+from fibws.hub.http.recording_downloads import RecordingRoute
+from fibws.hub.http.requests import HttpRequests, read_files
+from fibws.hub.http.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
+from fibws.hub.log.audit import Audit, Identity
+from fibws.hub.memory.account import Account
+from fibws.hub.memory.byte_room import ByteRoom
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.port_owner import is_hub_at
-from fibws.hub.recording_downloads import RecordingRoute
-from fibws.hub.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
 from fibws.hub.rosapi.clients import Client
 from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
+from fibws.hub.tls.certificate import ServerTls
+from fibws.hub.tls.self_signed import ensure_certificate
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints, Work
-from fibws.hub.websocket.http import HttpRequests, read_files
-from fibws.hub.websocket.login import LoginRoutes
-from fibws.hub.websocket.proxies import TrustedProxies
-from fibws.hub.websocket.self_signed import ensure_certificate
 from fibws.hub.websocket.shared_limits import SharedLimits
-from fibws.hub.websocket.tls import ServerTls
 from fibws.hub.websocket.turns import Turns
 from fibws.hub.worker_threads import WorkerThreads
 from fibws.interfaces import Interfaces

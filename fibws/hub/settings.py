@@ -14,7 +14,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from fibws.access.rights import check_glob
 from fibws.credentials import Credentials
 from fibws.errors import AccessError, FibwsError, SettingError
-from fibws.hub.websocket.proxies import Network, parse_network
+from fibws.hub.http.proxies import Network, parse_network
 from fibws.hub_address import hub_url
 from fibws.origins import is_allowable
 from fibws.suggestions import suggestion

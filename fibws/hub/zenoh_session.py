@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from fibws.errors import SettingError
-from fibws.hub.log_text import printable
+from fibws.hub.log.text import printable
 
 if TYPE_CHECKING:
     import zenoh

@@ -10,7 +10,7 @@ from types import CoroutineType, FunctionType
 
 import fibws
 from fibws.hub.graph.totals import CallTotals, TopicTotals
-from fibws.hub.log_text import LineLimit
+from fibws.hub.log.text import LineLimit
 
 LONGEST_CHAIN = 8
 SOURCES = str(Path(fibws.__file__).parent)

@@ -13,8 +13,8 @@ import pytest
 
 from fibws.access.rights import Principal, Rights
 from fibws.hub.access.policy import AccessPolicy
-from fibws.hub.audit import Audit
 from fibws.hub.graph.policy import Policy
+from fibws.hub.log.audit import Audit
 from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.protocol.decoding import REQUESTS
 

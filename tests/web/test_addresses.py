@@ -15,7 +15,7 @@ from playwright.async_api import Page, expect
 import fibws
 from fibws.hub import Settings
 from fibws.hub.server import Hub
-from fibws.hub.websocket import self_signed
+from fibws.hub.tls import self_signed
 from fibws.msg.std_msgs import Int32
 
 from .conftest import PATIENT, STRANGER, OpenPage, web_address

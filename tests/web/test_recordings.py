@@ -11,14 +11,14 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
-from hub.test_recording_downloads import record
+from hub.http.test_recording_downloads import record
 from mcap.writer import Writer as JsonWriter
 from playwright.async_api import Page, expect
 
 from fibws.bags import open_writer
 from fibws.hub import Settings
+from fibws.hub.http.requests import CONTENT_SECURITY_POLICY
 from fibws.hub.server import Hub
-from fibws.hub.websocket.http import CONTENT_SECURITY_POLICY
 from fibws.interfaces import Interfaces
 from fibws.interfaces.serialization import Serializers
 

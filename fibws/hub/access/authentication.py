@@ -33,7 +33,7 @@ from fibws.access.token_file import ANONYMOUS, Tokens
 from fibws.access.web_tokens import WebTokens
 from fibws.errors import AccessError, AuthenticationError, SettingError, TooManyAttempts
 from fibws.hub.access.sessions import Session, Sessions
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log.text import is_power_of_ten
 from fibws.hub.settings import Settings
 from fibws.protocol.websocket import LONGEST_TOKEN, TOKEN_SUBPROTOCOL
 

@@ -20,7 +20,7 @@ from fibws.hub.federation.records import (
     TypeUsers,
 )
 from fibws.hub.graph.latched import LatchQuota
-from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.log.text import is_power_of_ten, printable
 
 logger = logging.getLogger("fibws.hub")
 

@@ -36,7 +36,7 @@ from fibws.hub.federation.retries import (
     seconds_asked,
 )
 from fibws.hub.foreign.worklist import TURN
-from fibws.hub.log_text import printable
+from fibws.hub.log.text import printable
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work, limit_unsent
 from fibws.hub_address import hub_url, node_url

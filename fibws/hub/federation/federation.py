@@ -19,7 +19,6 @@ from itertools import chain
 from typing import Any, Protocol
 
 from fibws.errors import NotAllowed
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.federation.announced import PeerGraph
 from fibws.hub.federation.backplane import Backplane, Cancel, OnReply, Peer, Traffic
@@ -42,7 +41,8 @@ from fibws.hub.federation.remote_topics import RemotePublisher
 from fibws.hub.federation.shared_parameters import SharedParameters
 from fibws.hub.graph.graph import Graph, Watched
 from fibws.hub.graph.topic import Source
-from fibws.hub.memory import Bound, Holding
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.account import Bound, Holding
 from fibws.hub.settings import Settings
 from fibws.names import MAX_LENGTH
 

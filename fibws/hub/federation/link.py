@@ -54,7 +54,7 @@ from fibws.hub.federation.records import (
     failure,
     fault,
 )
-from fibws.hub.log_text import printable
+from fibws.hub.log.text import printable
 from fibws.hub.websocket.endpoint import Work
 from fibws.protocol.websocket import FORBIDDEN, LIMITED, REPLACED, CloseReason, close_reason
 

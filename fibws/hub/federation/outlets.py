@@ -13,7 +13,7 @@ from fibws.hub.federation.records import Message
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Source, Topic
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log.text import is_power_of_ten
 
 logger = logging.getLogger("fibws.hub")
 

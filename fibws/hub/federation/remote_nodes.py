@@ -12,7 +12,7 @@ from fibws.hub.federation.precedence import Ages, NodeOffer, choose
 from fibws.hub.federation.records import HubInfo, Kind, NodeRecord, Request
 from fibws.hub.foreign.nodes import ForeignNode
 from fibws.hub.graph.graph import Graph, NodeOfHub
-from fibws.hub.log_text import printable
+from fibws.hub.log.text import printable
 
 logger = logging.getLogger("fibws.hub")
 

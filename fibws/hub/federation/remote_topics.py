@@ -26,7 +26,7 @@ from fibws.hub.foreign.topics import (
 )
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Source, Topic
-from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.log.text import is_power_of_ten, printable
 
 logger = logging.getLogger("fibws.hub")
 

@@ -64,7 +64,7 @@ from fibws.hub.federation.records import (
     failure,
     fault,
 )
-from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.log.text import is_power_of_ten, printable
 from fibws.hub.zenoh_session import (
     LEASE,
     RETRY,

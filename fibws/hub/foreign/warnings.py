@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections import OrderedDict
 
-from fibws.hub.log_text import printable
+from fibws.hub.log.text import printable
 
 logger = logging.getLogger("fibws.hub")
 

@@ -10,13 +10,13 @@ from typing import NamedTuple, Protocol
 
 from fibws.access.rights import Right
 from fibws.errors import FibwsError
-from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.delivery.send_queue import Frame
 from fibws.hub.delivery.workers import Workers
 from fibws.hub.foxglove.client import Client
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
-from fibws.hub.log_text import INTERNAL_ERROR, shortened
+from fibws.hub.log.text import INTERNAL_ERROR, shortened
+from fibws.hub.memory.byte_room import ByteRoom
 
 LONGEST_URI = 10_000
 """Most characters of a URI, which waits while other files are read."""

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from fibws.access.rights import Right
 from fibws.errors import LimitReached, NotAllowed
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.foxglove.messages import ERROR, WARNING, text_frame
 from fibws.hub.foxglove.turns import Turns
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.view import GraphView
-from fibws.hub.log_text import ErrorLog, shortened
+from fibws.hub.log.audit import Audit
+from fibws.hub.log.text import ErrorLog, shortened
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Registration
 

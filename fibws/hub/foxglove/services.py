@@ -18,7 +18,7 @@ from fibws.hub.foxglove.messages import (
 )
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.service import Call
-from fibws.hub.log_text import INTERNAL_ERROR, shortened
+from fibws.hub.log.text import INTERNAL_ERROR, shortened
 from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.interfaces.json_text import plain_json
 from fibws.interfaces.serialized_values import SerializedValues

@@ -14,8 +14,6 @@ from typing import assert_never
 
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReached, OperationError
-from fibws.hub.audit import Audit
-from fibws.hub.byte_room import ByteRoom
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.workers import Workers
 from fibws.hub.foxglove.assets import MOST_HELD, AssetFiles, Assets
@@ -58,7 +56,9 @@ from fibws.hub.foxglove.topics import Groups, Publications, Subscriptions, unkno
 from fibws.hub.foxglove.turns import Turns
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
-from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
+from fibws.hub.log.audit import Audit
+from fibws.hub.log.text import INTERNAL_ERROR, is_power_of_ten
+from fibws.hub.memory.byte_room import ByteRoom
 from fibws.hub.node_session import NodeSession
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work

@@ -28,7 +28,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log.text import is_power_of_ten
 from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.interfaces import Interfaces, idl
 from fibws.interfaces.client_definitions import LONGEST_TEXT

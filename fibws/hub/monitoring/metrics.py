@@ -20,16 +20,16 @@ from typing import Any, Protocol
 from websockets.http11 import Response
 
 from fibws import __version__
-from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
-from fibws.hub.memory import Account
+from fibws.hub.http.requests import Get, accepts, response
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.account import Account
 from fibws.hub.monitoring.exposition import Column, Exposition
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.settings import Settings
 from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.connection import Connection
-from fibws.hub.websocket.http import Get, accepts, response
 from fibws.hub.websocket.shared_limits import SharedLimits
 
 _PROC = Path("/proc/self")

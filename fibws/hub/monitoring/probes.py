@@ -18,11 +18,11 @@ from websockets.http11 import Response
 from fibws import __version__
 from fibws.errors import AuthenticationError
 from fibws.hub.access.authentication import Authentication
-from fibws.hub.audit import Audit, Reason
+from fibws.hub.http.proxies import FOR, FORWARDED
+from fibws.hub.http.requests import Get, HttpRequests, response, text_response
+from fibws.hub.log.audit import Audit, Reason
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.http import Get, HttpRequests, response, text_response
-from fibws.hub.websocket.proxies import FOR, FORWARDED
 
 LONGEST_LAG = 1.0
 """Seconds by which the event loop of a hub that lives may be late."""

@@ -10,7 +10,7 @@ from typing import Protocol, cast
 
 from fibws.errors import FibwsError, TcprosError
 from fibws.hub.delivery.clock import Clock
-from fibws.hub.log_text import printable, shortened
+from fibws.hub.log.text import printable, shortened
 from fibws.hub.ros1.tcpros import LENGTH, check_header_size, decode_header, encode_header
 
 logger = logging.getLogger("fibws.hub")

@@ -16,7 +16,7 @@ from typing import Any, cast
 from fibws.errors import FibwsError, InvalidMessage, NodeUnreachable, Ros1Error, TcprosError
 from fibws.hub.foreign.worklist import TURN
 from fibws.hub.graph.topic import Source
-from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.log.text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import describe, detect_dead_peer
 from fibws.hub.ros1.http import NodeCalls
 from fibws.hub.ros1.tcpros import (

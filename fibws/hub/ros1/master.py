@@ -16,9 +16,9 @@ from typing import Any
 from pydantic_core import from_json
 
 from fibws.errors import ParameterNotSet
-from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.parameters import Prepared, native, prepare
+from fibws.hub.log.audit import Audit
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Check, Method
 from fibws.hub.ros1.http import Caller, NodeCalls

@@ -12,7 +12,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import Buffer, MessageType
-from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.log.text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.tcpros import ANY, frame, require

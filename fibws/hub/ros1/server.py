@@ -19,9 +19,9 @@ from typing import Any, Protocol, TypeAlias, cast
 from fibws.access.rights import Principal
 from fibws.errors import NodeUnreachable, SettingError, XmlRpcError
 from fibws.files import state_folder
-from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
-from fibws.hub.memory import Bound, Holding
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.account import Bound, Holding
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.connection import Acceptor, TcprosConnection

@@ -21,7 +21,7 @@ from fibws.errors import (
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.service import Call, Service
-from fibws.hub.log_text import printable
+from fibws.hub.log.text import printable
 from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
 from fibws.hub.ros1.nodes import Ros1Node, Ros1Nodes

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibws.errors import FibwsError, Ros2Error, SettingError
-from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.log.text import is_power_of_ten, printable
 from fibws.hub.ros2.key_layout import Attachment, tokens_key
 from fibws.hub.zenoh_session import (
     LEASE,

@@ -11,7 +11,7 @@ from fibws.access.rights import Principal
 from fibws.errors import NotAllowed, Ros2Error
 from fibws.hub.foreign.nodes import ForeignNode
 from fibws.hub.graph.graph import Graph
-from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.log.text import is_power_of_ten, printable
 from fibws.hub.ros2.key_layout import TOPIC_KINDS, Entity, gid_of, is_left_out
 
 logger = logging.getLogger("fibws.hub")

@@ -19,7 +19,7 @@ from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
 from fibws.hub.graph.types import read_values
-from fibws.hub.log_text import printable
+from fibws.hub.log.text import printable
 from fibws.hub.ros2.key_layout import GID_SIZE, NO_HASH, Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes

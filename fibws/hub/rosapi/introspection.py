@@ -18,7 +18,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Function, Response, Service
 from fibws.hub.graph.topic import Topic
 from fibws.hub.graph.types import MessageType
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log.text import is_power_of_ten
 from fibws.hub.rosapi.cache import ResponseCache, TextCache
 from fibws.interfaces import Interfaces
 

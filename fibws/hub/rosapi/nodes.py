@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from fibws.errors import NotAllowed, OperationError
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Function
 from fibws.hub.graph.topic import SinkReport, Source
+from fibws.hub.log.audit import Audit
 from fibws.hub.rosapi import loggers
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.introspection import Introspection

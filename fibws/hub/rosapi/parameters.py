@@ -13,10 +13,10 @@ from pydantic_core import from_json, to_json
 
 from fibws import names
 from fibws.errors import OperationError, ParameterNotSet, ParametersFull
-from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.parameters import Parameters
 from fibws.hub.graph.service import Function, Response
+from fibws.hub.log.audit import Audit
 
 ROSDISTRO = "noetic\n"
 ROSVERSION = "1.16.0\n"

@@ -12,7 +12,7 @@ import logging
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import ROSBRIDGE
 from fibws.hub.graph.topic import Source
-from fibws.hub.log_text import LineLimit, printable
+from fibws.hub.log.text import LineLimit, printable
 from fibws.protocol.levels import severity
 
 logger = logging.getLogger("fibws.hub")

@@ -12,11 +12,11 @@ from itertools import count
 from typing import Any
 
 from fibws.errors import NotAllowed
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import DistantNode, ExternalNode, Graph
 from fibws.hub.graph.service import Deferred, Function, Response
-from fibws.hub.log_text import shortened
+from fibws.hub.log.audit import Audit
+from fibws.hub.log.text import shortened
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.introspection import global_name
 from fibws.protocol.websocket import KILLED

@@ -32,7 +32,7 @@ from fibws.errors import (
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
-from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
+from fibws.hub.log.text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.node_session import NodeSession, RegisteringPart
 from fibws.hub.rosbridge.actions import Actions, Goals
 from fibws.hub.rosbridge.client import Client

@@ -10,7 +10,7 @@ from typing import TypeAlias
 from fibws.errors import TypeConflict
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.graph.types import AnyType
-from fibws.hub.log_text import ErrorLog, is_power_of_ten, printable, shortened
+from fibws.hub.log.text import ErrorLog, is_power_of_ten, printable, shortened
 from fibws.hub.rosbridge.encodings import text_frame
 from fibws.protocol.operations import Level, Status, encode, legal_id
 

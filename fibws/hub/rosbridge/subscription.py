@@ -18,7 +18,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Topic
 from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import MessageType
-from fibws.hub.log_text import INTERNAL_ERROR, is_power_of_ten
+from fibws.hub.log.text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.rosbridge.encodings import PLAIN, EncodeFrame, Encoding, text_frame
 from fibws.hub.rosbridge.statuses import Statuses
 from fibws.protocol.frame_queue import Lane

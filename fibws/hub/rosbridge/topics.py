@@ -23,7 +23,7 @@ from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.topic import QUEUE_SIZE, Source, Topic
-from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.log.text import is_power_of_ten
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.encodings import COMPRESSIONS
 from fibws.hub.rosbridge.peers import PeerReports

@@ -8,8 +8,8 @@ import re
 from typing import Protocol
 
 from fibws.access.rights import Principal
-from fibws.hub.audit import Audit, Reason
 from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.log.audit import Audit, Reason
 from fibws.hub.websocket.endpoint import Endpoint
 from fibws.protocol.websocket import (
     FORBIDDEN,

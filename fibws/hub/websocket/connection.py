@@ -33,9 +33,17 @@ from fibws.hub.access.authentication import (
     Certificate,
     Login,
 )
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
+from fibws.hub.http.proxies import TrustedProxies
+from fibws.hub.http.request_head import (
+    HandshakeProtocol,
+    drop_empty_subprotocols,
+    too_long,
+)
+from fibws.hub.http.requests import DeferredResponse, HttpRequests, node_name, text_response
+from fibws.hub.log.audit import Audit
 from fibws.hub.settings import KIB, Settings
+from fibws.hub.tls.certificate import certificate_of
 from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.client_log import ClientLog
 from fibws.hub.websocket.endpoint import (
@@ -46,18 +54,10 @@ from fibws.hub.websocket.endpoint import (
     Registration,
     limit_unsent,
 )
-from fibws.hub.websocket.http import DeferredResponse, HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
-from fibws.hub.websocket.proxies import TrustedProxies
 from fibws.hub.websocket.quotas import ClientQuotas
-from fibws.hub.websocket.request_head import (
-    HandshakeProtocol,
-    drop_empty_subprotocols,
-    too_long,
-)
 from fibws.hub.websocket.shared_limits import SharedLimits
-from fibws.hub.websocket.tls import certificate_of
 from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
     CERTIFICATE_EXPIRED,

@@ -13,9 +13,9 @@ from collections.abc import Collection, Iterator
 from functools import partial
 from typing import Any, Protocol
 
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import SendQueue
-from fibws.hub.memory import Account, Bound, Holding, Part
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.account import Account, Bound, Holding, Part
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.quotas import Quotas
 from fibws.protocol.websocket import CloseReason

@@ -16,8 +16,8 @@ import pytest
 from fibws.access.rights import Principal, Rights
 from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
-from fibws.hub.audit import Audit
 from fibws.hub.foxglove.session import Foxglove
+from fibws.hub.log.audit import Audit
 from fibws.hub.rosbridge.session import Session
 
 from ..fakes import ADD, FIBONACCI, INT32, Client, InlineWorkers

@@ -12,12 +12,12 @@ from unittest.mock import Mock
 
 import pytest
 
-from fibws.hub.audit import Audit
 from fibws.hub.federation import link as links
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.link import Link
 from fibws.hub.federation.names import NameView
 from fibws.hub.federation.records import HubInfo
+from fibws.hub.log.audit import Audit
 
 from ..fakes import ADD, FIBONACCI, INT32, FakeHub
 from ..work_clock import WorkClock

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from fibws.access.rights import Principal
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Bytes, SendQueue
 from fibws.hub.foxglove import SUBPROTOCOLS
 from fibws.hub.foxglove.assets import AssetFiles
 from fibws.hub.foxglove.session import Foxglove
+from fibws.hub.log.audit import Audit
 from fibws.hub.websocket.endpoint import Opening
 from fibws.protocol.websocket import CloseReason
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.hub.log_text import MOST_DIFFERENT
+from fibws.hub.log.text import MOST_DIFFERENT
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS
 
 from ..fakes import INT32, STRING, FakeHub, talker_and_listener

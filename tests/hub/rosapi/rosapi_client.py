@@ -6,7 +6,7 @@ from itertools import count
 from typing import Any, Literal
 
 from fibws.access.rights import Principal
-from fibws.hub.audit import Audit
+from fibws.hub.log.audit import Audit
 from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.protocol.websocket import CloseReason
 

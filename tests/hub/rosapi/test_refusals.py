@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from fibws.hub.graph.topic import Source
-from fibws.hub.log_text import MAX_CLIENT_LINES, MAX_LINES, MAX_TEXTS, REPEAT_AFTER
+from fibws.hub.log.text import MAX_CLIENT_LINES, MAX_LINES, MAX_TEXTS, REPEAT_AFTER
 
 from ..fakes import NANOSECONDS, Client
 from .rosapi_client import RosapiClient

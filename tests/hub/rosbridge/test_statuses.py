@@ -10,7 +10,7 @@ import pytest
 
 from fibws.errors import InvalidUtf8
 from fibws.hub.delivery.send_queue import Bytes, Flusher, SendQueue
-from fibws.hub.log_text import MOST_DIFFERENT
+from fibws.hub.log.text import MOST_DIFFERENT
 from fibws.hub.rosbridge.statuses import Statuses
 from fibws.protocol.decoding import REQUESTS
 from fibws.protocol.operations import Level

@@ -11,10 +11,10 @@ from conftest import StartHub
 from websockets.asyncio.client import connect
 from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFactory
 
+from fibws.hub.http.requests import response
 from fibws.hub.server import Hub
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.connection import Connection
-from fibws.hub.websocket.http import response
 
 from ..raw_client import (
     PATIENT,

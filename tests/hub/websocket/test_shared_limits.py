@@ -13,9 +13,9 @@ import pytest
 from conftest import StartHub
 
 from fibws.access.token_file import digest_of
-from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, Frame, LargeFrame, SendQueue
-from fibws.hub.memory import Account
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.account import Account
 from fibws.hub.settings import KIB, MIB, Settings
 from fibws.hub.websocket import shared_limits as module
 from fibws.hub.websocket.endpoint import STRANGER_BYTES

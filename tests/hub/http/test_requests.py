@@ -11,8 +11,8 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from fibws.errors import HubError, InvalidName
+from fibws.hub.http.requests import HttpRequests, node_name
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.http import HttpRequests, node_name
 
 PAGE = "<!doctype html><title>ä</title>".encode()
 HERE = "localhost:9090"

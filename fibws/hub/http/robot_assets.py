@@ -28,14 +28,14 @@ from websockets.http11 import Response
 from fibws.access.rights import Principal, Right
 from fibws.errors import AssetRefused
 from fibws.hub.access.authentication import Authentication
-from fibws.hub.audit import Audit
-from fibws.hub.byte_room import ByteRoom, Reservation
-from fibws.hub.file_route import FileRoute
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
+from fibws.hub.http.file_route import FileRoute
+from fibws.hub.http.requests import Get, HttpRequests, accepts, response
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.byte_room import ByteRoom, Reservation
 from fibws.hub.package_folders import MANIFEST, PackageFolders, name_of
 from fibws.hub.settings import MIB
-from fibws.hub.websocket.http import Get, HttpRequests, accepts, response
 from fibws.hub.worker_threads import WorkerThreads
 
 DESCRIPTION = "/robot_description"

@@ -10,8 +10,8 @@ import pytest
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from fibws.hub.http.requests import BUILT, HttpRequests, read_files
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.http import BUILT, HttpRequests, read_files
 
 INDEX = "<!doctype html><title>ä</title>".encode()
 SCRIPT = b"console.log('I heard 8');\n" * 100

@@ -21,11 +21,8 @@ from websockets.http11 import Response
 
 from fibws.access.rights import Principal
 from fibws.hub.access.authentication import Authentication
-from fibws.hub.audit import Audit
-from fibws.hub.byte_room import ByteRoom, Reservation
-from fibws.hub.file_route import FileRefused, FileRoute
-from fibws.hub.recording import Recording
-from fibws.hub.websocket.http import (
+from fibws.hub.http.file_route import FileRefused, FileRoute
+from fibws.hub.http.requests import (
     PIECE,
     FileResponse,
     Get,
@@ -33,6 +30,9 @@ from fibws.hub.websocket.http import (
     response,
     text_response,
 )
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.byte_room import ByteRoom, Reservation
+from fibws.hub.recording import Recording
 from fibws.hub.worker_threads import WorkerThreads
 
 HELD = 2 * PIECE

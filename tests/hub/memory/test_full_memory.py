@@ -16,7 +16,8 @@ from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.endpoint import STRANGER_BYTES
 from fibws.protocol.websocket import BINARY, client_header
 
-from .raw_client import (
+from ..http.test_robot_assets import URDF, write
+from ..raw_client import (
     TEXT,
     Client,
     Gone,
@@ -28,8 +29,7 @@ from .raw_client import (
     publish,
     until,
 )
-from .test_robot_assets import URDF, write
-from .token_clients import entry
+from ..token_clients import entry
 
 LIMIT = 16 * MIB
 STRING = "std_msgs/String"

@@ -14,7 +14,7 @@ from websockets.datastructures import Headers
 
 from fibws.errors import HubError
 from fibws.hub import Settings
-from fibws.hub.websocket.proxies import FOR, HOST, PROTO, TrustedProxies, is_secure
+from fibws.hub.http.proxies import FOR, HOST, PROTO, TrustedProxies, is_secure
 
 from ..raw_client import dialled
 

@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, get_args
 
-from fibws.hub.log_text import LineLimit, printable
+from fibws.hub.log.text import LineLimit, printable
 
 logger = logging.getLogger("fibws.hub.audit")
 

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from types import TracebackType
 from typing import Any
 
-from fibws.hub.log_text import printable, shortened
+from fibws.hub.log.text import printable, shortened
 
 logger = logging.getLogger("fibws.hub")
 

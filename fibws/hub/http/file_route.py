@@ -12,9 +12,9 @@ from websockets.http11 import Response
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError
 from fibws.hub.access.authentication import Authentication
-from fibws.hub.audit import Audit
-from fibws.hub.byte_room import ByteRoom, Reservation
-from fibws.hub.websocket.http import DeferredResponse, Get, HttpRequests
+from fibws.hub.http.requests import DeferredResponse, Get, HttpRequests
+from fibws.hub.log.audit import Audit
+from fibws.hub.memory.byte_room import ByteRoom, Reservation
 from fibws.hub.worker_threads import WorkerThreads
 
 

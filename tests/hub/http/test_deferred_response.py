@@ -9,7 +9,7 @@ from typing import TypeAlias
 import pytest
 from websockets.datastructures import Headers
 
-from fibws.hub.websocket.http import DeferredResponse, FileResponse
+from fibws.hub.http.requests import DeferredResponse, FileResponse
 
 Work: TypeAlias = Callable[[], object]
 

@@ -13,11 +13,11 @@ import pytest
 from conftest import StartHub
 
 from fibws.access.token_file import digest_of
-from fibws.hub.audit import Audit, Identity
-from fibws.hub.log_text import MAX_LINES, REPEAT_AFTER
+from fibws.hub.log.audit import Audit, Identity
+from fibws.hub.log.text import MAX_LINES, REPEAT_AFTER
 from fibws.hub.server import Hub
 
-from .raw_client import Client, connected, dialled, handshake
+from ..raw_client import Client, connected, dialled, handshake
 
 GUEST = Identity("guest", "10.0.0.7")
 

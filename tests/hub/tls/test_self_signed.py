@@ -29,8 +29,8 @@ import fibws
 from fibws.errors import HubError
 from fibws.hub import Settings
 from fibws.hub.announcement import announcement
-from fibws.hub.websocket import self_signed
-from fibws.hub.websocket.self_signed import Files, ensure_certificate
+from fibws.hub.tls import self_signed
+from fibws.hub.tls.self_signed import Files, ensure_certificate
 
 LAN = "192.168.1.20"
 

@@ -14,9 +14,9 @@ from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile, digest_of
 from fibws.hub.access.authentication import MOST_WRONG, Authentication
 from fibws.hub.access.sessions import LIFETIME
+from fibws.hub.http.login import LoginRoutes
+from fibws.hub.http.requests import HttpRequests
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.http import HttpRequests
-from fibws.hub.websocket.login import LoginRoutes
 
 HOST = "localhost:9090"
 

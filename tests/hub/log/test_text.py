@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.hub.log_text import LONGEST_TEXT, is_power_of_ten, printable, shortened
+from fibws.hub.log.text import LONGEST_TEXT, is_power_of_ten, printable, shortened
 
 
 def test_powers_of_ten_are_logged() -> None:

@@ -9,8 +9,8 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from fibws.errors import HubError
+from fibws.hub.http.requests import HttpRequests
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.http import HttpRequests
 from fibws.origins import AllowedOrigins, Origin, OwnHosts
 
 HERE = "localhost:9090"

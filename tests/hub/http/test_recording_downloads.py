@@ -13,13 +13,13 @@ from conftest import StartHub
 from patience import PATIENCE
 
 from fibws.bags import open_reader
-from fibws.hub.recording_downloads import HELD
+from fibws.hub.http.recording_downloads import HELD
+from fibws.hub.http.requests import PIECE
 from fibws.hub.server import Hub
-from fibws.hub.websocket.http import PIECE
 
-from .raw_client import Gone, dialled, longest_turn
+from ..raw_client import Gone, dialled, longest_turn
+from ..token_clients import entry
 from .test_robot_assets import get
-from .token_clients import entry
 
 
 async def record(hub: Hub) -> Path:

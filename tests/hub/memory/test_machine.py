@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.hub.machine_memory import available_memory
+from fibws.hub.memory.machine import available_memory
 
 MACHINE = available_memory(Path("/no/such/folder"))
 MIB = 2**20

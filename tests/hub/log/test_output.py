@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from fibws.hub.audit import Audit
-from fibws.hub.log_output import JsonFormatter, TextFormatter
-from fibws.hub.log_text import LONGEST_TEXT
+from fibws.hub.log.audit import Audit
+from fibws.hub.log.output import JsonFormatter, TextFormatter
+from fibws.hub.log.text import LONGEST_TEXT
 
 
 def formatted(**attributes: Any) -> dict[str, Any]:
@@ -118,7 +118,7 @@ def test_audit_event_is_an_object_with_its_fields(caplog: pytest.LogCaptureFixtu
 def test_all_that_python_reports_is_json(fault: str) -> None:
     program = f"""
 import asyncio, threading, warnings
-from fibws.hub import log_output
+from fibws.hub.log import output as log_output
 async def leave_a_fault():
     asyncio.get_running_loop().call_soon(lambda: 1 / 0)
     await asyncio.sleep(0)

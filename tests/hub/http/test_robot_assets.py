@@ -13,14 +13,14 @@ import pytest
 from conftest import StartHub
 
 from fibws.errors import AssetRefused
-from fibws.hub import robot_assets
 from fibws.hub.graph.graph import Graph
-from fibws.hub.robot_assets import CONTENT_TYPES, RobotAssets
+from fibws.hub.http import robot_assets
+from fibws.hub.http.robot_assets import CONTENT_TYPES, RobotAssets
 from fibws.hub.server import Hub
 from fibws.interfaces import Interfaces
 
-from .raw_client import dialled, longest_turn
-from .token_clients import entry
+from ..raw_client import dialled, longest_turn
+from ..token_clients import entry
 
 Answer: TypeAlias = tuple[int, dict[str, str], bytes]
 URDF = '<robot name="r"><mesh filename="package://arm/meshes/a.stl"/></robot>'

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from fibws.hub.memory import RESERVED, Account, Bound, Holding, Part
+from fibws.hub.memory.account import RESERVED, Account, Bound, Holding, Part
 from fibws.protocol.websocket import CloseReason
 
 LIMIT = 16_000

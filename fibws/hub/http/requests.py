@@ -30,8 +30,8 @@ from websockets.http11 import Request, Response
 from fibws import names
 from fibws.errors import InvalidName
 from fibws.hub.access.authentication import Certificate
+from fibws.hub.http.proxies import PROTO, is_secure
 from fibws.hub.settings import KIB, Settings
-from fibws.hub.websocket.proxies import PROTO, is_secure
 from fibws.origins import AllowedOrigins, Origin, OwnHosts, origin_of_url
 
 logger = logging.getLogger("fibws.hub")

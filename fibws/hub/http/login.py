@@ -21,8 +21,8 @@ from websockets.http11 import Response
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, TooManyAttempts
 from fibws.hub.access.authentication import COOKIE, Authentication
-from fibws.hub.websocket.http import Get, HttpRequests, response, text_response
-from fibws.hub.websocket.proxies import is_secure
+from fibws.hub.http.proxies import is_secure
+from fibws.hub.http.requests import Get, HttpRequests, response, text_response
 from fibws.origins import origin_of_url
 
 ATTRIBUTES = "HttpOnly; SameSite=Strict"

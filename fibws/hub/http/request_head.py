@@ -11,8 +11,8 @@ from websockets.server import ServerProtocol
 from websockets.streams import StreamReader
 from websockets.typing import LoggerLike
 
+from fibws.hub.http.requests import text_response
 from fibws.hub.websocket.endpoint import Endpoints
-from fibws.hub.websocket.http import text_response
 
 SUBPROTOCOL = "Sec-WebSocket-Protocol"
 

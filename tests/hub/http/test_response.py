@@ -8,7 +8,7 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from fibws.hub.websocket.http import response, text_response
+from fibws.hub.http.requests import response, text_response
 
 
 @pytest.mark.parametrize(

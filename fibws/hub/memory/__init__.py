@@ -1,0 +1,1 @@
+"""The bytes that the hub holds for clients, and their bound."""

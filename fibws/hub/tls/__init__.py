@@ -1,0 +1,1 @@
+"""TLS: the hub's certificate, also one that it makes itself."""
