@@ -23,7 +23,7 @@ from bench.report import Report
 from bench.servers import Server, running
 from fibws.hub import Settings
 from fibws.hub.federation.connections import Join
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, String, UInt8MultiArray
 
@@ -403,7 +403,7 @@ async def _join_robots(number: int, cloud: str, results: Connection) -> None:
         viewer = await stack.enter_async_context(fibws.Node("viewer", hub=cloud, rosout=False))
         names = [f"robot{n}" for n in range(number)]
         hubs = {
-            name: await stack.enter_async_context(Hub(Settings(port=0, hub_name=name)))
+            name: await stack.enter_async_context(HubServer(Settings(port=0, hub_name=name)))
             for name in names
         }
         for hub in hubs.values():
@@ -441,9 +441,9 @@ async def _growth(number: int) -> dict[str, float]:
         gc.collect()
         before = _rss()
         settings = Settings(port=0)
-        middle = await stack.enter_async_context(Hub(settings))
+        middle = await stack.enter_async_context(HubServer(settings))
         others = [
-            await stack.enter_async_context(Hub(Settings(port=0, join=(middle.url,))))
+            await stack.enter_async_context(HubServer(Settings(port=0, join=(middle.url,))))
             for _ in range(number - 1)
         ]
         hubs = [middle, *others]
@@ -463,7 +463,7 @@ async def _growth(number: int) -> dict[str, float]:
         return {"memory": _rss() - before, "bytes": sent, "seconds": seconds, "cpu": cpu}
 
 
-def _topics(hub: Hub) -> int:
+def _topics(hub: HubServer) -> int:
     return sum(name.startswith("/topic_") for name in hub.graph.topics)
 
 

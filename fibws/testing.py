@@ -23,7 +23,7 @@ import pytest_asyncio
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 M = TypeVar("M", bound=fibws.Message)
 T = TypeVar("T")
@@ -108,7 +108,7 @@ class HubThread:
 
     async def _serve(self) -> None:
         self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
-        async with Hub(self._settings) as hub:
+        async with HubServer(self._settings) as hub:
             self._settings = dataclasses.replace(self._settings, port=hub.port)
             self.url = hub.url
             self.master_uri = hub.ros1.uri if hub.ros1 is not None else ""

@@ -21,7 +21,7 @@ from recorded_answers import answer_files as answer_files
 from recorded_answers import answers as answers
 
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 # On a busy machine an example may take long, and so may generating it.
 _PATIENT: dict[str, Any] = {
@@ -40,7 +40,7 @@ settings.register_profile(
 settings.load_profile("landing")
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
-StartHub = Callable[..., Awaitable[Hub]]
+StartHub = Callable[..., Awaitable[HubServer]]
 UVLOOP: LoopFactory | None
 try:
     from uvloop import new_event_loop as UVLOOP
@@ -181,11 +181,11 @@ def patience(monkeypatch: pytest.MonkeyPatch) -> None:
 async def start_hub(monkeypatch: pytest.MonkeyPatch, faults: Faults) -> AsyncIterator[StartHub]:
     """Starts hubs with the settings that a test wants; afterwards they must have forgotten all."""
     monkeypatch.setattr("fibws.hub.server.SWEEP_INTERVAL", SWEEP_INTERVAL)
-    hubs: list[Hub] = []
+    hubs: list[HubServer] = []
     async with AsyncExitStack() as stack:
 
-        async def start(**settings: Any) -> Hub:
-            hub = await stack.enter_async_context(Hub(Settings(**{**SETTINGS, **settings})))
+        async def start(**settings: Any) -> HubServer:
+            hub = await stack.enter_async_context(HubServer(Settings(**{**SETTINGS, **settings})))
             hubs.append(hub)
             return hub
 
@@ -198,6 +198,6 @@ async def start_hub(monkeypatch: pytest.MonkeyPatch, faults: Faults) -> AsyncIte
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub) -> Hub:
+async def hub(start_hub: StartHub) -> HubServer:
     """A hub with the ordinary settings on a free port."""
     return await start_hub()

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import asyncio
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
-async def reloaded(hub: Hub) -> list[str]:
+async def reloaded(hub: HubServer) -> list[str]:
     """Reload, wait until all clients have lost what they may not do any more; return what changed.
 
     Raises:

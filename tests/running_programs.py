@@ -14,7 +14,7 @@ import pytest
 from patience import PATIENCE
 
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 ROOT = Path(__file__).parents[1]
 
@@ -91,6 +91,6 @@ async def start() -> AsyncIterator[Start]:
 
 
 @pytest.fixture
-async def hub() -> AsyncIterator[Hub]:
-    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+async def hub() -> AsyncIterator[HubServer]:
+    async with HubServer(Settings(port=0, close_timeout=0.1)) as hub:
         yield hub

@@ -35,7 +35,7 @@ from fibws.access.token_file import digest_of
 from fibws.hub import Settings
 from fibws.hub.__main__ import environment_settings
 from fibws.hub.ros1.server import default_state_file
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.tls import self_signed
 from fibws.protocol.websocket import LIMITED, UNAUTHENTICATED
 
@@ -458,7 +458,7 @@ class TestPrometheus:
         assert hub.audit.refusals["authentication"] == 0
 
 
-def families(hub: Hub) -> list[list[str]]:
+def families(hub: HubServer) -> list[list[str]]:
     """Return the names of all samples of a hub, also of those that have no values yet."""
     response = hub._requests.respond(Request("/metrics", Headers()), "127.0.0.1")
     assert response is not None
@@ -572,7 +572,7 @@ class TestKubernetes:
         assert backend["name"] == service["metadata"]["name"]
         assert backend["port"]["name"] == port["name"]
 
-    async def test_hub_answers_the_probes(self, hub: Hub) -> None:
+    async def test_hub_answers_the_probes(self, hub: HubServer) -> None:
         for name in ("startupProbe", "livenessProbe", "readinessProbe"):
             probe = self.container[name]["httpGet"]
             assert probe["port"] == self.container["ports"][0]["name"]

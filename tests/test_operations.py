@@ -28,7 +28,7 @@ from websockets.exceptions import InvalidStatus
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "operations.md").read_text("utf-8")
@@ -76,7 +76,7 @@ def replaced(text: str, old: str, new: str) -> str:
 
 
 @asynccontextmanager
-async def nginx(folder: Path, hub: Hub, place: Place, files: tuple[Path, Path]) -> Proxy:
+async def nginx(folder: Path, hub: HubServer, place: Place, files: tuple[Path, Path]) -> Proxy:
     """Run nginx with the page's configuration, except for its addresses and files."""
     address = proxy_address()
     server = replaced(blocks("nginx")[place.number], "listen 443", f"listen {address}:{PORT}")
@@ -101,7 +101,7 @@ async def nginx(folder: Path, hub: Hub, place: Place, files: tuple[Path, Path]) 
 
 
 @asynccontextmanager
-async def caddy(folder: Path, hub: Hub, place: Place, files: tuple[Path, Path]) -> Proxy:
+async def caddy(folder: Path, hub: HubServer, place: Place, files: tuple[Path, Path]) -> Proxy:
     """Run Caddy with the page's configuration, except for its addresses and certificate."""
     address = proxy_address()
     pem, key = files
@@ -163,7 +163,7 @@ async def test_page_and_its_websocket_work_through_a_proxy(
     trusted = authority.client()
     files = authority.issue(place.host)
     settings = Settings(port=0, trusted_proxy=("127.0.0.1",), url_path=place.path)
-    async with Hub(settings) as hub, proxy(tmp_path, hub, place, files) as address:
+    async with HubServer(settings) as hub, proxy(tmp_path, hub, place, files) as address:
 
         async def get(path: str) -> bytes:
             reader, writer = await asyncio.open_connection(

@@ -27,7 +27,7 @@ from fibws.cli.commands import command as fibws_command
 from fibws.cli.hub import HubCommands
 from fibws.command_names import ALIASES
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import flag_of
 from fibws.msg.geometry_msgs import TransformStamped, Twist
 from fibws.msg.std_msgs import Float64, Header, String
@@ -53,7 +53,7 @@ DEFINITION = re.search(r"`(fibonacci/msg/Fibonacci\.msg)`:\n\n```text\n(.*?)```"
 # The programs.
 
 
-async def start(program: str, hub: Hub, folder: Path) -> asyncio.subprocess.Process:
+async def start(program: str, hub: HubServer, folder: Path) -> asyncio.subprocess.Process:
     return await asyncio.create_subprocess_exec(
         sys.executable,
         "-c",
@@ -81,7 +81,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 async def test_tracker_logs_where_the_robot_is(folder: Path) -> None:
-    async with Hub(Settings(port=0)) as hub, fibws.Node("robot", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("robot", hub=hub.url) as node:
         tf = await node.advertise("/tf", TFMessage, latch=True)
         base = TransformStamped(Header(stamp=fibws.Time(7), frame_id="map"), "base_link")
         base.transform.translation.x, base.transform.rotation.w = 1.5, 1.0
@@ -97,7 +97,7 @@ async def test_tracker_logs_where_the_robot_is(folder: Path) -> None:
 
 async def test_listener_receives_what_talker_publishes(folder: Path) -> None:
     talker, listener = PROGRAMS["talker"], PROGRAMS["listener"]
-    async with Hub(Settings(port=0)) as hub:
+    async with HubServer(Settings(port=0)) as hub:
         processes = [await start(talker, hub, folder), await start(listener, hub, folder)]
         try:
             assert "I heard hello world" in await line_with("I heard", processes[1])
@@ -118,7 +118,7 @@ async def test_listener_receives_what_talker_publishes(folder: Path) -> None:
 async def test_node_that_calls_itself_prints_the_results(
     node: str, lines: list[str], folder: Path
 ) -> None:
-    async with Hub(Settings(port=0)) as hub:
+    async with HubServer(Settings(port=0)) as hub:
         process = await start(PROGRAMS[node], hub, folder)
         for line in lines:
             await line_with(line, process)
@@ -126,7 +126,7 @@ async def test_node_that_calls_itself_prints_the_results(
 
 
 async def test_filter_publishes_what_it_makes_of_messages(folder: Path) -> None:
-    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
         rough = await node.advertise("rough", Float64, latch=True)
         await rough.publish(8.0)
         process = await start(PROGRAMS["smoother"], hub, folder)
@@ -139,7 +139,7 @@ async def test_filter_publishes_what_it_makes_of_messages(folder: Path) -> None:
 
 
 async def test_several_nodes_run_in_one_process(folder: Path) -> None:
-    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
         process = await start(PROGRAMS["sum"], hub, folder)
         try:
             await line_with("total: ", process)
@@ -150,7 +150,7 @@ async def test_several_nodes_run_in_one_process(folder: Path) -> None:
 
 
 async def test_node_cleans_up_when_it_is_stopped(folder: Path) -> None:
-    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
         speeds = node.subscribe("cmd_vel", Twist)
         process = await start(PROGRAMS["driver"], hub, folder)
         assert (await anext(speeds)).linear.x == 0.2
@@ -163,7 +163,7 @@ async def test_node_cleans_up_when_it_is_stopped(folder: Path) -> None:
 
 
 async def test_hub_stops_the_robot_of_a_program_that_cannot(folder: Path) -> None:
-    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
         speeds = node.subscribe("cmd_vel", Twist)
         process = await start(PROGRAMS["careful_driver"], hub, folder)
         assert (await anext(speeds)).linear.x == 0.2
@@ -175,7 +175,7 @@ async def test_hub_stops_the_robot_of_a_program_that_cannot(folder: Path) -> Non
 
 
 async def test_program_with_a_hub_of_its_own(folder: Path) -> None:
-    async with Hub(Settings(port=0)) as other:
+    async with HubServer(Settings(port=0)) as other:
         process = await start(PROGRAMS["robot"], other, folder)
         url = (await line_with("can connect to", process)).split()[-1]
         assert url != other.url
@@ -194,7 +194,7 @@ def test_all_programs_are_tested() -> None:
 
 
 async def test_hub_and_node_use_a_definition_of_the_users_own(folder: Path) -> None:
-    async with Hub(Settings(port=0, interfaces=(folder,))) as hub:
+    async with HubServer(Settings(port=0, interfaces=(folder,))) as hub:
         process = await start(PROGRAMS["indexed_broadcaster"], hub, folder)
         try:
             await line_with("F(10) = 55", process)

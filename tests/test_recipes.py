@@ -14,7 +14,7 @@ import yaml
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 
 ROOT = Path(__file__).parents[1]
@@ -46,7 +46,7 @@ async def test_node_in_a_fastapi_application(monkeypatch: pytest.MonkeyPatch) ->
     async def receive() -> dict[str, Any]:
         return {"type": "http.request", "body": b"", "more_body": False}
 
-    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
         monkeypatch.setenv("FIBWS_HUB", hub.url)
         app = names_of(block("FastAPI", "python"))["app"]
         async with app.router.lifespan_context(app):
@@ -58,7 +58,7 @@ async def test_node_in_a_fastapi_application(monkeypatch: pytest.MonkeyPatch) ->
 
 async def test_node_in_an_aiohttp_application(monkeypatch: pytest.MonkeyPatch) -> None:
     web = pytest.importorskip("aiohttp.web")
-    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
         monkeypatch.setenv("FIBWS_HUB", hub.url)
         runner = web.AppRunner(names_of(block("aiohttp", "python"))["app"])
         await runner.setup()

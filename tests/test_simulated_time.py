@@ -24,7 +24,7 @@ from fibws.bag_recorder import RecordingOptions
 from fibws.bags import open_reader, open_writer
 from fibws.cli.bag.record import RecordingNode, Topics
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.interfaces import Interfaces
 from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.rosgraph_msgs import Clock
@@ -58,7 +58,7 @@ each_case = pytest.mark.parametrize("case", CASES)
 class World:
     """Publishes /clock, and beside it everything with stamps of this time."""
 
-    def __init__(self, hub: Hub, case: str) -> None:
+    def __init__(self, hub: HubServer, case: str) -> None:
         self.hub = hub
         self.times = CASES[case]
         self.now = 0.0
@@ -131,7 +131,7 @@ def pose(x: float) -> Transform:
 @pytest.fixture
 async def world(case: str, tmp_path: Path) -> AsyncIterator[World]:
     settings = Settings(port=0, close_timeout=0.1, record=tmp_path / "hub", record_min_space=0)
-    async with Hub(settings) as hub, World(hub, case).running() as world:
+    async with HubServer(settings) as hub, World(hub, case).running() as world:
         yield world
 
 

@@ -29,7 +29,7 @@ from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
 from fibws.cli.commands import command
 from fibws.client.hub_client import HubClient
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 
 VARIABLES = (tls.CA, tls.CLIENT_CERT, tls.CLIENT_KEY, "SSL_CERT_FILE")
@@ -42,25 +42,25 @@ def environment(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub, authority: Authority) -> Hub:
+async def hub(start_hub: StartHub, authority: Authority) -> HubServer:
     """A hub with TLS, which lets everybody in."""
     certificate, key = authority.issue()
     return await start_hub(cert=certificate, key=key)
 
 
 @pytest.fixture
-async def closed_hub(start_hub: StartHub, authority: Authority) -> Hub:
+async def closed_hub(start_hub: StartHub, authority: Authority) -> HubServer:
     """A hub with TLS, which lets in clients with certificates of its authority."""
     certificate, key = authority.issue()
     return await start_hub(cert=certificate, key=key, client_ca=authority.file)
 
 
-def names(hub: Hub) -> set[str | None]:
+def names(hub: HubServer) -> set[str | None]:
     """Return the common names of the certificates of all clients."""
     return {each.certificate and each.certificate.name for each in hub._connections}
 
 
-async def tool(url: str, hub: Hub | None = None) -> set[str | None]:
+async def tool(url: str, hub: HubServer | None = None) -> set[str | None]:
     """Connect as a tool; return the names in the clients' certificates meanwhile."""
 
     def run() -> set[str | None]:
@@ -71,7 +71,7 @@ async def tool(url: str, hub: Hub | None = None) -> set[str | None]:
     return await asyncio.to_thread(run)
 
 
-async def node(url: str, hub: Hub | None = None) -> set[str | None]:
+async def node(url: str, hub: HubServer | None = None) -> set[str | None]:
     """Connect as a node; return the names in the clients' certificates meanwhile."""
     async with fibws.Node("test", hub=url) as node:
         await node.graph.nodes()
@@ -94,7 +94,7 @@ async def why(program: Program, url: str) -> str:
 async def test_variable_names_trusted_certificates(
     program: Program,
     variable: str,
-    hub: Hub,
+    hub: HubServer,
     authority: Authority,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -103,7 +103,7 @@ async def test_variable_names_trusted_certificates(
 
 
 async def test_node_takes_its_certificates_as_arguments(
-    closed_hub: Hub, authority: Authority
+    closed_hub: HubServer, authority: Authority
 ) -> None:
     cert, key = authority.issue(common_name="arm", file="arm")
     async with fibws.Node(
@@ -116,7 +116,7 @@ async def test_node_takes_its_certificates_as_arguments(
 
 
 async def test_options_of_a_command_name_its_certificates(
-    closed_hub: Hub, authority: Authority
+    closed_hub: HubServer, authority: Authority
 ) -> None:
     cert, key = authority.issue(common_name="arm", file="arm")
     both = authority.file.with_name("both.pem")
@@ -134,7 +134,7 @@ async def test_options_of_a_command_name_its_certificates(
 
 @EITHER
 async def test_client_certificate_is_presented(
-    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    program: Program, closed_hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cert, key = authority.issue(common_name="arm", file="arm")
     monkeypatch.setenv(tls.CA, str(authority.file))
@@ -144,7 +144,7 @@ async def test_client_certificate_is_presented(
 
 
 @EITHER
-async def test_unknown_issuer_is_explained(program: Program, hub: Hub) -> None:
+async def test_unknown_issuer_is_explained(program: Program, hub: HubServer) -> None:
     text = await why(program, hub.url)
     assert tls.CA in text
     assert "--ca" in text
@@ -152,7 +152,7 @@ async def test_unknown_issuer_is_explained(program: Program, hub: Hub) -> None:
 
 @EITHER
 async def test_other_name_is_explained(
-    program: Program, hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    program: Program, hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(tls.CA, str(authority.file))
     url = hub.url
@@ -163,7 +163,7 @@ async def test_other_name_is_explained(
 
 @EITHER
 async def test_expired_certificate_is_explained(
-    program: Program, hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    program: Program, hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(tls.CA, str(authority.file))
     authority.issue(expires=datetime.now(UTC) - timedelta(days=1))
@@ -184,7 +184,7 @@ async def test_hub_without_tls_is_explained(start_hub: StartHub) -> None:
 
 
 async def test_redirect_to_a_hub_with_tls_is_followed(
-    hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(tls.CA, str(authority.file))
     with redirecting_server(hub.url.replace("wss:", "https:")) as url:
@@ -192,7 +192,7 @@ async def test_redirect_to_a_hub_with_tls_is_followed(
 
 
 @EITHER
-async def test_hub_with_tls_is_explained(program: Program, hub: Hub) -> None:
+async def test_hub_with_tls_is_explained(program: Program, hub: HubServer) -> None:
     assert "wss://" in await why(program, hub.url.replace("wss:", "ws:"))
 
 
@@ -205,7 +205,7 @@ async def test_refused_client_certificate_is_explained(
     program: Program,
     fault: str,
     reason: str,
-    closed_hub: Hub,
+    closed_hub: HubServer,
     authority: Authority,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -239,7 +239,7 @@ def use_client_certificate(
 
 @EITHER
 async def test_client_certificate_without_its_key_is_explained(
-    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    program: Program, closed_hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     certificate, _ = authority.issue(common_name="arm", file="arm")
     use_client_certificate(monkeypatch, authority, certificate, None)
@@ -249,7 +249,7 @@ async def test_client_certificate_without_its_key_is_explained(
 
 @EITHER
 async def test_key_of_another_certificate_is_explained(
-    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    program: Program, closed_hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     certificate, _ = authority.issue(common_name="arm", file="arm")
     _, other = authority.issue(common_name="arm", file="other")
@@ -275,7 +275,7 @@ def rsa_key(file: Path) -> Path:
 
 @EITHER
 async def test_key_with_a_password_is_refused_without_a_question(
-    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    program: Program, closed_hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     certificate, key = authority.issue(common_name="arm", file="arm")
     add_password(key)
@@ -291,7 +291,7 @@ async def test_file_that_cannot_be_used_is_named(
     program: Program,
     variable: str,
     content: str | None,
-    hub: Hub,
+    hub: HubServer,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -342,7 +342,9 @@ ros.on("connection", () => ros.getTopics((found) => {
 """
 
 
-async def hears_the_talker(hub: Hub, authority: Authority, *command: str, **variables: str) -> None:
+async def hears_the_talker(
+    hub: HubServer, authority: Authority, *command: str, **variables: str
+) -> None:
     """Run a program whose node says hello on /chatter."""
     process = await asyncio.create_subprocess_exec(*command, env={**os.environ, **variables})
     try:
@@ -355,7 +357,7 @@ async def hears_the_talker(hub: Hub, authority: Authority, *command: str, **vari
 
 
 async def test_rospy_script_connects_with_tls(
-    hub: Hub, authority: Authority, tmp_path: Path
+    hub: HubServer, authority: Authority, tmp_path: Path
 ) -> None:
     script = tmp_path / "talker.py"
     script.write_text(ROSPY)
@@ -366,7 +368,7 @@ async def test_rospy_script_connects_with_tls(
 
 @pytest.mark.long
 async def test_launched_nodes_have_the_certificates_of_an_option(
-    hub: Hub, authority: Authority, tmp_path: Path
+    hub: HubServer, authority: Authority, tmp_path: Path
 ) -> None:
     package = tmp_path / "src" / "robot"
     (package / "scripts").mkdir(parents=True)
@@ -395,13 +397,13 @@ async def topics_of(*command: str, folder: Path | None = None, **variables: str)
     return output.decode()
 
 
-async def test_roslibpy_connects_with_tls(hub: Hub, authority: Authority) -> None:
+async def test_roslibpy_connects_with_tls(hub: HubServer, authority: Authority) -> None:
     command = (sys.executable, "-W", "ignore", "-c", ROSLIBPY, hub.url)
     assert "/rosout" in await topics_of(*command, SSL_CERT_FILE=str(authority.file))
 
 
 @pytest.mark.npm
-async def test_roslib_connects_with_tls(hub: Hub, authority: Authority) -> None:
+async def test_roslib_connects_with_tls(hub: HubServer, authority: Authority) -> None:
     folder = Path(__file__).parent / "clients"
     if shutil.which("node") is None or not (folder / "node_modules").exists():
         pytest.skip("needs Node.js and `npm ci` in tests/clients")

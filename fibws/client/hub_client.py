@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Self, TypeAlias
 
 from fibws import hub_address, names
 from fibws.client.rosapi_schemas import RESPONSES, schema_error
-from fibws.client.websocket import Message, WebSocket
+from fibws.client.websocket import ReceivedMessage, WebSocket
 from fibws.credentials import Credentials
 from fibws.errors import (
     AccessDenied,
@@ -294,7 +294,7 @@ class HubClient:
             self._take(self._socket.messages.popleft())
         return is_news
 
-    def _take(self, message: Message) -> None:
+    def _take(self, message: ReceivedMessage) -> None:
         data = message.data
         if message.is_binary and self._socket.serialized:
             self._deliver(data)

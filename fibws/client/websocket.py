@@ -52,7 +52,7 @@ class _Redirect(Exception):
         self.url = url
 
 
-class Message(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A WebSocket message."""
 
     data: bytes | bytearray
@@ -89,7 +89,7 @@ class WebSocket:
         """Bytes that the hub takes in one message."""
         self._has_denied = False
         """Whether `AccessDenied` has been raised."""
-        self.messages: deque[Message] = deque()
+        self.messages: deque[ReceivedMessage] = deque()
         """Received messages; the caller of `read` removes them."""
         self._fragments: list[bytes | bytearray] = []
         self._is_binary = False
@@ -321,7 +321,7 @@ class WebSocket:
         if self._fragments:
             data = b"".join([*self._fragments, data])
             self._fragments = []
-        self.messages.append(Message(data, self._is_binary))
+        self.messages.append(ReceivedMessage(data, self._is_binary))
 
     def _flush(self) -> None:
         """Write what the protocol has queued; empty bytes mean the end of the stream."""

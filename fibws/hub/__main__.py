@@ -25,7 +25,7 @@ from fibws.files import replace_file
 from fibws.hub.announcement import announcement
 from fibws.hub.log import output as log_output
 from fibws.hub.monitoring.service_manager import ServiceManager
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import MIB, Settings, flag_of
 from fibws.suggestions import suggestion
 
@@ -217,7 +217,7 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
     exit_signals = ExitSignals(stop, stop_at_once)
     exit_signals.install(loop)
     _remove(url_file)  # An earlier hub may have been killed.
-    async with Hub(settings) as hub:
+    async with HubServer(settings) as hub:
         manager = ServiceManager(loop, hub._status)
         hub.stop_requested = lambda reason: _stop_for(reason, stop)
         _reload_on_hangup(hub, manager, stop)
@@ -236,7 +236,7 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
             _remove(url_file)
 
 
-def _reload_on_hangup(hub: Hub, manager: ServiceManager, stop: Callable[[int], None]) -> None:
+def _reload_on_hangup(hub: HubServer, manager: ServiceManager, stop: Callable[[int], None]) -> None:
     """Reload the hub's files on SIGHUP; stop it if that came because its terminal was closed."""
     if sys.platform == "win32":
         return  # It has neither the signal nor /dev/tty.
@@ -251,7 +251,7 @@ def _reload_on_hangup(hub: Hub, manager: ServiceManager, stop: Callable[[int], N
     asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, on_hangup)
 
 
-async def _drain(hub: Hub, signals: asyncio.Queue[int]) -> None:
+async def _drain(hub: HubServer, signals: asyncio.Queue[int]) -> None:
     """Let the clients go one after the other, unless another signal comes."""
     draining = asyncio.ensure_future(hub.drain(hub.settings.drain))
     again = asyncio.ensure_future(signals.get())
@@ -263,7 +263,7 @@ async def _drain(hub: Hub, signals: asyncio.Queue[int]) -> None:
         draining.result()
 
 
-def _reload(hub: Hub, manager: ServiceManager) -> None:
+def _reload(hub: HubServer, manager: ServiceManager) -> None:
     what = "certificates, tokens and keys"
 
     def done(changes: list[str]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Self
 
-from fibws.hub.server import Hub as Server
+from fibws.hub.server import HubServer
 from fibws.hub.settings import Settings
 from fibws.public_classes import AsyncContext
 
@@ -34,7 +34,7 @@ class Hub(AsyncContext):
     def __init__(self, settings: Settings | None = None) -> None:
         if not isinstance(settings, Settings | None):
             raise TypeError(f"expected fibws.Settings, such as Settings(port=0), got {settings!r}")
-        self._server = Server(settings)
+        self._server = HubServer(settings)
 
     def __repr__(self) -> str:
         return f"<Hub at {self.url}>"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from fibws.hub.federation.federation import Federation
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.latched import LatchQuota
-from fibws.hub.memory.account import Account, Bound, Holding, Part
+from fibws.hub.memory.account import Account, AccountPart, Bound, Holding
 from fibws.hub.memory.byte_room import ByteRoom
 from fibws.hub.memory.machine import available_memory
 from fibws.hub.settings import Settings
@@ -47,13 +47,13 @@ def count_held(
         files: the room for files on their way to clients.
     """
     graph.latched.on_grow = account.grow
-    account.add("latched", Part(partial(_latched, graph, find_client), is_metered=True))
-    account.add("queues", Part(federation.queued))
-    account.add("incoming", Part(federation.incoming))
-    account.add("hubs", Part(federation.records))
+    account.add("latched", AccountPart(partial(_latched, graph, find_client), is_metered=True))
+    account.add("queues", AccountPart(federation.queued))
+    account.add("incoming", AccountPart(federation.incoming))
+    account.add("hubs", AccountPart(federation.records))
     if ros1 is not None:
-        account.add("queues", Part(ros1.queued))
-        account.add("incoming", Part(ros1.incoming))
+        account.add("queues", AccountPart(ros1.queued))
+        account.add("incoming", AccountPart(ros1.incoming))
     account.add_fixed("files", lambda: files.held, files.size)
     account.add_fixed("parameters", lambda: graph.parameters.bytes, 0)
     account.add_fixed("queues", partial(_ros2_bytes, ros2), 0)

@@ -48,13 +48,13 @@ from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.port_owner import is_hub_at
-from fibws.hub.rosapi.clients import Client
+from fibws.hub.rosapi.clients import ListedClient
 from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
 from fibws.hub.tls.certificate import ServerTls
 from fibws.hub.tls.self_signed import ensure_certificate
-from fibws.hub.websocket.connection import Connection, Shared
+from fibws.hub.websocket.connection import Connection, SharedParts
 from fibws.hub.websocket.endpoint import Endpoints, Work
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.turns import Turns
@@ -92,7 +92,7 @@ ACCEPTED_AT_ONCE = 32
 the whole backlog."""
 
 
-class Hub:
+class HubServer:
     """A hub with all its parts, which `fibws.Hub` does not show.
 
     Args:
@@ -143,7 +143,7 @@ class Hub:
         self._tls: ServerTls | None = None
         self._limits: SharedLimits
         self._own: OwnNodes
-        self._shared: Shared
+        self._shared: SharedParts
         self._sweeper: asyncio.TimerHandle
         self._threads: WorkerThreads
         self._readers: WorkerThreads
@@ -311,7 +311,7 @@ class Hub:
         )
         turns = Turns(loop.call_later, flusher.flush)
         self.graph.finish = turns.finish
-        self._shared = Shared(
+        self._shared = SharedParts(
             settings=self.settings,
             http=requests,
             proxies=TrustedProxies(self.settings.trusted_proxy),
@@ -532,7 +532,7 @@ class Hub:
             return
         nodes = [client for client, _ in self._own.clients]  # The oldest first.
         others = {each for each in self._connections if each.is_open}.difference(nodes)
-        waiting = deque[Client]([*nodes, *others])
+        waiting = deque[ListedClient]([*nodes, *others])
         pieces = max(1, int(min(seconds, len(waiting) / DRAIN_RATE) / DRAIN_INTERVAL))
         size = -(-len(waiting) // pieces)
         logger.info("Draining: closing %d clients.", len(waiting), extra={"event": "draining"})
@@ -786,7 +786,7 @@ class Hub:
 class _Reports:
     """What connections report to their hub."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: HubServer) -> None:
         self._hub = hub
 
     def opened(self, connection: Connection) -> None:

@@ -181,7 +181,7 @@ class _Refusal(NamedTuple):
     revision: int | None
 
 
-class Refusals:
+class RefusedDefinitions:
     """The definitions that one client brought and that were refused: none is read twice.
 
     To read one takes as long as to read one that is kept, and so they have the same limits.
@@ -253,7 +253,7 @@ class ClientDefinitions:
         self._usage: dict[str, Usage] = {}
         """By client."""
         self._usage_of_all = Usage()
-        self._refusals: dict[str, Refusals] = {}
+        self._refusals: dict[str, RefusedDefinitions] = {}
         """By client."""
         self._revision = 0
         """Changes with the definitions that are kept."""
@@ -354,7 +354,7 @@ class ClientDefinitions:
             raise InterfaceError(
                 f"The definition of {name} is too long (limit is {LONGEST_TEXT} characters)"
             )
-        refusals = self._refusals.get(client, Refusals())
+        refusals = self._refusals.get(client, RefusedDefinitions())
         digest = sha256(f"{kind} {name} {text}".encode("utf-8", "surrogatepass")).digest()
         refusals.check(digest, self._revision)
         refusals.check_room(digest, name, text, PER_CLIENT, client or "one client")

@@ -24,7 +24,7 @@ from fibws.interfaces.message import Req, Res
 from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.checks import check_timeout
 from fibws.node.session import OperationHandler, Session, throw
-from fibws.node.types import Types
+from fibws.node.types import NodeTypes
 from fibws.protocol.decoding import quoted
 from fibws.protocol.headers import check_headers
 from fibws.protocol.operations import CallService, Reply, ServiceResponse
@@ -61,7 +61,7 @@ class _Call:
 class Calls(OperationHandler):
     """Calls services, and handles their responses."""
 
-    def __init__(self, session: Session, types: Types) -> None:
+    def __init__(self, session: Session, types: NodeTypes) -> None:
         self._session = session
         self._types = types
         self._waiting: dict[str, _Call] = {}

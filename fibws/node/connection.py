@@ -90,11 +90,11 @@ _ERRNO = re.compile(r"\[Errno (\d+)\]")
 _DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
 
-class _Handshake(ClientHandshake):
+class _NodeHandshake(ClientHandshake):
     """websockets' connection: it does the handshake, and later control frames and fragments.
 
     It is given the bytes of the handshake's response, and none that follow: those are kept until
-    `WebSocket` takes over.
+    `NodeWebSocket` takes over.
     """
 
     def __init__(self, *arguments: Any, **named: Any) -> None:
@@ -103,7 +103,7 @@ class _Handshake(ClientHandshake):
         """The last bytes of a response that is not complete yet."""
         self.rest = b""
         """The bytes that followed the handshake."""
-        self.websocket: WebSocket | None = None
+        self.websocket: NodeWebSocket | None = None
 
     def data_received(self, data: bytes) -> None:
         """Read what the socket gave, up to the end of the handshake's response."""
@@ -136,7 +136,7 @@ class _Handshake(ClientHandshake):
             super().process_event(event)
 
 
-class WebSocket(asyncio.BufferedProtocol):
+class NodeWebSocket(asyncio.BufferedProtocol):
     """A connection after its handshake: reads messages for a session, and writes its frames.
 
     Args:
@@ -144,7 +144,7 @@ class WebSocket(asyncio.BufferedProtocol):
         session: the node's.
     """
 
-    def __init__(self, handshake: _Handshake, session: Session) -> None:
+    def __init__(self, handshake: _NodeHandshake, session: Session) -> None:
         self._handshake = handshake
         self._session = session
         self._transport = handshake.transport
@@ -349,7 +349,7 @@ class WebSocket(asyncio.BufferedProtocol):
             self._parser.give_up()
 
 
-class Connection:
+class HubConnection:
     """Keeps one node connected to its hub until the node ends.
 
     Args:
@@ -452,7 +452,7 @@ class Connection:
         """Connect, and wait until the connection is lost; return whether the hub has no room."""
         try:
             self._token = self._credentials.read()
-            websocket = WebSocket(await self._shake_hands(self._hub), self._session)
+            websocket = NodeWebSocket(await self._shake_hands(self._hub), self._session)
         except InvalidStatus as error:
             if error.response.status_code in _NO_ROOM:
                 self._on_no_room(_status(error))
@@ -475,12 +475,12 @@ class Connection:
         self._on_missing(reason)
         return False
 
-    async def _shake_hands(self, hub: str) -> _Handshake:
+    async def _shake_hands(self, hub: str) -> _NodeHandshake:
         try:
             handshake = await connect(
                 node_url(hub, self._node),
                 ssl=self._tls.context(hub) if hub.startswith("wss:") else None,
-                create_connection=_Handshake,
+                create_connection=_NodeHandshake,
                 # A redirect to TLS leads to another server.
                 additional_headers=credentials.headers(self._token if hub == self._hub else None),
                 logger=credentials.handshake_log(),
@@ -494,7 +494,7 @@ class Connection:
                 # A hub is nearby: the environment's proxy is for the internet.
                 proxy=True if hub.startswith("wss:") else None,
             )
-            assert isinstance(handshake, _Handshake)
+            assert isinstance(handshake, _NodeHandshake)
             return handshake
         except RedirectedToTls as redirect:
             return await self._shake_hands(redirect.url)
@@ -507,7 +507,7 @@ class Connection:
             # ValueError is for odd host names and certificates, SecurityError for redirects.
             raise HubUnreachable(self._hub, _reason(error)) from None
 
-    async def _converse(self, websocket: WebSocket) -> ConnectionClosed | None:
+    async def _converse(self, websocket: NodeWebSocket) -> ConnectionClosed | None:
         """Exchange messages until the connection is lost or the node ends; return why it was."""
         outgoing = self._session.outgoing
         again = self._found.is_set()
@@ -531,7 +531,7 @@ class Connection:
             await asyncio.wait({closed, flushed, accepted})
         return closed.result()
 
-    async def _accept(self, websocket: WebSocket) -> None:
+    async def _accept(self, websocket: NodeWebSocket) -> None:
         """Report the hub once it has accepted the node, then keep the node's token valid."""
         await websocket.accepted()
         if websocket.is_open:
@@ -541,7 +541,7 @@ class Connection:
             except Exception as error:  # Such as a log that cannot be written.
                 self._session.end(error)
 
-    async def _renew_token(self, websocket: WebSocket) -> None:
+    async def _renew_token(self, websocket: NodeWebSocket) -> None:
         """Give the hub the next token from the file before the current one, a JWT, expires."""
         while websocket.has_sent_token:
             pause = self._credentials.next_check(self._token, time.time())
@@ -566,7 +566,7 @@ class Connection:
             self._session.outgoing.release()
         await self._session.outgoing.emptied()
 
-    def _fatal_close(self, websocket: WebSocket, closed: ConnectionClosed) -> NodeError | None:
+    def _fatal_close(self, websocket: NodeWebSocket, closed: ConnectionClosed) -> NodeError | None:
         """Return what ends the node if the hub closed the connection for good."""
         code = closed.rcvd.code if closed.rcvd is not None else None
         reason = closed.rcvd.reason if closed.rcvd is not None else ""

@@ -19,8 +19,8 @@ from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header
 from fibws.node.checks import without_surrogates
 from fibws.node.clock import Clock
-from fibws.node.services import Services
-from fibws.node.topics import Topics
+from fibws.node.services import NodeServices
+from fibws.node.topics import NodeTopics
 from fibws.node.types import MessageCodec
 from fibws.protocol.levels import LEVELS, named, severity, threshold
 from fibws.srv.roscpp import (
@@ -146,7 +146,9 @@ class Rosout(logging.Handler):
         clock: the node's.
     """
 
-    def __init__(self, node: str, topics: Topics, codec: MessageCodec[Log], clock: Clock) -> None:
+    def __init__(
+        self, node: str, topics: NodeTopics, codec: MessageCodec[Log], clock: Clock
+    ) -> None:
         super().__init__()
         self._clock = clock
         self._node = node
@@ -199,7 +201,7 @@ class Loggers:
     """
 
     def __init__(
-        self, log: logging.Logger, services: Services, resolve: Callable[[str], str]
+        self, log: logging.Logger, services: NodeServices, resolve: Callable[[str], str]
     ) -> None:
         self._log = log
         services.serve(resolve("~get_loggers"), GetLoggers, self._get)

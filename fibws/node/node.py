@@ -21,20 +21,20 @@ from fibws.msg.rosgraph_msgs import Log
 from fibws.node.calls import Calls
 from fibws.node.checks import check_queue_size, check_timeout
 from fibws.node.clock import CLOCK_QUEUE, Clock, Rate
-from fibws.node.connection import Connection
+from fibws.node.connection import HubConnection
 from fibws.node.log import Console, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
-from fibws.node.services import Handler, HeaderHandler, Services, ServiceServer
+from fibws.node.services import Handler, HeaderHandler, NodeServices, ServiceServer
 from fibws.node.session import Registration, Session, choose_message_size, throw
 from fibws.node.subscription import Subscription, TakeSerialized, next_message
-from fibws.node.topics import Topics
-from fibws.node.types import ANY_TYPE, Types
+from fibws.node.topics import NodeTopics
+from fibws.node.types import ANY_TYPE, NodeTypes
 from fibws.protocol.headers import check_headers
 from fibws.public_classes import AsyncContext
 from fibws.tls import File, TlsFiles
 
 if TYPE_CHECKING:
-    from fibws.node.actions.actions import Actions, Over
+    from fibws.node.actions.actions import NodeActions, Over
     from fibws.node.actions.client import ActionClient
     from fibws.node.actions.server import ActionServer, Execute
     from fibws.node.graph import Graph
@@ -183,16 +183,16 @@ class Node(AsyncContext):
         self._session = Session(self.log, choose_message_size(max_message_size))
         self._clock = Clock(self._session)
         self._use_sim_time = use_sim_time
-        self._types = Types(self._clock.now)
+        self._types = NodeTypes(self._clock.now)
         self._calls = Calls(self._session, self._types)
-        self._services = Services(self._session, self._types)
-        self._topics = Topics(self._session)
+        self._services = NodeServices(self._session, self._types)
+        self._topics = NodeTopics(self._session)
         self._rosout: Rosout | None = None
         if rosout:
             self._rosout = Rosout(self.name, self._topics, self._types.codec(Log), self._clock)
         self._loggers = Loggers(self.log, self._services, self.resolve)
         tls = TlsFiles.choose(ca, client_cert, client_key)
-        self._connection = Connection(
+        self._connection = HubConnection(
             self._hub, self.name, self._session, self.log, tls, credentials
         )
 
@@ -595,10 +595,10 @@ class Node(AsyncContext):
         return self._actions.client(self._used(name), self._types.action_class(type), over=over)
 
     @cached_property
-    def _actions(self) -> Actions:
-        from fibws.node.actions.actions import Actions  # Takes time to load; few nodes need it.
+    def _actions(self) -> NodeActions:
+        from fibws.node.actions.actions import NodeActions  # Takes time to load; few nodes need it.
 
-        return Actions(
+        return NodeActions(
             self.name,
             self._session,
             self._topics,

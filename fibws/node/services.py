@@ -20,7 +20,7 @@ from fibws.interfaces.message import Req, Res
 from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.checks import described, without_surrogates
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
-from fibws.node.types import ServiceType, Types
+from fibws.node.types import NodeServiceType, NodeTypes
 from fibws.protocol.operations import (
     AdvertiseService,
     CallService,
@@ -65,7 +65,7 @@ class ServiceServer(Registration, Generic[Req, Res]):
         self,
         session: Session,
         operation: AdvertiseService,
-        type_: ServiceType[Req, Res],
+        type_: NodeServiceType[Req, Res],
         handler: Handler[Req, Res] | HeaderHandler[Req, Res],
         withdraw: Callable[[ServiceServer[Any, Any]], None],
     ) -> None:
@@ -213,10 +213,10 @@ class ServiceServer(Registration, Generic[Req, Res]):
             self._session.send(response.model_copy(update={"values": str(error), "result": False}))
 
 
-class Services(OperationHandler):
+class NodeServices(OperationHandler):
     """Handles the operations of the services that the node provides."""
 
-    def __init__(self, session: Session, types: Types) -> None:
+    def __init__(self, session: Session, types: NodeTypes) -> None:
         self._session = session
         self._types = types
         self._servers: dict[str, ServiceServer[Any, Any]] = {}

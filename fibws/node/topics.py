@@ -38,7 +38,7 @@ RECORDED_QUEUE = 1_000_000
 """That of a subscription whose messages are recorded: the bytes alone bound it."""
 
 
-class Topics(OperationHandler):
+class NodeTopics(OperationHandler):
     """Handles the operations and the messages of topics."""
 
     def __init__(self, session: Session) -> None:

@@ -229,7 +229,7 @@ class SerializedCodec(MessageCodec[Any]):
             raise InvalidMessage(f"cannot be sent as JSON: {error}") from None
 
 
-class ServiceType(Generic[Req, Res]):
+class NodeServiceType(Generic[Req, Res]):
     """One service type: the codecs of its requests and responses.
 
     Args:
@@ -283,14 +283,14 @@ class ServiceType(Generic[Req, Res]):
             raise InvalidMessage(f"handler returned invalid value: {error}") from None
 
 
-class ActionType(Generic[G, R, F]):
+class NodeActionType(Generic[G, R, F]):
     """One action type: the codecs of its goals, results and feedback.
 
     Raises:
         InterfaceError: the type is unknown.
     """
 
-    def __init__(self, types: Types, action: type[Action[G, R, F]]) -> None:
+    def __init__(self, types: NodeTypes, action: type[Action[G, R, F]]) -> None:
         self.name = action._type
         self.definition = types.action_definition(action._type)
         """The type's text for hubs that may lack it; None for standard types."""
@@ -301,7 +301,7 @@ class ActionType(Generic[G, R, F]):
         self.feedback = types.codec(action.Feedback)
 
 
-class Types:
+class NodeTypes:
     """The types of one node.
 
     Args:
@@ -311,7 +311,7 @@ class Types:
     def __init__(self, now: Callable[[], int]) -> None:
         self._interfaces: Interfaces = default_interfaces()
         self._validators = Validators(self._interfaces, now)
-        self._services: dict[type[Service[Any, Any]], ServiceType[Any, Any]] = {}
+        self._services: dict[type[Service[Any, Any]], NodeServiceType[Any, Any]] = {}
 
     def message_class(self, type_: Callable[..., M] | str) -> type[M]:
         """Return the class itself, or that of the type of this name.
@@ -370,7 +370,7 @@ class Types:
         """Return the class itself, or that of the service type of this name."""
         return service_class(type_) if isinstance(type_, str) else _checked(type_, "a service")
 
-    def service(self, type_: type[Service[Req, Res]]) -> ServiceType[Req, Res]:
+    def service(self, type_: type[Service[Req, Res]]) -> NodeServiceType[Req, Res]:
         """Return how messages of a service type become JSON values.
 
         Raises:
@@ -380,7 +380,7 @@ class Types:
             definition = self._interfaces.service(type_._type)
             request = self._validators.of_definition(definition.request).validate
             response = self._validators.of_definition(definition.response).validate
-            self._services[type_] = ServiceType(
+            self._services[type_] = NodeServiceType(
                 definition.type,
                 self._interfaces.service_md5(type_._type),
                 MessageCodec(type_.Request, request),

@@ -8,10 +8,10 @@ import pytest
 from conftest import StartHub
 
 from fibws.client.hub_pages import get, master_variables, ros1_port
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
-async def test_page_of_the_hub_is_read(hub: Hub) -> None:
+async def test_page_of_the_hub_is_read(hub: HubServer) -> None:
     status, headers, body = await asyncio.to_thread(get, hub.url, "healthz")
     assert (status, headers["content-type"].partition(";")[0]) == (200, "application/json")
     assert b"uptime_seconds" in body
@@ -28,7 +28,7 @@ async def test_programs_of_ros_1_find_the_hubs_master(start_hub: StartHub) -> No
     assert await asyncio.to_thread(master_variables, hub.url, same) == {}
 
 
-async def test_nothing_is_set_without_a_master(hub: Hub) -> None:
+async def test_nothing_is_set_without_a_master(hub: HubServer) -> None:
     assert await asyncio.to_thread(master_variables, hub.url, {}) == {}
 
 

@@ -15,7 +15,7 @@ from websockets.sync.server import ServerConnection
 
 from client.servers import redirecting_server, websocket_server
 from fibws.client.hub_client import HubClient
-from fibws.client.websocket import Message, WebSocket
+from fibws.client.websocket import ReceivedMessage, WebSocket
 from fibws.errors import (
     HubLost,
     HubUnreachable,
@@ -44,10 +44,10 @@ def test_text_and_binary_messages_are_distinguished(subprotocol: str | None) -> 
         while len(websocket.messages) < 4:
             assert websocket.read(60)
         assert list(websocket.messages) == [
-            Message(b"text", False),
-            Message(b"binary", True),
-            Message(b"fragments", False),
-            Message(b"binary fragments", True),
+            ReceivedMessage(b"text", False),
+            ReceivedMessage(b"binary", True),
+            ReceivedMessage(b"fragments", False),
+            ReceivedMessage(b"binary fragments", True),
         ]
         websocket.close()
 

@@ -11,7 +11,7 @@ from running_programs import Start
 
 import fibws
 from fibws.action import action_class
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.node.actions.actions import Over
 
 CLIENT = "fibws.examples.action_client"
@@ -21,7 +21,7 @@ CLIENT = "fibws.examples.action_client"
     ("over", "order"), [("topics", "4"), ("operations", "5")], ids=["topics", "operations"]
 )
 async def test_feedback_and_result_are_printed(
-    hub: Hub, start: Start, over: str, order: str
+    hub: HubServer, start: Start, over: str, order: str
 ) -> None:
     await start("fibws.examples.action_server", "--hub", hub.url, "--rate", "20")
     program = await start(CLIENT, order, "--over", over, "--hub", hub.url)
@@ -37,7 +37,7 @@ async def test_feedback_and_result_are_printed(
     ]
 
 
-async def test_client_waits_for_the_server(hub: Hub, start: Start) -> None:
+async def test_client_waits_for_the_server(hub: HubServer, start: Start) -> None:
     program = await start(CLIENT, "1", "--hub", hub.url)
     assert await program.line() == "Waiting for action server to start.\n"
     await start("fibws.examples.action_server", "--hub", hub.url, "--rate", "100")
@@ -46,7 +46,7 @@ async def test_client_waits_for_the_server(hub: Hub, start: Start) -> None:
     assert (code, out) == (0, "Result: 0, 1, 1\n")
 
 
-async def test_failed_goal_is_an_error(hub: Hub, start: Start) -> None:
+async def test_failed_goal_is_an_error(hub: HubServer, start: Start) -> None:
     await start("fibws.examples.action_server", "--hub", hub.url)
     program = await start(CLIENT, "-3", "--hub", hub.url)
     code, out, err = await program.end()
@@ -59,7 +59,9 @@ async def test_failed_goal_is_an_error(hub: Hub, start: Start) -> None:
     [("topics", "actionlib_tutorials/Fibonacci"), ("operations", "example_interfaces/Fibonacci")],
     ids=["topics", "operations"],
 )
-async def test_ctrl_c_cancels_the_goal(hub: Hub, start: Start, over: Over, type_: str) -> None:
+async def test_ctrl_c_cancels_the_goal(
+    hub: HubServer, start: Start, over: Over, type_: str
+) -> None:
     feedback = action_class(type_).Feedback
     canceled = asyncio.Event()
 

@@ -12,7 +12,7 @@ from running_programs import Program, Start
 
 import fibws
 from fibws.action import actionlib_tutorials, example_interfaces
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 
 SERVER = "fibws.examples.action_server"
@@ -43,7 +43,7 @@ async def ros2(node: fibws.Node) -> fibws.ActionClient[Any, Any, Any]:
     return client
 
 
-async def test_server_over_topics_works_as_in_ros_1(hub: Hub, start: Start) -> None:
+async def test_server_over_topics_works_as_in_ros_1(hub: HubServer, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         goal = await (await ros1(node)).send({"order": 3})
@@ -56,7 +56,7 @@ async def test_server_over_topics_works_as_in_ros_1(hub: Hub, start: Start) -> N
     assert await logged(server) == "fibonacci: Succeeded"
 
 
-async def test_server_over_operations_works_as_in_ros_2(hub: Hub, start: Start) -> None:
+async def test_server_over_operations_works_as_in_ros_2(hub: HubServer, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         goal = await (await ros2(node)).send({"order": 3})
@@ -68,7 +68,7 @@ async def test_server_over_operations_works_as_in_ros_2(hub: Hub, start: Start) 
     assert await logged(server) == "Feedback: [0, 1, 1, 2]"
 
 
-async def test_goals_are_canceled_over_topics_and_operations(hub: Hub, start: Start) -> None:
+async def test_goals_are_canceled_over_topics_and_operations(hub: HubServer, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "0.01")
     async with fibws.Node("test", hub=hub.url) as node:
         await canceled(await ros1(node))
@@ -92,7 +92,7 @@ async def canceled(client: fibws.ActionClient[Any, Any, Any]) -> None:
 
 
 @pytest.mark.parametrize("order", [0, 1])
-async def test_shortest_sequences(hub: Hub, start: Start, order: int) -> None:
+async def test_shortest_sequences(hub: HubServer, start: Start, order: int) -> None:
     await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         goal = await (await ros1(node)).send({"order": order})
@@ -101,7 +101,7 @@ async def test_shortest_sequences(hub: Hub, start: Start, order: int) -> None:
         assert (await goal.result()).sequence == [0, 1]
 
 
-async def test_longest_sequence(hub: Hub, start: Start) -> None:
+async def test_longest_sequence(hub: HubServer, start: Start) -> None:
     await start(SERVER, "--hub", hub.url, "--rate", "10000")
     async with fibws.Node("test", hub=hub.url) as node:
         for client, longest in ((await ros1(node), 45), (await ros2(node), 46)):
@@ -116,7 +116,7 @@ async def test_longest_sequence(hub: Hub, start: Start) -> None:
                     await goal.result(timeout=60)
 
 
-async def test_negative_order_is_aborted(hub: Hub, start: Start) -> None:
+async def test_negative_order_is_aborted(hub: HubServer, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url)
     async with fibws.Node("test", hub=hub.url) as node:
         for client in (await ros1(node), await ros2(node)):
@@ -128,7 +128,7 @@ async def test_negative_order_is_aborted(hub: Hub, start: Start) -> None:
             assert (await goal.result(timeout=60)).sequence == [0, 1]
 
 
-async def test_names_can_be_chosen_and_ctrl_c_ends_it(hub: Hub, start: Start) -> None:
+async def test_names_can_be_chosen_and_ctrl_c_ends_it(hub: HubServer, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--node-name", "counter", "fibonacci:=numbers")
     async with fibws.Node("test", hub=hub.url) as node:
         client = node.action_client("numbers", actionlib_tutorials.Fibonacci)
@@ -139,14 +139,14 @@ async def test_names_can_be_chosen_and_ctrl_c_ends_it(hub: Hub, start: Start) ->
     assert (code, err) == (0, "")
 
 
-async def test_default_name_is_not_anonymous(hub: Hub, start: Start) -> None:
+async def test_default_name_is_not_anonymous(hub: HubServer, start: Start) -> None:
     await start(SERVER, "--hub", hub.url)
     async with fibws.Node("test", hub=hub.url) as node:
         await ros1(node)
         assert "/fibonacci_action_server" in await node.graph.nodes()
 
 
-async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
+async def test_closed_pipe_ends_it_quietly(hub: HubServer, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         client = await ros1(node)
@@ -159,7 +159,7 @@ async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
     assert (code, err) == (0, "")
 
 
-async def test_topic_of_another_type_is_a_warning(hub: Hub, start: Start) -> None:
+async def test_topic_of_another_type_is_a_warning(hub: HubServer, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         await node.advertise("fibonacci/goal", String)
         server = await start(SERVER, "--hub", hub.url)

@@ -8,13 +8,13 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.srv.rospy_tutorials import AddTwoInts
 
 SERVER = "fibws.examples.add_two_ints_server"
 
 
-async def test_integers_are_added(hub: Hub, start: Start) -> None:
+async def test_integers_are_added(hub: HubServer, start: Start) -> None:
     program = await start(SERVER, FIBWS_HUB=hub.url)
     assert await program.line() == "Ready to add two ints.\n"
     async with fibws.Node("test", hub=hub.url) as node:
@@ -26,7 +26,7 @@ async def test_integers_are_added(hub: Hub, start: Start) -> None:
     assert await program.end() == (0, "", "")
 
 
-async def test_server_continues_after_a_failed_call(hub: Hub, start: Start) -> None:
+async def test_server_continues_after_a_failed_call(hub: HubServer, start: Start) -> None:
     program = await start(SERVER, "--hub", hub.url, "add_two_ints:=add")
     async with fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("add", timeout=60)
@@ -40,7 +40,7 @@ async def test_server_continues_after_a_failed_call(hub: Hub, start: Start) -> N
     assert "Service /add failed" in await program.error_line()
 
 
-async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
+async def test_closed_pipe_ends_it_quietly(hub: HubServer, start: Start) -> None:
     program = await start(SERVER, "--hub", hub.url)
     await program.line()
     program.stop_reading()
@@ -51,7 +51,7 @@ async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
     assert await program.end() == (0, "", "")
 
 
-async def test_default_name_is_not_anonymous(hub: Hub, start: Start) -> None:
+async def test_default_name_is_not_anonymous(hub: HubServer, start: Start) -> None:
     program = await start(SERVER, "--hub", hub.url)
     await program.line()
     async with fibws.Node("test", hub=hub.url) as node:

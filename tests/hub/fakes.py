@@ -16,7 +16,7 @@ from fibws.hub.delivery.send_queue import Bytes, Flusher, Frame, LargeFrame, Sen
 from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
-from fibws.hub.rosbridge.session import Rosbridge, Session
+from fibws.hub.rosbridge.session import Rosbridge, RosbridgeSession
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Work
 from fibws.interfaces import Interfaces
@@ -207,7 +207,7 @@ class Client:
             Opening(node, self.queue, self._close, principal, is_page=is_page),
             serialized=serialized,
         )
-        assert isinstance(session, Session)
+        assert isinstance(session, RosbridgeSession)
         self.session = session
 
     def send(self, op: str, topic: str | None = None, **fields: Any) -> None:

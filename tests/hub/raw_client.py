@@ -14,7 +14,7 @@ from typing import Any
 
 from patience import PATIENCE
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
 PATIENT = 600.0
@@ -263,11 +263,11 @@ async def longest_turn() -> AsyncIterator[Callable[[], float]]:
     task.cancel()
 
 
-def nodes(hub: Hub) -> list[str]:
+def nodes(hub: HubServer) -> list[str]:
     """Return the names of the clients' nodes."""
     return [name for name in hub.graph.nodes if name not in hub.graph.internal]
 
 
-def topics(hub: Hub) -> list[str]:
+def topics(hub: HubServer) -> list[str]:
     """Return the names of the topics that clients use."""
     return [name for name in hub.graph.topics if name not in {"/rosout", *hub.graph.reserved}]

@@ -23,7 +23,7 @@ from websockets.exceptions import InvalidStatus
 
 from fibws.access.token_file import Tokens
 from fibws.hub.graph.graph import ExternalNode, Graph
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.interfaces import Interfaces, Validators
 from fibws.interfaces.serialization import Serializers
 from fibws.protocol.serialized import publish_head
@@ -49,7 +49,7 @@ TOKENS = "\n".join(
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub, tmp_path: Path) -> Hub:
+async def hub(start_hub: StartHub, tmp_path: Path) -> HubServer:
     """A hub that needs tokens."""
     path = tmp_path / "tokens.toml"
     path.write_text(TOKENS, "utf-8")
@@ -57,7 +57,7 @@ async def hub(start_hub: StartHub, tmp_path: Path) -> Hub:
 
 
 @pytest.fixture
-async def world(hub: Hub) -> AsyncIterator[World]:
+async def world(hub: HubServer) -> AsyncIterator[World]:
     async with asyncio.timeout(PATIENCE), AsyncExitStack() as stack:
         yield World(hub, stack)
 
@@ -107,7 +107,7 @@ def is_refused(answers: list[dict[str, Any]], *facts: str) -> bool:
 # Names of nodes.
 
 
-async def test_living_node_keeps_its_name(hub: Hub, world: World, attacker: Client) -> None:
+async def test_living_node_keeps_its_name(hub: HubServer, world: World, attacker: Client) -> None:
     """Chosen names, and those that the hub makes up: ``/client_1_...``."""
     chosen, unnamed = await world.client("ann", "/ann/move_base"), await world.client("ann")
     boss = await world.client("boss", "/boss")
@@ -122,7 +122,9 @@ async def test_living_node_keeps_its_name(hub: Hub, world: World, attacker: Clie
 
 @pytest.mark.parametrize("name", ["/rosapi", "rosapi", "/rosbridge_websocket"])
 @pytest.mark.parametrize("token", [*ATTACKERS.values(), "boss"])
-async def test_names_of_the_hubs_nodes_are_its_own(hub: Hub, name: str, token: str | None) -> None:
+async def test_names_of_the_hubs_nodes_are_its_own(
+    hub: HubServer, name: str, token: str | None
+) -> None:
     with pytest.raises(InvalidStatus) as raised:
         async with entering(hub, token, name):
             pass
@@ -130,12 +132,12 @@ async def test_names_of_the_hubs_nodes_are_its_own(hub: Hub, name: str, token: s
 
 
 @pytest.mark.parametrize("token", [*ATTACKERS.values(), "boss"])
-async def test_rosout_is_the_hubs_if_there_are_tokens(hub: Hub, token: str | None) -> None:
+async def test_rosout_is_the_hubs_if_there_are_tokens(hub: HubServer, token: str | None) -> None:
     async with entering(hub, token, "/rosout") as connection:
         assert (await closing(connection))[0] == 4403
 
 
-async def test_name_that_is_kept_for_a_principal_is_not_taken(hub: Hub) -> None:
+async def test_name_that_is_kept_for_a_principal_is_not_taken(hub: HubServer) -> None:
     for token in ATTACKERS.values():
         async with entering(hub, token, "/annex") as connection:
             assert (await closing(connection))[0] == 4403
@@ -153,7 +155,9 @@ async def test_node_of_another_is_not_killed(world: World, ann: Client, attacker
 
 
 @pytest.mark.parametrize("attack", ["name", "kill"])
-async def test_anonymous_clients_do_not_end_each_other(hub: Hub, world: World, attack: str) -> None:
+async def test_anonymous_clients_do_not_end_each_other(
+    hub: HubServer, world: World, attack: str
+) -> None:
     victim, attacker = await world.client(None), await world.client(None)
     if attack == "name":
         async with entering(hub, None, victim.name):
@@ -193,7 +197,7 @@ class SilentNode(ExternalNode):
 
 
 async def test_ros1_node_is_unregistered_by_admins_alone(
-    hub: Hub, world: World, attacker: Client
+    hub: HubServer, world: World, attacker: Client
 ) -> None:
     hub.graph.enter(SilentNode(hub.graph), "/lidar", Tokens({}, {}, None).networks["ros1"])
     response = await attacker.call("/rosapi/unregister_node", node="/lidar")
@@ -242,7 +246,7 @@ async def test_without_a_right_nothing_is_used(
 
 
 async def test_service_and_action_of_a_living_node_are_not_taken(
-    hub: Hub, ann: Client, rival: Client
+    hub: HubServer, ann: Client, rival: Client
 ) -> None:
     await ann.does("advertise_service", service="/x", type=ADD)
     await ann.does("advertise_action", action="/x", type=FIBONACCI)
@@ -264,7 +268,7 @@ async def test_service_and_action_of_a_living_node_are_not_taken(
 
 
 async def test_service_is_not_taken_by_the_one_that_cancels_goals(
-    hub: Hub, ann: Client, rival: Client
+    hub: HubServer, ann: Client, rival: Client
 ) -> None:
     name = "/x/_action/cancel_goal"
     await ann.does("advertise_service", service=name, type=EMPTY)
@@ -272,7 +276,7 @@ async def test_service_is_not_taken_by_the_one_that_cancels_goals(
     assert hub.graph.services[name].node == "/ann"
 
 
-async def test_services_of_the_hub_are_not_replaced(hub: Hub, rival: Client) -> None:
+async def test_services_of_the_hub_are_not_replaced(hub: HubServer, rival: Client) -> None:
     own = list(hub.graph.services)
     for service in own:
         answers = await rival.answers("advertise_service", service=service, type=EMPTY)
@@ -372,7 +376,7 @@ async def test_log_lines_have_the_name_of_their_node(
 
 @pytest.mark.parametrize("token", ATTACKERS.values(), ids=ATTACKERS)
 async def test_will_on_rosout_has_the_name_of_its_node(
-    hub: Hub, world: World, token: str | None, faults: Faults
+    hub: HubServer, world: World, token: str | None, faults: Faults
 ) -> None:
     boss = await world.client("boss")
     await boss.does("subscribe", topic="/rosout", type=LOG)
@@ -390,7 +394,7 @@ async def test_will_on_rosout_has_the_name_of_its_node(
 @pytest.mark.parametrize("topic", ["/client_count", "/connected_clients", "/rosout_agg"])
 @pytest.mark.parametrize("token", [*ATTACKERS.values(), "boss"])
 async def test_topics_of_the_hub_are_published_by_it_alone(
-    hub: Hub, world: World, topic: str, token: str | None
+    hub: HubServer, world: World, topic: str, token: str | None
 ) -> None:
     client, type_ = await world.client(token), hub.graph.topics[topic].type
     assert type_ is not None
@@ -446,7 +450,9 @@ async def test_log_is_not_silenced(
 # Parameters and types.
 
 
-async def test_parameters_of_others_are_not_touched(hub: Hub, ann: Client, eve: Client) -> None:
+async def test_parameters_of_others_are_not_touched(
+    hub: HubServer, ann: Client, eve: Client
+) -> None:
     await ann.values("/rosapi/set_param", name="/ann/x", value="1")
     await ann.values("/rosapi/set_param", name="/eve/x", value="1")
     before = hub.graph.parameters.text("/")
@@ -466,7 +472,7 @@ async def test_parameters_of_others_are_not_touched(hub: Hub, ann: Client, eve: 
 
 
 async def test_keys_of_a_value_are_no_way_to_parameters_of_others(
-    hub: Hub, ann: Client, eve: Client
+    hub: HubServer, ann: Client, eve: Client
 ) -> None:
     await ann.values("/rosapi/set_param", name="/ann/x", value="1")
     before = hub.graph.parameters.text("/ann")
@@ -483,7 +489,7 @@ async def test_parameter_is_not_set_in_place_of_those_below_it(ann: Client, eve:
 
 @pytest.mark.parametrize("token", FEW_RIGHTS.values(), ids=FEW_RIGHTS)
 async def test_parameters_and_types_are_not_filled(
-    hub: Hub, world: World, token: str | None, serialized: bool
+    hub: HubServer, world: World, token: str | None, serialized: bool
 ) -> None:
     attacker = await world.client(token, serialized=serialized)
     parameters, types = hub.graph.parameters.text("/"), len(hub.graph._types._brought)

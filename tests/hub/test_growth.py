@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .fakes import ADD, FIBONACCI, INT32, FakeHub, number
 from .foxglove.foxglove_client import FoxgloveHub
@@ -230,7 +230,7 @@ def test_finding_a_client_takes_the_same_however_many() -> None:
 
 def test_health_of_a_slow_client_takes_the_same_however_many_topics() -> None:
     def prepare(count: int) -> Callable[[], object]:
-        fake, hub = FakeHub(), Hub()
+        fake, hub = FakeHub(), HubServer()
         hub.graph = fake.graph
         talker, slow = fake.client(), fake.client("/slow")
         for name in names(count):

@@ -18,7 +18,7 @@ from websockets.typing import Subprotocol
 
 import fibws
 from fibws.action.action_tutorials_interfaces import Fibonacci
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger
 
@@ -90,7 +90,9 @@ class Foxglove:
 class World:
     """Two joined hubs that clients of every protocol watch, on one of which things come and go."""
 
-    def __init__(self, stack: AsyncExitStack, cloud: Hub, robot: Hub, endpoint: str) -> None:
+    def __init__(
+        self, stack: AsyncExitStack, cloud: HubServer, robot: HubServer, endpoint: str
+    ) -> None:
         self._stack = stack
         self.cloud = cloud
         self.robot = robot
@@ -106,7 +108,7 @@ class World:
         return sorted(key for key in keys if GONE in key)
 
     @property
-    def hubs(self) -> tuple[Hub, Hub]:
+    def hubs(self) -> tuple[HubServer, HubServer]:
         return self.cloud, self.robot
 
     async def start(self) -> None:

@@ -20,7 +20,7 @@ from fibws.client import hub_pages
 from fibws.errors import HubError
 from fibws.files import replace_file
 from fibws.hub import kept_file, parameter_file
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .raw_client import until
 
@@ -73,7 +73,7 @@ def read(path: Path) -> str:
     return path.read_text()
 
 
-async def metrics(hub: Hub) -> bytes:
+async def metrics(hub: HubServer) -> bytes:
     _, _, body = await asyncio.to_thread(hub_pages.get, hub.url, "metrics")
     return body
 
@@ -82,7 +82,7 @@ def saved(path: Path) -> Any:
     return yaml.safe_load(path.read_text())
 
 
-def value(hub: Hub, name: str) -> Any:
+def value(hub: HubServer, name: str) -> Any:
     return hub.graph.parameters.get(name)
 
 

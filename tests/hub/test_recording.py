@@ -17,7 +17,7 @@ from fibws.bags.bag_writer import BagWriter
 from fibws.errors import ServiceError
 from fibws.hub import Settings
 from fibws.hub.recording import NODE, STATE
-from fibws.hub.server import RECORDING_TIMEOUT, Hub
+from fibws.hub.server import RECORDING_TIMEOUT, HubServer
 from fibws.msg.fibws_msgs import PlaybackState, RecordingState
 from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.rosgraph_msgs import Clock, Log
@@ -62,7 +62,7 @@ async def state_when(
 
 
 async def test_all_topics_are_recorded_from_their_first_message(tmp_path: Path) -> None:
-    async with Hub(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
+    async with HubServer(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
         for number in range(3):
             numbers = await node.advertise(f"/numbers{number}", Int32)
             await numbers.publish(number)
@@ -89,7 +89,7 @@ async def test_log_is_recorded_with_its_own_definition(tmp_path: Path) -> None:
     header.write_text("builtin_interfaces/Time stamp\nstring frame_id\n")
     bags = tmp_path / "bags"
     async with (
-        Hub(settings(bags, interfaces=[tmp_path / "share"])) as hub,
+        HubServer(settings(bags, interfaces=[tmp_path / "share"])) as hub,
         fibws.Node("talker", hub=hub.url) as node,
     ):
         lines = node.subscribe("/rosout", Log)
@@ -107,7 +107,7 @@ async def test_log_is_recorded_with_its_own_definition(tmp_path: Path) -> None:
 
 
 async def test_nothing_is_recorded_before_simulated_time_begins(tmp_path: Path) -> None:
-    async with Hub(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
+    async with HubServer(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
         await node.params.set("/use_sim_time", True)
         latched = await node.advertise("/map", Int32, latch=True)
         numbers = await node.advertise("/numbers", Int32)
@@ -129,12 +129,12 @@ async def test_nothing_is_recorded_before_simulated_time_begins(tmp_path: Path) 
 
 
 async def test_names_of_the_hubs_own_topics_are_known_to_recorders(tmp_path: Path) -> None:
-    async with Hub(settings(tmp_path)) as hub:
+    async with HubServer(settings(tmp_path)) as hub:
         assert hub.graph.reserved == HUB_TOPICS
 
 
 async def test_topic_is_left_with_its_last_publisher(tmp_path: Path) -> None:
-    async with Hub(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
+    async with HubServer(settings(tmp_path)) as hub, fibws.Node("talker", hub=hub.url) as node:
         numbers = await node.advertise("/numbers", Int32)
         assert hub.graph.topics["/numbers"].subscribers() == {NODE}
         numbers.close()
@@ -148,7 +148,7 @@ async def test_topic_is_left_with_its_last_publisher(tmp_path: Path) -> None:
 
 async def test_both_types_of_a_topic_are_recorded(tmp_path: Path) -> None:
     async with (
-        Hub(settings(tmp_path)) as hub,
+        HubServer(settings(tmp_path)) as hub,
         fibws.Node("talker", hub=hub.url) as node,
         fibws.Node("other", hub=hub.url) as other,
     ):
@@ -161,7 +161,7 @@ async def test_both_types_of_a_topic_are_recorded(tmp_path: Path) -> None:
 
 async def test_services_start_and_stop_the_recording(tmp_path: Path) -> None:
     async with (
-        Hub(settings(tmp_path, record_at_start=False)) as hub,
+        HubServer(settings(tmp_path, record_at_start=False)) as hub,
         fibws.Node("talker", hub=hub.url) as node,
     ):
         latched = await node.advertise("/map", String, latch=True)
@@ -193,7 +193,7 @@ async def test_recording_does_not_start_on_a_full_disk(
     usage = type("Usage", (), {"free": 4096})()
     monkeypatch.setattr("fibws.bag_recorder.shutil.disk_usage", lambda folder: usage)
     async with (
-        Hub(settings(tmp_path, record_at_start=False)) as hub,
+        HubServer(settings(tmp_path, record_at_start=False)) as hub,
         fibws.Node("talker", hub=hub.url) as node,
     ):
         started = await node.call(f"{NODE}/start", Trigger)
@@ -210,7 +210,7 @@ async def test_failure_is_reported_and_the_hub_goes_on(
     monkeypatch.setattr("fibws.hub.server.check_writable", lambda folder: None)
     (tmp_path / "file").write_text("")
     async with (
-        Hub(settings(tmp_path / "file")) as hub,
+        HubServer(settings(tmp_path / "file")) as hub,
         fibws.Node("talker", hub=hub.url) as node,
     ):
         state = await state_when(node, lambda state: bool(state.fault) and not state.recording)
@@ -224,7 +224,7 @@ async def test_failure_is_reported_and_the_hub_goes_on(
 async def test_types_without_known_fields_are_reported_once(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with Hub(settings(tmp_path)) as hub:
+    async with HubServer(settings(tmp_path)) as hub:
         topic = hub.graph.topic("/odd")
         source = hub.graph.advertise(topic, "/page", "unknown_msgs/Odd")
         for _ in range(3):
@@ -234,7 +234,7 @@ async def test_types_without_known_fields_are_reported_once(
 
 
 async def test_publishers_that_have_left_take_no_memory(tmp_path: Path) -> None:
-    async with Hub(settings(tmp_path)) as hub:
+    async with HubServer(settings(tmp_path)) as hub:
         graph = hub.graph
         stays = graph.advertise(graph.topic("/numbers"), "/stays", "std_msgs/Int32", latch=True)
         stays.publish({"data": -1})
@@ -288,7 +288,7 @@ async def test_end_of_the_hub_waits_for_a_disk_that_is_slow(
         raise TimeoutError
 
     monkeypatch.setattr(BagWriter, "write", write_slowly)
-    async with asyncio.timeout(PATIENCE), Hub(settings(tmp_path)) as hub:
+    async with asyncio.timeout(PATIENCE), HubServer(settings(tmp_path)) as hub:
         source = hub.graph.advertise(hub.graph.topic("/numbers"), "/talker", "std_msgs/Int32")
         for number in range(20):
             source.publish({"data": number})
@@ -302,7 +302,7 @@ async def test_end_of_the_hub_waits_for_a_disk_that_is_slow(
 
 async def test_files_are_split_and_kept_as_the_settings_say(tmp_path: Path) -> None:
     async with (
-        Hub(settings(tmp_path, record_size=1, record_files=2, record_mcap=True)) as hub,
+        HubServer(settings(tmp_path, record_size=1, record_files=2, record_mcap=True)) as hub,
         fibws.Node("talker", hub=hub.url) as node,
     ):
         texts = await node.advertise("/texts", String)
@@ -319,7 +319,7 @@ async def test_only_admins_start_and_stop(tmp_path: Path) -> None:
     tokens.write_text(entry("boss", "admin = true") + entry("ann", 'allow.call = ["/**"]'))
     folder = tmp_path / "bags"
     async with (
-        Hub(settings(folder, tokens=tokens, record_at_start=False)) as hub,
+        HubServer(settings(folder, tokens=tokens, record_at_start=False)) as hub,
         fibws.Node("ann", hub=hub.url, token="ann", rosout=False) as ann,
         fibws.Node("boss", hub=hub.url, token="boss") as boss,
     ):
@@ -332,7 +332,7 @@ async def test_only_admins_start_and_stop(tmp_path: Path) -> None:
 
 
 async def test_nobody_takes_the_recorders_name(tmp_path: Path) -> None:
-    async with Hub(settings(tmp_path)) as hub:
+    async with HubServer(settings(tmp_path)) as hub:
         with pytest.raises(fibws.FibwsError, match="hub's own"):
             async with fibws.Node(NODE[1:], hub=hub.url):
                 pass

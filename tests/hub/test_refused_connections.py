@@ -11,7 +11,7 @@ from contextlib import AsyncExitStack
 import pytest
 from conftest import StartHub
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.websocket import shared_limits
 
 from .raw_client import handshake, until
@@ -21,12 +21,12 @@ pytestmark = pytest.mark.both_loops
 PORTS = ("hub", "ros1")
 
 
-def number(hub: Hub, port: str) -> int:
+def number(hub: HubServer, port: str) -> int:
     assert hub.ros1 is not None
     return hub.port if port == "hub" else hub.ros1.port
 
 
-async def connect(hub: Hub, port: str, stack: AsyncExitStack) -> asyncio.StreamReader:
+async def connect(hub: HubServer, port: str, stack: AsyncExitStack) -> asyncio.StreamReader:
     """Open a connection and begin to speak."""
     reader, writer = await asyncio.open_connection("127.0.0.1", number(hub, port))
     stack.callback(writer.close)
@@ -48,7 +48,7 @@ def events(caplog: pytest.LogCaptureFixture) -> list[str]:
     return [each.getMessage() for each in found]
 
 
-def pause_sweeps(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+def pause_sweeps(hub: HubServer, monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     """Let the hub log nothing of its own accord; return the function that has it logged."""
     sweep = hub._limits.sweep
     monkeypatch.setattr(hub._limits, "sweep", lambda now: None)

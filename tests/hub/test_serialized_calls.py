@@ -13,7 +13,7 @@ from websockets.asyncio.client import connect
 
 import fibws
 from fibws.action.control_msgs import GripperCommand
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.node import connection
 from fibws.srv.rospy_tutorials import AddTwoInts
 from fibws.srv.std_srvs import SetBool
@@ -36,7 +36,7 @@ def is_new(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> b
 
 
 @pytest.fixture
-async def node(hub: Hub, is_new: bool) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer, is_new: bool) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("ends", hub=hub.url) as node:
         yield node
 
@@ -67,7 +67,9 @@ async def test_calls_work(node: fibws.Node) -> None:
     assert (response.success, response.message) == (True, "ü\0")
 
 
-async def test_service_of_an_unknown_type_is_called_in_json(node: fibws.Node, hub: Hub) -> None:
+async def test_service_of_an_unknown_type_is_called_in_json(
+    node: fibws.Node, hub: HubServer
+) -> None:
     async with connect(hub.url, compression=None) as server:
         service = {"service": "/add", "type": "unknown_package/AddTwoInts"}
         await server.send(json.dumps({"op": "advertise_service", **service}))

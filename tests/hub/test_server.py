@@ -16,7 +16,7 @@ from websockets.asyncio.client import connect
 import fibws
 from fibws.errors import HubError, SettingError
 from fibws.hub import Settings, server
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .raw_client import (
     CLOSE,
@@ -37,7 +37,7 @@ pytestmark = pytest.mark.both_loops
 
 
 class TestListening:
-    async def test_port_0_takes_a_free_port(self, hub: Hub) -> None:
+    async def test_port_0_takes_a_free_port(self, hub: HubServer) -> None:
         assert hub.port > 0
         assert hub.url == f"ws://127.0.0.1:{hub.port}"
 
@@ -83,7 +83,7 @@ class TestListening:
             hub = await start_hub(host="::", port=0)
             assert hub.port != port
             with pytest.raises(HubError, match=f"Port {port} on :: is in use"):
-                async with Hub(Settings(host="::", port=port)):
+                async with HubServer(Settings(host="::", port=port)):
                     pass
 
     @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0", "::1"])
@@ -106,31 +106,31 @@ class TestListening:
         assert [record.message for record in caplog.records].count(warning) == warned
         assert ("Other machines" in caplog.text) == bool(warned)
 
-    async def test_port_in_use_names_the_remedy(self, hub: Hub) -> None:
+    async def test_port_in_use_names_the_remedy(self, hub: HubServer) -> None:
         text = f"Port {hub.port} on 127.0.0.1 is in use by another hub.*port="
         with pytest.raises(HubError, match=text):
-            async with Hub(Settings(port=hub.port)):
+            async with HubServer(Settings(port=hub.port)):
                 pass
 
     async def test_address_of_another_machine_cannot_be_listened_on(self) -> None:
         with pytest.raises(HubError, match=r"192\.0\.2\.1 is not an address of this machine"):
-            async with Hub(Settings(host="192.0.2.1", port=0)):
+            async with HubServer(Settings(host="192.0.2.1", port=0)):
                 pass
 
     async def test_unknown_host_cannot_be_listened_on(self) -> None:
         with pytest.raises(HubError, match=r"host=.*: cannot listen on no\.such\.invalid:0: "):
-            async with Hub(Settings(host="no.such.invalid", port=0)):
+            async with HubServer(Settings(host="no.such.invalid", port=0)):
                 pass
 
     @pytest.mark.parametrize("port", [-1, 65536, 99999])
     async def test_invalid_port_is_refused(self, port: int) -> None:
         with pytest.raises(HubError, match=str(port)):
-            async with Hub(Settings(port=port)):
+            async with HubServer(Settings(port=port)):
                 pass
 
     async def test_missing_interfaces_folder_is_an_error(self) -> None:
         with pytest.raises(SettingError):
-            Hub(Settings(interfaces=(Path("/no/such/folder"),)))
+            HubServer(Settings(interfaces=(Path("/no/such/folder"),)))
 
     async def test_two_hubs_share_nothing(self, start_hub: StartHub) -> None:
         one, other = await start_hub(), await start_hub()
@@ -143,7 +143,7 @@ class TestListening:
 
 
 class TestDelivery:
-    async def test_one_subscriber_gets_all_messages_in_order(self, hub: Hub) -> None:
+    async def test_one_subscriber_gets_all_messages_in_order(self, hub: HubServer) -> None:
         numbers = list(range(5000))
         async with connected(hub.port) as talker, connected(hub.port) as listener:
             await listener.subscribes("/t")
@@ -156,7 +156,7 @@ class TestDelivery:
         assert received == numbers
 
     async def test_ten_subscribers_get_the_messages_of_ten_publishers_in_order(
-        self, hub: Hub
+        self, hub: HubServer
     ) -> None:
         count = 300
         async with AsyncExitStack() as stack:
@@ -184,7 +184,7 @@ class TestDelivery:
                 assert [n % 1000 for n in each if n // 1000 == which] == list(range(count))
         assert all(each == received[0] for each in received)
 
-    async def test_messages_of_several_topics_keep_their_order(self, hub: Hub) -> None:
+    async def test_messages_of_several_topics_keep_their_order(self, hub: HubServer) -> None:
         async with connected(hub.port) as client:
             for topic in ("/a", "/b", "/c"):
                 await client.subscribes(topic)
@@ -193,7 +193,7 @@ class TestDelivery:
             received = [await client.receive() for _ in sent]
         assert [(each["topic"], each["msg"]["data"]) for each in received] == sent
 
-    async def test_replies_and_messages_keep_their_order(self, hub: Hub) -> None:
+    async def test_replies_and_messages_keep_their_order(self, hub: HubServer) -> None:
         async with connected(hub.port) as client:
             await client.subscribes("/t")
             await client.send(publish("/t", 1), operation("nope", id=7), publish("/t", 2))
@@ -202,14 +202,14 @@ class TestDelivery:
         assert received[1]["id"] == 7
 
     @pytest.mark.parametrize("id_", ["x", 5, 1.5, True, [1], {"a": 1}, None])
-    async def test_errors_are_answered_for_any_id(self, hub: Hub, id_: object) -> None:
+    async def test_errors_are_answered_for_any_id(self, hub: HubServer, id_: object) -> None:
         async with connected(hub.port) as client:
             await client.send_operation("nope", id=id_)
             received = await client.receive()
         assert received["op"] == "status"
         assert received.get("id") == (id_ if isinstance(id_, str | int | float) else None)
 
-    async def test_message_is_sent_at_once(self, hub: Hub) -> None:
+    async def test_message_is_sent_at_once(self, hub: HubServer) -> None:
         # R9: coalescing must not add delay at low load: each message arrives before the next.
         async with connected(hub.port) as talker, connected(hub.port) as listener:
             await listener.subscribes("/t")
@@ -218,7 +218,7 @@ class TestDelivery:
                 await talker.send(publish("/t", number))
                 assert await listener.receive_data(1) == [number]
 
-    async def test_latched_message_reaches_late_subscribers(self, hub: Hub) -> None:
+    async def test_latched_message_reaches_late_subscribers(self, hub: HubServer) -> None:
         async with connected(hub.port) as talker, connected(hub.port) as listener:
             await talker.advertises("/t", latch=True)
             await talker.send(publish("/t", 1), publish("/t", 2))
@@ -226,7 +226,9 @@ class TestDelivery:
             await listener.send_operation("subscribe", topic="/t")
             assert await listener.receive_data(1) == [2]
 
-    async def test_throttled_message_is_not_sent_after_the_client_left(self, hub: Hub) -> None:
+    async def test_throttled_message_is_not_sent_after_the_client_left(
+        self, hub: HubServer
+    ) -> None:
         async with connected(hub.port) as talker, connected(hub.port) as listener:
             await listener.subscribes("/t", throttle_rate=50, queue_length=5)
             await talker.advertises("/t")
@@ -238,7 +240,7 @@ class TestDelivery:
 
 
 class TestNames:
-    async def test_older_client_of_a_name_is_closed(self, hub: Hub) -> None:
+    async def test_older_client_of_a_name_is_closed(self, hub: HubServer) -> None:
         async with connected(hub.port, "/?node=/a") as older:
             await older.subscribes("/t")
             async with connected(hub.port, "/?node=/a") as newer:
@@ -249,7 +251,7 @@ class TestNames:
                 assert nodes(hub) == ["/a"]
                 assert topics(hub) == []
 
-    async def test_operations_of_a_replaced_client_are_ignored(self, hub: Hub) -> None:
+    async def test_operations_of_a_replaced_client_are_ignored(self, hub: HubServer) -> None:
         async with connected(hub.port, "/?node=/a") as older:
             async with connected(hub.port, "/?node=/a") as newer:
                 await newer.subscribes("/t")
@@ -259,7 +261,7 @@ class TestNames:
                 await until(lambda: len(hub._connections) == 1)
                 await newer.is_processed()
 
-    async def test_replaced_client_gets_its_messages_before_the_close(self, hub: Hub) -> None:
+    async def test_replaced_client_gets_its_messages_before_the_close(self, hub: HubServer) -> None:
         async with connected(hub.port, "/?node=/a") as older, connected(hub.port) as talker:
             await older.subscribes("/t")
             await talker.advertises("/t")
@@ -271,7 +273,7 @@ class TestNames:
                     "new node registered with same name",
                 )
 
-    async def test_name_taken_many_times_leaves_one_client(self, hub: Hub) -> None:
+    async def test_name_taken_many_times_leaves_one_client(self, hub: HubServer) -> None:
         async with AsyncExitStack() as stack:
             for _ in range(50):
                 newest = await stack.enter_async_context(connected(hub.port, "/?node=a"))
@@ -291,7 +293,7 @@ class TestNames:
 
 class TestCrowd:
     @pytest.mark.long
-    async def test_thousand_clients_come_subscribe_and_leave(self, hub: Hub) -> None:
+    async def test_thousand_clients_come_subscribe_and_leave(self, hub: HubServer) -> None:
         _allow_files(4096)
         async with AsyncExitStack() as stack:
             crowd = [await stack.enter_async_context(dialled(hub.port)) for _ in range(1000)]
@@ -305,7 +307,7 @@ class TestCrowd:
             await until(lambda: not hub._connections and not topics(hub))
         assert nodes(hub) == []
 
-    async def test_silent_connections_are_forgotten(self, hub: Hub) -> None:
+    async def test_silent_connections_are_forgotten(self, hub: HubServer) -> None:
         async with AsyncExitStack() as stack:
             crowd = [await stack.enter_async_context(dialled(hub.port)) for _ in range(100)]
             await until(lambda: len(hub._connections) == 100)
@@ -314,7 +316,9 @@ class TestCrowd:
             await until(lambda: not hub._connections)
 
     @pytest.mark.parametrize("op", ["subscribe", "advertise"])
-    async def test_refused_operations_leave_nothing_in_the_graph(self, hub: Hub, op: str) -> None:
+    async def test_refused_operations_leave_nothing_in_the_graph(
+        self, hub: HubServer, op: str
+    ) -> None:
         async with connected(hub.port) as client:
             for number in range(10):
                 await client.send_operation(op, topic=f"/t{number}", type="std_msgs/NoSuchType")
@@ -323,7 +327,7 @@ class TestCrowd:
 
 
 class TestHealth:
-    async def test_counts_are_right(self, hub: Hub) -> None:
+    async def test_counts_are_right(self, hub: HubServer) -> None:
         async with connected(hub.port) as client, connected(hub.port):
             await client.subscribes("/t")
             health = await _health(hub)
@@ -343,7 +347,7 @@ async def _enter(client: Client) -> None:
     await client.subscribes("/t")
 
 
-async def _health(hub: Hub) -> dict[str, object]:
+async def _health(hub: HubServer) -> dict[str, object]:
     async with dialled(hub.port) as client:
         await client.send(b"GET /healthz HTTP/1.1\r\n\r\n")
         health: dict[str, object] = json.loads((await client.response())[2])
@@ -357,7 +361,7 @@ def _allow_files(count: int) -> None:
 
 
 async def test_hub_may_be_started_and_closed_without_a_block() -> None:
-    hub = Hub(Settings(port=0))
+    hub = HubServer(Settings(port=0))
     assert await hub.start() is hub
     async with fibws.Node("guest", hub=hub.url) as node:
         assert "/guest" in await node.graph.nodes()

@@ -11,7 +11,7 @@ import pytest
 from conftest import StartHub
 from ports import port as port
 
-from fibws.hub.server import DRAIN_INTERVAL, DRAIN_RATE, Hub
+from fibws.hub.server import DRAIN_INTERVAL, DRAIN_RATE, HubServer
 
 from .raw_client import CLOSE, Gone, connected, dialled, frame, publish, timers, until
 
@@ -72,7 +72,7 @@ class TestEnd:
                     pass
             assert not hub._connections
 
-    async def test_hub_may_be_closed_twice(self, hub: Hub) -> None:
+    async def test_hub_may_be_closed_twice(self, hub: HubServer) -> None:
         await hub.close()
         await hub.close()
 
@@ -107,7 +107,9 @@ class TestEnd:
             await hub.close()
         assert [timer for timer in timers() if "fibws" in repr(timer)] == []
 
-    async def test_leaving_is_logged_once(self, hub: Hub, caplog: pytest.LogCaptureFixture) -> None:
+    async def test_leaving_is_logged_once(
+        self, hub: HubServer, caplog: pytest.LogCaptureFixture
+    ) -> None:
         caplog.set_level(logging.INFO)
         async with connected(hub.port, "/?node=/a") as client:
             await client.is_processed()
@@ -162,7 +164,7 @@ class TestDrain:
             await draining
         assert sum(pauses) <= seconds
 
-    async def test_hub_without_clients_is_drained_at_once(self, hub: Hub) -> None:
+    async def test_hub_without_clients_is_drained_at_once(self, hub: HubServer) -> None:
         async with asyncio.timeout(60):
             await hub.drain(600)
 

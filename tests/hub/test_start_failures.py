@@ -22,7 +22,7 @@ from conftest import SETTINGS, Faults
 
 from fibws.errors import FibwsError, HubError
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.tls import CA
 
 from .raw_client import timers, until
@@ -66,7 +66,7 @@ TEXTS: dict[str, list[Any]] = {
 async def refused(**settings: Any) -> str:
     """Start a hub, and return the error's text."""
     with pytest.raises(FibwsError) as caught:
-        async with Hub(Settings(**{**SETTINGS, **settings})):
+        async with HubServer(Settings(**{**SETTINGS, **settings})):
             pass
     return str(caught.value)
 
@@ -183,7 +183,7 @@ async def test_recording_on_demand_needs_its_folder_at_the_start(tmp_path: Path)
 async def everything(tmp_path: Path, authority: Authority) -> AsyncIterator[dict[str, Any]]:
     """The settings of a hub with all parts."""
     certificate, key = authority.issue("localhost", "127.0.0.1")
-    async with Hub(Settings(**SETTINGS)) as other:
+    async with HubServer(Settings(**SETTINGS)) as other:
         yield {
             **SETTINGS,
             "close_timeout": 0.1,
@@ -251,12 +251,12 @@ async def test_start_that_is_cancelled_at_any_await_leaves_nothing(
     everything: dict[str, Any], faults: Faults
 ) -> None:
     async def start() -> None:
-        async with Hub(Settings(**everything)):
+        async with HubServer(Settings(**everything)):
             entered.append(True)
 
     entered: list[bool] = []
     loop = asyncio.get_running_loop()
-    async with Hub(Settings(**everything)):
+    async with HubServer(Settings(**everything)):
         pass  # What is loaded, and which threads are made, the first time.
     before = left()
     for last in itertools.count(1):
@@ -279,7 +279,7 @@ async def test_start_that_is_cancelled_at_any_await_leaves_nothing(
         "fibws.hub.ros1.server.own_names",
         "fibws.hub.rosapi.nodes.OwnNodes.__init__",
         "fibws.hub.federation.connections.Join.start",
-        "fibws.hub.server.Hub._warn_if_public",
+        "fibws.hub.server.HubServer._warn_if_public",
         "asyncio.base_events.Server.start_serving",
     ],
 )
@@ -289,13 +289,13 @@ async def test_start_that_fails_leaves_nothing(
     def fail(*arguments: object, **named: object) -> None:
         raise HubError("failed")
 
-    async with Hub(Settings(**everything)):
+    async with HubServer(Settings(**everything)):
         pass
     before = left()
     with monkeypatch.context() as patch:
         patch.setattr(failing, fail)
         with pytest.raises(HubError, match="failed"):
-            async with Hub(Settings(**everything)):
+            async with HubServer(Settings(**everything)):
                 pass
     await until(lambda: left() == before)
 
@@ -306,11 +306,11 @@ async def test_each_part_ends_even_if_others_fail(
     async def fail(self: object) -> None:
         raise HubError("failed")
 
-    async with Hub(Settings(**everything)):
+    async with HubServer(Settings(**everything)):
         pass
     before = left()
     monkeypatch.setattr("fibws.hub.ros2.server.Ros2.close", fail)
-    hub = Hub(Settings(**everything))
+    hub = HubServer(Settings(**everything))
     with pytest.raises(HubError, match="failed"):
         async with hub:
             pass

@@ -24,7 +24,7 @@ from fibws.access.web_tokens import WebTokens
 from fibws.errors import AuthenticationError
 from fibws.hub.access import sessions
 from fibws.hub.access.authentication import MOST_WRONG, Authentication
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import Settings
 
 from .raw_client import Gone, connected, dialled, handshake, longest_turn, nodes, until
@@ -56,7 +56,7 @@ def rewrite(path: Path, text: str) -> None:
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub, tokens: Path, tmp_path: Path) -> Hub:
+async def hub(start_hub: StartHub, tokens: Path, tmp_path: Path) -> HubServer:
     """A hub that takes tokens of its file and JSON web tokens; others may enter as anonymous."""
     key = tmp_path / "key"
     key.write_bytes(SECRET)
@@ -123,7 +123,7 @@ WAYS: dict[str, Callable[[str], dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("way", WAYS)
-async def test_right_token_enters(hub: Hub, way: str) -> None:
+async def test_right_token_enters(hub: HubServer, way: str) -> None:
     """Otherwise the other tests would show nothing."""
     for token in ("ann", RIGHT):
         async with connected(hub.port, **WAYS[way](token)) as client:
@@ -133,7 +133,7 @@ async def test_right_token_enters(hub: Hub, way: str) -> None:
 
 @pytest.mark.parametrize("token", WRONG.values(), ids=WRONG)
 async def test_wrong_token_is_refused(
-    hub: Hub, token: str, caplog: pytest.LogCaptureFixture
+    hub: HubServer, token: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     """By every way, and though anonymous clients may enter."""
     for way in WAYS.values():
@@ -159,7 +159,7 @@ def test_expiry_in_a_text_is_refused_or_read(tokens: Path, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("way", WAYS)
-async def test_token_of_a_megabyte_is_refused(hub: Hub, way: str) -> None:
+async def test_token_of_a_megabyte_is_refused(hub: HubServer, way: str) -> None:
     fields = WAYS[way]("a" * MEGABYTE)
     async with dialled(hub.port) as client, longest_turn() as longest:
         with suppress(OSError):  # The hub has closed before it has read everything.
@@ -169,7 +169,7 @@ async def test_token_of_a_megabyte_is_refused(hub: Hub, way: str) -> None:
     assert not nodes(hub)
 
 
-async def test_operation_with_a_token_of_a_megabyte_is_refused(hub: Hub) -> None:
+async def test_operation_with_a_token_of_a_megabyte_is_refused(hub: HubServer) -> None:
     token = ".".join(("a" * MEGABYTE, "b" * MEGABYTE, "c" * MEGABYTE))
     async with connected(hub.port) as client, longest_turn() as longest:
         await client.send_operation("auth", token=token)
@@ -196,7 +196,7 @@ async def test_operation_with_a_token_of_a_megabyte_is_refused(hub: Hub) -> None
     ],
 )
 async def test_first_token_of_a_request_counts(
-    hub: Hub, fields: dict[str, Any], name: str | None
+    hub: HubServer, fields: dict[str, Any], name: str | None
 ) -> None:
     """Whether it is right or wrong, so that no wrong one is tried for free."""
     async with connected(hub.port, **fields) as client:
@@ -216,7 +216,7 @@ def test_two_authorization_headers_are_refused(tokens: Path) -> None:
         authentication.log_in(headers, "/", [], None, "127.0.0.1")
 
 
-async def session(hub: Hub, token: str) -> str:
+async def session(hub: HubServer, token: str) -> str:
     """Log in as the hub's page does, and return the cookie."""
     async with dialled(hub.port) as page:
         host = f"127.0.0.1:{hub.port}"
@@ -239,7 +239,7 @@ def unforgiving(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("unforgiving")
-async def test_requests_that_any_page_can_send_count_against_nobody(hub: Hub) -> None:
+async def test_requests_that_any_page_can_send_count_against_nobody(hub: HubServer) -> None:
     """``<img src="http://127.0.0.1:9090/metrics?token=x">``, on a page that the operator reads."""
     foreign = {"Upgrade": "none", "Sec_Fetch_Site": "cross-site", "Sec_Fetch_Mode": "no-cors"}
     asset = "/assets/package/a/b.png?token=x"
@@ -255,7 +255,9 @@ async def test_requests_that_any_page_can_send_count_against_nobody(hub: Hub) ->
 
 @pytest.mark.usefixtures("unforgiving")
 @pytest.mark.parametrize("path", ["/metrics", "/login", "/assets/package/a/b.png"])
-async def test_wrong_tokens_in_the_header_count_and_a_right_one_passes(hub: Hub, path: str) -> None:
+async def test_wrong_tokens_in_the_header_count_and_a_right_one_passes(
+    hub: HubServer, path: str
+) -> None:
     statuses = []
     for token in ["wrong"] * (MOST_WRONG + 1) + ["boss"]:
         async with dialled(hub.port) as program:
@@ -269,7 +271,9 @@ async def test_wrong_tokens_in_the_header_count_and_a_right_one_passes(hub: Hub,
 
 
 @pytest.mark.usefixtures("unforgiving")
-async def test_guessing_is_slowed_and_logged(hub: Hub, caplog: pytest.LogCaptureFixture) -> None:
+async def test_guessing_is_slowed_and_logged(
+    hub: HubServer, caplog: pytest.LogCaptureFixture
+) -> None:
     codes = []
     for number in range(MOST_WRONG + 10):
         # A header that names another address each time counts only from a trusted proxy.
@@ -289,7 +293,7 @@ async def test_guessing_is_slowed_and_logged(hub: Hub, caplog: pytest.LogCapture
 
 
 @pytest.mark.usefixtures("unforgiving")
-async def test_guessing_by_operations_is_slowed(hub: Hub) -> None:
+async def test_guessing_by_operations_is_slowed(hub: HubServer) -> None:
     """Though the client has entered as anonymous."""
     async with connected(hub.port) as client:
         texts = []
@@ -323,7 +327,7 @@ def test_tokens_are_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -
 # What is kept.
 
 
-async def test_refused_token_does_not_outlive_the_right_one(hub: Hub) -> None:
+async def test_refused_token_does_not_outlive_the_right_one(hub: HubServer) -> None:
     """A client that holds a second token, which may not be its node, keeps no revoked rights."""
     async with connected(hub.port, "/?node=/ann", Authorization="Bearer ann") as client:
         await client.send_operation("auth", token="bob")
@@ -331,7 +335,7 @@ async def test_refused_token_does_not_outlive_the_right_one(hub: Hub) -> None:
         assert (await client.is_closed())[0] == 4403
 
 
-async def test_will_does_not_outlive_the_right_to_publish(hub: Hub, tokens: Path) -> None:
+async def test_will_does_not_outlive_the_right_to_publish(hub: HubServer, tokens: Path) -> None:
     async with connected(hub.port, Authorization="Bearer boss") as listener:
         await listener.subscribes("/x")
         async with connected(hub.port, "/?node=/ann", Authorization="Bearer ann") as client:
@@ -344,7 +348,7 @@ async def test_will_does_not_outlive_the_right_to_publish(hub: Hub, tokens: Path
         await listener.is_processed()
 
 
-async def test_log_holds_no_token(hub: Hub, caplog: pytest.LogCaptureFixture) -> None:
+async def test_log_holds_no_token(hub: HubServer, caplog: pytest.LogCaptureFixture) -> None:
     """However the request is refused."""
     caplog.set_level(logging.DEBUG)
     token = "fibws_secret"
@@ -386,7 +390,9 @@ async def test_log_holds_no_token(hub: Hub, caplog: pytest.LogCaptureFixture) ->
         "http://2130706433",
     ],
 )
-async def test_page_of_another_site_does_not_enter_with_the_cookie(hub: Hub, origin: str) -> None:
+async def test_page_of_another_site_does_not_enter_with_the_cookie(
+    hub: HubServer, origin: str
+) -> None:
     cookie = await session(hub, "ann")
     async with dialled(hub.port) as client:
         host = f"127.0.0.1:{hub.port}"
@@ -398,7 +404,9 @@ async def test_page_of_another_site_does_not_enter_with_the_cookie(hub: Hub, ori
 @pytest.mark.parametrize(
     "origin", ["http://127.0.0.1:1", "http://localhost:PORT", "http://[::1]:9", "http://127.0.0.1"]
 )
-async def test_page_of_another_port_does_not_enter_with_the_cookie(hub: Hub, origin: str) -> None:
+async def test_page_of_another_port_does_not_enter_with_the_cookie(
+    hub: HubServer, origin: str
+) -> None:
     """It may connect, but as anonymous: a browser sends a cookie to all ports of its host."""
     cookie = await session(hub, "ann")
     host = f"127.0.0.1:{hub.port}"
@@ -415,7 +423,7 @@ async def test_page_of_another_port_does_not_enter_with_the_cookie(hub: Hub, ori
 
 
 async def test_connections_of_the_oldest_session_end_with_it(
-    hub: Hub, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sessions, "MOST_OF_ONE", 2)
     first, second = await session(hub, "ann"), await session(hub, "ann")
@@ -432,7 +440,7 @@ async def test_connections_of_the_oldest_session_end_with_it(
         await other.is_processed()
 
 
-async def test_logout_ends_the_connections_of_the_session_alone(hub: Hub) -> None:
+async def test_logout_ends_the_connections_of_the_session_alone(hub: HubServer) -> None:
     first, second = await session(hub, "ann"), await session(hub, "ann")
     async with (
         connected(hub.port, Cookie=first) as tab,
@@ -449,7 +457,9 @@ async def test_logout_ends_the_connections_of_the_session_alone(hub: Hub) -> Non
         assert [each.principal.name for each in hub._connections if each.principal] == ["anonymous"]
 
 
-async def test_logout_verifies_no_token_again(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_logout_verifies_no_token_again(
+    hub: HubServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It would take long with many clients, and any page can log out as often as it wants."""
     cookie = await session(hub, "ann")
     async with connected(hub.port, Authorization=f"Bearer {RIGHT}") as client:
@@ -463,7 +473,7 @@ async def test_logout_verifies_no_token_again(hub: Hub, monkeypatch: pytest.Monk
     assert verified == []
 
 
-async def test_revoked_token_ends_its_sessions(hub: Hub, tokens: Path) -> None:
+async def test_revoked_token_ends_its_sessions(hub: HubServer, tokens: Path) -> None:
     cookie = await session(hub, "ann")
     async with connected(hub.port, Cookie=cookie) as tab:
         await tab.is_processed()
@@ -474,7 +484,7 @@ async def test_revoked_token_ends_its_sessions(hub: Hub, tokens: Path) -> None:
         assert await tab.is_closed() == (4401, "unknown token")
 
 
-async def test_health_shows_no_client_to_whoever_has_no_token(hub: Hub) -> None:
+async def test_health_shows_no_client_to_whoever_has_no_token(hub: HubServer) -> None:
     async with connected(hub.port, "/?node=/ann", receive_buffer=4096, Authorization="Bearer ann"):
         (connection,) = hub._connections
         connection.queue.dropped = 1  # As of one that reads too slowly.
@@ -487,7 +497,7 @@ async def test_health_shows_no_client_to_whoever_has_no_token(hub: Hub) -> None:
 
 @pytest.mark.parametrize("name", ["ann", "boss"])
 async def test_web_token_with_the_name_of_a_token_does_not_get_its_nodes(
-    hub: Hub, name: str
+    hub: HubServer, name: str
 ) -> None:
     """Users of the issuer may choose their names."""
     forged = jwt.encode({"sub": name, "fibws": {"allow": {"node": ["/**"]}}}, SECRET, "HS256")

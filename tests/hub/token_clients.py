@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 from fibws.access.token_file import digest_of
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.protocol.serialized import SUBPROTOCOL
 
 
@@ -97,7 +97,7 @@ async def closing(connection: ClientConnection) -> tuple[int, str]:
 class World:
     """A hub and its clients."""
 
-    def __init__(self, hub: Hub, stack: AsyncExitStack) -> None:
+    def __init__(self, hub: HubServer, stack: AsyncExitStack) -> None:
         self.hub = hub
         self._stack = stack
 
@@ -115,7 +115,7 @@ class World:
 
 @asynccontextmanager
 async def entering(
-    hub: Hub,
+    hub: HubServer,
     token: str | None,
     node: str | None = None,
     *,

@@ -25,7 +25,7 @@ from fibws.msg import default_interfaces
 from fibws.node.calls import ROUND_TRIP
 from fibws.node.outgoing_queue import LIMIT, PublisherLane
 from fibws.node.session import Session
-from fibws.node.types import Types
+from fibws.node.types import NodeTypes
 from fibws.protocol.serialized import ROS1, SUBPROTOCOL, deliver_head, read_publish
 from fibws.protocol.websocket import TEXT, client_frame, client_payload
 
@@ -321,8 +321,8 @@ def lines(session: Session) -> Lines:
 
 
 @pytest.fixture
-def types() -> Types:
-    return Types(time.time_ns)
+def types() -> NodeTypes:
+    return NodeTypes(time.time_ns)
 
 
 def sent_operations(session: FakeSession) -> list[dict[str, Any]]:

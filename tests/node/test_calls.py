@@ -17,7 +17,7 @@ from fibws.errors import (
     UnknownService,
 )
 from fibws.node.calls import MOST_CALLS, Calls
-from fibws.node.types import Types
+from fibws.node.types import NodeTypes
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsResponse, BadTwoInts
 from fibws.srv.std_srvs import Trigger
 
@@ -25,7 +25,7 @@ from .conftest import FakeSession, Lines, deliver, next_operation, sent_operatio
 
 
 @pytest.fixture
-def calls(session: FakeSession, types: Types) -> Calls:
+def calls(session: FakeSession, types: NodeTypes) -> Calls:
     return Calls(session, types)
 
 

@@ -25,7 +25,7 @@ from websockets.utils import accept_key
 import fibws
 from fibws.errors import NoHub
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _reason, _retries, _waits
@@ -45,8 +45,8 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-async def real_hub() -> AsyncIterator[Hub]:
-    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+async def real_hub() -> AsyncIterator[HubServer]:
+    async with HubServer(Settings(port=0, close_timeout=0.1)) as hub:
         yield hub
 
 
@@ -474,12 +474,12 @@ async def test_messages_that_were_read_before_a_loss_are_delivered(
 ) -> None:
     transports: list[asyncio.Transport] = []
 
-    class WebSocket(connection.WebSocket):
+    class WebSocket(connection.NodeWebSocket):
         def start(self, *, hold: bool) -> None:
             transports.append(self._transport)
             super().start(hold=hold)
 
-    monkeypatch.setattr(connection, "WebSocket", WebSocket)
+    monkeypatch.setattr(connection, "NodeWebSocket", WebSocket)
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         received: list[int] = []
@@ -591,7 +591,7 @@ async def test_frames_behind_the_handshake_are_read() -> None:
             assert await lines.next() == "The hub: hello"
 
 
-async def test_redirect_is_followed(real_hub: Hub) -> None:
+async def test_redirect_is_followed(real_hub: HubServer) -> None:
     with redirecting_server(f"http://127.0.0.1:{real_hub.port}/robot/") as url:
         async with fibws.Node("node", hub=url) as node:
             assert "/node" in await node.graph.nodes()

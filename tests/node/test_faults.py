@@ -19,7 +19,7 @@ from patience import PATIENCE
 import fibws
 from fibws.action.actionlib import TestRequest
 from fibws.errors import ActionError, HubUnreachable, NodeKilled, NodeReplaced, ServiceLost
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 from fibws.node import connection
 from fibws.srv.std_srvs import Trigger
@@ -98,12 +98,12 @@ async def _pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> N
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub) -> Hub:
+async def hub(start_hub: StartHub) -> HubServer:
     return await start_hub()
 
 
 @pytest.fixture
-async def gate(hub: Hub) -> AsyncIterator[Gate]:
+async def gate(hub: HubServer) -> AsyncIterator[Gate]:
     gate = Gate(hub.port)
     async with await asyncio.start_server(gate.serve, "127.0.0.1", 0) as server:
         gate.url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}"
@@ -167,7 +167,7 @@ class Other:
             await self.news.wait()
 
 
-async def check_all_is_back(hub: Hub, robot: Robot, other: fibws.Node) -> None:
+async def check_all_is_back(hub: HubServer, robot: Robot, other: fibws.Node) -> None:
     """Use everything that the robot has registered."""
     assert (await other.wait_for_message("map", Int32)).data == 7
     await other.wait_for_service("ready")
@@ -193,7 +193,7 @@ async def error_of(awaitable: Awaitable[Any]) -> BaseException:
     [(code, ()) for code in PASSING_CODES] + [(LOST, (each, each)) for each in PASSING_STATUSES],
 )
 async def test_what_passes_is_survived(
-    hub: Hub, gate: Gate, code: int, statuses: tuple[int, ...]
+    hub: HubServer, gate: Gate, code: int, statuses: tuple[int, ...]
 ) -> None:
     async with (
         asyncio.timeout(PATIENCE),
@@ -220,7 +220,7 @@ async def test_what_passes_is_survived(
     + [(LOST, status, HubUnreachable) for status in ENDING_STATUSES],
 )
 async def test_what_is_permanent_ends_the_node(
-    hub: Hub, gate: Gate, code: int, status: int | None, error: type[Exception]
+    hub: HubServer, gate: Gate, code: int, status: int | None, error: type[Exception]
 ) -> None:
     async with asyncio.timeout(PATIENCE), fibws.Node("other", hub=hub.url) as other:
         waiting = Other(other)

@@ -7,17 +7,17 @@ import logging
 import pytest
 
 from fibws.node.log import Loggers
-from fibws.node.services import Services
-from fibws.node.types import Types
+from fibws.node.services import NodeServices
+from fibws.node.types import NodeTypes
 from fibws.protocol.levels import LEVELS
 
 from .conftest import FakeSession, deliver, next_operation, sent_operations
 
 
 @pytest.fixture
-def log(session: FakeSession, types: Types) -> logging.Logger:
+def log(session: FakeSession, types: NodeTypes) -> logging.Logger:
     log = logging.Logger("/talker", logging.INFO)
-    Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
+    Loggers(log, NodeServices(session, types), lambda name: f"/talker/{name[1:]}")
     return log
 
 
@@ -65,11 +65,11 @@ async def test_level_between_two_is_reported_as_the_next_higher_one(
 
 
 async def test_child_loggers_are_listed_and_changed_separately(
-    session: FakeSession, types: Types
+    session: FakeSession, types: NodeTypes
 ) -> None:
     log = logging.getLogger("listed")
     log.setLevel(logging.INFO)
-    Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
+    Loggers(log, NodeServices(session, types), lambda name: f"/talker/{name[1:]}")
     sent_operations(session)
     arm = log.getChild("robot.arm")
     arm.setLevel(logging.NOTSET)
@@ -85,9 +85,9 @@ async def test_child_loggers_are_listed_and_changed_separately(
     )
 
 
-async def test_root_logger_contains_all_loggers(session: FakeSession, types: Types) -> None:
+async def test_root_logger_contains_all_loggers(session: FakeSession, types: NodeTypes) -> None:
     deep = logging.getLogger("library.deep")
-    Loggers(logging.getLogger(), Services(session, types), lambda name: f"/talker/{name[1:]}")
+    Loggers(logging.getLogger(), NodeServices(session, types), lambda name: f"/talker/{name[1:]}")
     sent_operations(session)
     deliver(session, "call_service", id="get", service="/talker/get_loggers", args={})
     first, *others = [each["name"] for each in (await next_operation(session))["values"]["loggers"]]
@@ -114,10 +114,10 @@ async def test_unknown_logger_or_level_is_refused(
 
 
 async def test_logger_without_a_level_has_that_of_its_parent(
-    session: FakeSession, types: Types
+    session: FakeSession, types: NodeTypes
 ) -> None:
     log = logging.Logger("mine")
     log.parent = logging.Logger("root", logging.ERROR)
-    Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
+    Loggers(log, NodeServices(session, types), lambda name: f"/talker/{name[1:]}")
     sent_operations(session)
     assert await level(session) == "error"

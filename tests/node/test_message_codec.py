@@ -10,7 +10,7 @@ from fibws.errors import InvalidMessage
 from fibws.interfaces import Message, Time
 from fibws.msg.geometry_msgs import Point, Point32, PointStamped, Polygon, Vector3
 from fibws.msg.std_msgs import Header
-from fibws.node.types import Types
+from fibws.node.types import NodeTypes
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from fibws.node.types import Types
         {"header": {"stamp": Time(1, 2)}, "point": {"x": 1, "y": 2, "z": 3}},
     ],
 )
-def test_message_and_nested_messages_may_be_dicts(types: Types, given: Any) -> None:
+def test_message_and_nested_messages_may_be_dicts(types: NodeTypes, given: Any) -> None:
     codec = types.codec(PointStamped)
     written = codec.write(given)
     assert written == {
@@ -32,19 +32,19 @@ def test_message_and_nested_messages_may_be_dicts(types: Types, given: Any) -> N
 
 
 @pytest.mark.parametrize(("given", "name"), [(Vector3(), "geometry_msgs/Vector3"), (5, "int")])
-def test_other_objects_are_refused(types: Types, given: object, name: str) -> None:
+def test_other_objects_are_refused(types: NodeTypes, given: object, name: str) -> None:
     with pytest.raises(TypeError, match=rf"expected \[geometry_msgs/Point\] but got \[{name}\]"):
         types.codec(Point).write(given)
 
 
-def test_two_classes_of_one_type_are_told_apart(types: Types) -> None:
+def test_two_classes_of_one_type_are_told_apart(types: NodeTypes) -> None:
     with pytest.raises(
         TypeError, match=r"test_message_codec\.Handmade is not fibws\.msg\.geometry_"
     ):
         types.codec(Point32).write(Handmade())
 
 
-def test_invalid_values_are_refused_in_both_directions(types: Types) -> None:
+def test_invalid_values_are_refused_in_both_directions(types: NodeTypes) -> None:
     codec = types.codec(Point)
     with pytest.raises(InvalidMessage, match="field x"):
         codec.write({"x": "1"})
@@ -81,7 +81,9 @@ class HandmadeHeir(Handmade):
 
 @pytest.mark.parametrize("given", [Handmade(1, 2), HandmadeHeir(1, 2), {"x": 1, "y": 2.0}])
 @pytest.mark.parametrize("class_", [Handmade, HandmadeHeir])
-def test_handwritten_class_is_accepted(types: Types, class_: type[Handmade], given: Any) -> None:
+def test_handwritten_class_is_accepted(
+    types: NodeTypes, class_: type[Handmade], given: Any
+) -> None:
     assert types.message_class(class_) is class_
     if isinstance(given, Message) and not isinstance(given, class_):
         with pytest.raises(TypeError, match=r"expected \[geometry_msgs/Point32\]"):
@@ -94,12 +96,12 @@ def test_handwritten_class_is_accepted(types: Types, class_: type[Handmade], giv
     assert read == Handmade(1, 2)
 
 
-def test_invalid_values_of_a_handwritten_class_are_refused(types: Types) -> None:
+def test_invalid_values_of_a_handwritten_class_are_refused(types: NodeTypes) -> None:
     with pytest.raises(InvalidMessage, match="field y"):
         types.codec(Handmade).write(Handmade(1, "2"))  # type: ignore[arg-type]
 
 
-def test_handwritten_classes_may_be_nested(types: Types) -> None:
+def test_handwritten_classes_may_be_nested(types: NodeTypes) -> None:
     written = types.codec(Polygon).write({"points": [Handmade(1, 2), {"z": 3}]})
     assert written == {"points": [{"x": 1.0, "y": 2.0, "z": 0.0}, {"x": 0.0, "y": 0.0, "z": 3.0}]}
 
@@ -108,6 +110,6 @@ def test_handwritten_classes_may_be_nested(types: Types) -> None:
     ("class_", "has_floats"), [(Point, True), (PointStamped, True), (Header, False)]
 )
 def test_codec_knows_whether_json_may_contain_infinity(
-    types: Types, class_: type[Message], has_floats: bool
+    types: NodeTypes, class_: type[Message], has_floats: bool
 ) -> None:
     assert types.codec(class_).has_floats == has_floats

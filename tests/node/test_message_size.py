@@ -14,7 +14,7 @@ import fibws
 from fibws.action.actionlib import TestRequest
 from fibws.action.nav_msgs import GetMap
 from fibws.errors import ActionError, MessageTooLarge
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.roscpp import SetLoggerLevel
 from fibws.srv.rospy_tutorials import AddTwoInts
@@ -27,7 +27,7 @@ HEAD = 5 + 4
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub) -> Hub:
+async def hub(start_hub: StartHub) -> HubServer:
     return await start_hub(max_message_size=LIMIT)
 
 
@@ -76,7 +76,7 @@ async def goal(node: fibws.Node) -> None:
     [published, latched, sent, sent_as_bytes, sent_to_one, will, parameter, called, goal],
 )
 async def test_what_the_hub_does_not_take_is_an_error_of_its_causer(
-    hub: Hub, act: Callable[[fibws.Node], Awaitable[None]]
+    hub: HubServer, act: Callable[[fibws.Node], Awaitable[None]]
 ) -> None:
     async with (
         asyncio.timeout(PATIENCE),
@@ -90,7 +90,7 @@ async def test_what_the_hub_does_not_take_is_an_error_of_its_causer(
         assert (await anext(numbers)).data == 7
 
 
-async def test_largest_message_is_sent(hub: Hub) -> None:
+async def test_largest_message_is_sent(hub: HubServer) -> None:
     async with (
         asyncio.timeout(PATIENCE),
         fibws.Node("robot", hub=hub.url) as node,
@@ -103,7 +103,7 @@ async def test_largest_message_is_sent(hub: Hub) -> None:
             await publisher.publish("x" * (LIMIT - HEAD + 1))
 
 
-async def test_response_that_the_hub_does_not_take_fails_the_call(hub: Hub) -> None:
+async def test_response_that_the_hub_does_not_take_fails_the_call(hub: HubServer) -> None:
     async with asyncio.timeout(PATIENCE), fibws.Node("robot", hub=hub.url) as node:
         await node.service("large", Trigger, lambda request: (True, LARGE))
         with pytest.raises(fibws.ServiceError, match=f"limit {LIMIT}"):
@@ -113,7 +113,7 @@ async def test_response_that_the_hub_does_not_take_fails_the_call(hub: Hub) -> N
 
 
 @pytest.mark.parametrize("over", ["topics", "operations"])
-async def test_result_that_the_hub_does_not_take_aborts_the_goal(hub: Hub, over: Any) -> None:
+async def test_result_that_the_hub_does_not_take_aborts_the_goal(hub: HubServer, over: Any) -> None:
     async def execute(goal: Any) -> dict[str, Any]:
         return {"map": {"data": [0] * LIMIT}}
 

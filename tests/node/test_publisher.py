@@ -11,8 +11,8 @@ import pytest
 from fibws.errors import InvalidMessage, NodeClosed, OperationRejected
 from fibws.msg.geometry_msgs import Point, Vector3
 from fibws.node.publisher import Publisher
-from fibws.node.topics import Topics
-from fibws.node.types import Types
+from fibws.node.topics import NodeTopics
+from fibws.node.types import NodeTypes
 from fibws.protocol.operations import Advertise
 from fibws.protocol.serialized import read_publish
 from fibws.protocol.websocket import client_payload
@@ -21,16 +21,16 @@ from .conftest import FakeSession, Lines, deliver, reconnected, sent_operations
 
 
 @pytest.fixture
-def topics(session: FakeSession) -> Topics:
-    return Topics(session)
+def topics(session: FakeSession) -> NodeTopics:
+    return NodeTopics(session)
 
 
-def advertise(topics: Topics, types: Types, **options: Any) -> Publisher[Point]:
+def advertise(topics: NodeTopics, types: NodeTypes, **options: Any) -> Publisher[Point]:
     return topics.advertise("/points", types.codec(Point), **{"queue_size": 2, **options})
 
 
 @pytest.fixture
-def points(session: FakeSession, topics: Topics, types: Types) -> Publisher[Point]:
+def points(session: FakeSession, topics: NodeTopics, types: NodeTypes) -> Publisher[Point]:
     points = advertise(topics, types)
     sent_operations(session)
     return points
@@ -51,7 +51,7 @@ async def test_message_is_given_whole_or_by_its_fields(
 
 
 def test_frame_has_the_publishers_number_and_the_serialized_message(
-    topics: Topics, types: Types
+    topics: NodeTopics, types: NodeTypes
 ) -> None:
     first, second = advertise(topics, types), advertise(topics, types)
     codec = types.codec(Point)
@@ -223,7 +223,7 @@ async def test_message_for_one_subscriber_names_it(
 
 
 async def test_message_for_one_subscriber_is_not_latched(
-    session: FakeSession, topics: Topics, types: Types
+    session: FakeSession, topics: NodeTopics, types: NodeTypes
 ) -> None:
     points = advertise(topics, types, latch=True)
     points._send(points._encode(1))
@@ -232,7 +232,7 @@ async def test_message_for_one_subscriber_is_not_latched(
 
 
 async def test_message_that_is_serialized_already_is_sent_as_it_is(
-    session: FakeSession, points: Publisher[Point], types: Types
+    session: FakeSession, points: Publisher[Point], types: NodeTypes
 ) -> None:
     message = types.codec(Point).serialize(Point(1, 2, 3))
     points._send(points._encode_serialized(message))
@@ -242,7 +242,7 @@ async def test_message_that_is_serialized_already_is_sent_as_it_is(
 
 @pytest.mark.parametrize("type_", ["geometry_msgs/Point", "unknown_msgs/Type"])
 async def test_serialized_messages_are_published_as_bytes(
-    topics: Topics, types: Types, lines: Lines, type_: str
+    topics: NodeTopics, types: NodeTypes, lines: Lines, type_: str
 ) -> None:
     codec = types.serialized(type_, "1" * 32, "float64 x")
     publisher = topics.advertise("/points", codec, queue_size=2)
@@ -261,7 +261,7 @@ async def test_serialized_messages_are_published_as_bytes(
         assert line.startswith("Dropped a message for /points: cannot be sent as JSON: ")
 
 
-def test_definition_of_serialized_standard_types_is_not_sent(types: Types) -> None:
+def test_definition_of_serialized_standard_types_is_not_sent(types: NodeTypes) -> None:
     for md5sum in (None, types.codec(Point).md5sum):
         assert types.serialized("geometry_msgs/Point", md5sum, "float64 x").definition is None
 

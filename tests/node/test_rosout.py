@@ -17,8 +17,8 @@ from fibws.msg.std_msgs import Int32
 from fibws.node.clock import Clock
 from fibws.node.log import Rosout
 from fibws.node.session import Session
-from fibws.node.topics import Topics
-from fibws.node.types import Types
+from fibws.node.topics import NodeTopics
+from fibws.node.types import NodeTypes
 
 from .conftest import ScriptedHub
 
@@ -60,7 +60,9 @@ async def test_topics_are_read_only_in_the_event_loop(hub: ScriptedHub) -> None:
 
 def test_other_threads_may_log_after_the_loop_has_closed() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log), Clock(session))
+    rosout = Rosout(
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+    )
     rosout.loop = asyncio.new_event_loop()
     rosout.loop.close()
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
@@ -69,7 +71,9 @@ def test_other_threads_may_log_after_the_loop_has_closed() -> None:
 
 def test_newest_lines_are_kept_without_a_hub() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log), Clock(session))
+    rosout = Rosout(
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+    )
     for _ in range(1000):
         rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
     assert len(session.outgoing) == 100
@@ -77,7 +81,9 @@ def test_newest_lines_are_kept_without_a_hub() -> None:
 
 def test_lone_surrogate_is_sent_as_a_question_mark() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log), Clock(session))
+    rosout = Rosout(
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+    )
     rosout.handle(logging.LogRecord("test", logging.INFO, "\udcff.py", 1, "\ud83d", (), None))
     ((frame, lane),) = session.outgoing._queue
     assert lane is not None
@@ -87,7 +93,9 @@ def test_lone_surrogate_is_sent_as_a_question_mark() -> None:
 
 def test_invalid_log_call_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log), Clock(session))
+    rosout = Rosout(
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+    )
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "%d", ("thirteen",), None))
     assert "%d format" in capsys.readouterr().err
     assert len(session.outgoing) == 0

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from fibws.node import session as module
-from fibws.node.services import MOST_CALLS, MOST_WAITING, Services, ServiceServer
-from fibws.node.types import Types
+from fibws.node.services import MOST_CALLS, MOST_WAITING, NodeServices, ServiceServer
+from fibws.node.types import NodeTypes
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 
 from .conftest import FakeSession, Lines, deliver, next_operation, sent_operations
@@ -22,9 +22,9 @@ Serve = Callable[[Any], ServiceServer[Any, Any]]
 
 
 @pytest.fixture
-def serve(session: FakeSession, types: Types) -> Serve:
+def serve(session: FakeSession, types: NodeTypes) -> Serve:
     """Serves ``/add``."""
-    services = Services(session, types)
+    services = NodeServices(session, types)
 
     def serve(handler: Any) -> ServiceServer[Any, Any]:
         server = services.serve("/add", AddTwoInts, handler)

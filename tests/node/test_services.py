@@ -7,16 +7,16 @@ from typing import Any
 import pytest
 
 from fibws.errors import AlreadyOffered, NodeClosed, OperationRejected
-from fibws.node.services import Services
-from fibws.node.types import Types
+from fibws.node.services import NodeServices
+from fibws.node.types import NodeTypes
 from fibws.srv.std_srvs import Trigger, TriggerRequest
 
 from .conftest import FakeSession, Lines, deliver, next_operation, reconnected, sent_operations
 
 
 @pytest.fixture
-def services(session: FakeSession, types: Types) -> Services:
-    return Services(session, types)
+def services(session: FakeSession, types: NodeTypes) -> NodeServices:
+    return NodeServices(session, types)
 
 
 def done(request: TriggerRequest) -> tuple[bool, str]:
@@ -28,7 +28,7 @@ def names(operations: list[dict[str, Any]]) -> list[tuple[str, str]]:
 
 
 async def test_services_are_advertised_and_unadvertised(
-    session: FakeSession, services: Services
+    session: FakeSession, services: NodeServices
 ) -> None:
     server = services.serve("/go", Trigger, done)
     assert (server.name, server.type) == ("/go", "std_srvs/Trigger")
@@ -47,7 +47,7 @@ async def test_services_are_advertised_and_unadvertised(
 
 
 async def test_remaining_services_are_advertised_on_a_new_connection(
-    session: FakeSession, services: Services
+    session: FakeSession, services: NodeServices
 ) -> None:
     session.on_disconnect()
     services.serve("/stay", Trigger, done)
@@ -57,7 +57,7 @@ async def test_remaining_services_are_advertised_on_a_new_connection(
 
 
 async def test_second_server_of_a_service_is_refused(
-    session: FakeSession, services: Services
+    session: FakeSession, services: NodeServices
 ) -> None:
     server = services.serve("/go", Trigger, done)
     with pytest.raises(AlreadyOffered, match="/go"):
@@ -66,12 +66,12 @@ async def test_second_server_of_a_service_is_refused(
     services.serve("/go", Trigger, done)
 
 
-async def test_handler_must_be_callable(services: Services) -> None:
+async def test_handler_must_be_callable(services: NodeServices) -> None:
     with pytest.raises(TypeError, match="a service's handler must be a function, got None"):
         services.serve("/go", Trigger, None)  # type: ignore[arg-type]
 
 
-async def test_calls_reach_their_services(session: FakeSession, services: Services) -> None:
+async def test_calls_reach_their_services(session: FakeSession, services: NodeServices) -> None:
     services.serve("/yes", Trigger, done)
     services.serve("/no", Trigger, lambda request: (False, "not done"))
     sent_operations(session)
@@ -85,7 +85,7 @@ async def test_calls_reach_their_services(session: FakeSession, services: Servic
 
 
 async def test_late_call_is_answered_with_an_error(
-    session: FakeSession, services: Services
+    session: FakeSession, services: NodeServices
 ) -> None:
     services.serve("/go", Trigger, done).close()
     sent_operations(session)
@@ -102,7 +102,7 @@ async def test_late_call_is_answered_with_an_error(
 
 
 async def test_refusal_is_raised_and_logged(
-    session: FakeSession, services: Services, lines: Lines
+    session: FakeSession, services: NodeServices, lines: Lines
 ) -> None:
     refused = services.serve("/go", Trigger, done)
     other = services.serve("/stay", Trigger, done)
@@ -117,7 +117,7 @@ async def test_refusal_is_raised_and_logged(
 
 
 async def test_service_after_the_end_of_the_node_is_refused(
-    session: FakeSession, services: Services
+    session: FakeSession, services: NodeServices
 ) -> None:
     server = services.serve("/go", Trigger, done)
     session.end()
@@ -127,7 +127,7 @@ async def test_service_after_the_end_of_the_node_is_refused(
 
 
 async def test_handler_may_receive_the_callers_header(
-    session: FakeSession, services: Services
+    session: FakeSession, services: NodeServices
 ) -> None:
     headers = []
 

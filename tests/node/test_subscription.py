@@ -11,7 +11,7 @@ import pytest
 from fibws.errors import NodeReplaced
 from fibws.msg.std_msgs import Int32
 from fibws.node.subscription import Received, Subscription
-from fibws.node.types import Types
+from fibws.node.types import NodeTypes
 from fibws.protocol.operations import Subscribe
 
 from .conftest import Lines
@@ -21,7 +21,7 @@ def subscription(
     queue_size: int | None = 10, *, headers: bool | None = None, **changes: Any
 ) -> Subscription[Int32]:
     arguments = {
-        "codec": Types(lambda: 0).codec(Int32),
+        "codec": NodeTypes(lambda: 0).codec(Int32),
         "withdraw": lambda subscription: None,
         "log": logging.Logger("test"),
     }

@@ -20,7 +20,7 @@ from fibws.access.rights import RIGHTS, Principal, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Settings
 from fibws.hub.graph.graph import Node as GraphNode
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 from fibws.node import connection
 
@@ -217,20 +217,20 @@ async def test_token_without_encryption_is_warned_about_once(
 
 
 @pytest.fixture
-async def token_hub(tmp_path: Path) -> AsyncIterator[tuple[Hub, TokenFile]]:
+async def token_hub(tmp_path: Path) -> AsyncIterator[tuple[HubServer, TokenFile]]:
     """A real hub that wants tokens, and their file."""
     path = tmp_path / "tokens.toml"
     path.touch()
     file = TokenFile(path)
     settings = Settings(port=0, close_timeout=0.1, tokens=path)
-    async with Hub(settings) as hub:
+    async with HubServer(settings) as hub:
         yield hub, file
 
 
 EVERYTHING = Rights({right: ("/**",) for right in RIGHTS})
 
 
-async def test_real_hub_lets_in_a_node_with_a_token(token_hub: tuple[Hub, TokenFile]) -> None:
+async def test_real_hub_lets_in_a_node_with_a_token(token_hub: tuple[HubServer, TokenFile]) -> None:
     hub, file = token_hub
     token = file.add("robot1", EVERYTHING)
     await reloaded(hub)
@@ -244,7 +244,7 @@ async def test_real_hub_lets_in_a_node_with_a_token(token_hub: tuple[Hub, TokenF
 @pytest.mark.parametrize("token", [None, "fibws_wrong"])
 @pytest.mark.parametrize("rosout", [True, False])
 async def test_real_hub_refuses_a_node_without_a_valid_token(
-    token_hub: tuple[Hub, TokenFile], token: str | None, rosout: bool
+    token_hub: tuple[HubServer, TokenFile], token: str | None, rosout: bool
 ) -> None:
     hub, _ = token_hub
     with pytest.raises(fibws.NotAuthorized):
@@ -253,7 +253,7 @@ async def test_real_hub_refuses_a_node_without_a_valid_token(
 
 
 async def test_real_hub_refuses_a_name_of_another_principal(
-    token_hub: tuple[Hub, TokenFile],
+    token_hub: tuple[HubServer, TokenFile],
 ) -> None:
     hub, file = token_hub
     first, second = file.add("first", EVERYTHING), file.add("second", EVERYTHING)
@@ -265,7 +265,7 @@ async def test_real_hub_refuses_a_name_of_another_principal(
         await node.flush()
 
 
-async def test_missing_right_is_named(token_hub: tuple[Hub, TokenFile]) -> None:
+async def test_missing_right_is_named(token_hub: tuple[HubServer, TokenFile]) -> None:
     hub, file = token_hub
     token = file.add("looker", Rights({"subscribe": ("/**",)}))
     await reloaded(hub)
@@ -276,7 +276,7 @@ async def test_missing_right_is_named(token_hub: tuple[Hub, TokenFile]) -> None:
 
 
 async def test_revoked_token_ends_a_node_of_a_real_hub(
-    token_hub: tuple[Hub, TokenFile],
+    token_hub: tuple[HubServer, TokenFile],
 ) -> None:
     hub, file = token_hub
     token = file.add("robot1", EVERYTHING)
@@ -302,7 +302,7 @@ async def test_web_token_is_renewed_at_a_real_hub(
     settings = Settings(port=0, close_timeout=0.1, jwt_key=key, jwt_leeway=0)
     file.write_text(token(1.5))
     renewed: asyncio.Queue[float | None] = asyncio.Queue()
-    async with Hub(settings) as hub:
+    async with HubServer(settings) as hub:
         authorize = hub.graph.authorize
 
         def report(node: GraphNode, name: str, principal: Principal) -> None:

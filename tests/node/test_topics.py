@@ -10,25 +10,25 @@ from fibws.errors import NodeClosed, NodeError, OperationRejected
 from fibws.msg.std_msgs import Int32
 from fibws.node.publisher import Publisher
 from fibws.node.subscription import ReportedType, Subscription
-from fibws.node.topics import Topics
-from fibws.node.types import ANY_TYPE, Types
+from fibws.node.topics import NodeTopics
+from fibws.node.types import ANY_TYPE, NodeTypes
 from fibws.protocol.serialized import deliver_head
 
 from .conftest import FakeSession, Lines, deliver, reconnected, sent_operations
 
 
 @pytest.fixture
-def topics(session: FakeSession) -> Topics:
-    return Topics(session)
+def topics(session: FakeSession) -> NodeTopics:
+    return NodeTopics(session)
 
 
-def advertise(topics: Topics, topic: str, **options: Any) -> Publisher[Int32]:
-    codec = Types(lambda: 0).codec(Int32)
+def advertise(topics: NodeTopics, topic: str, **options: Any) -> Publisher[Int32]:
+    codec = NodeTypes(lambda: 0).codec(Int32)
     return topics.advertise(topic, codec, **{"queue_size": 10, **options})
 
 
-def subscribe(topics: Topics, topic: str, **options: Any) -> Subscription[Int32]:
-    codec = Types(lambda: 0).codec(Int32)
+def subscribe(topics: NodeTopics, topic: str, **options: Any) -> Subscription[Int32]:
+    codec = NodeTypes(lambda: 0).codec(Int32)
     return topics.subscribe(topic, codec, **{"queue_size": 10, **options})
 
 
@@ -65,7 +65,9 @@ def subscribed(session: FakeSession, subscription: Subscription[Int32], topic_id
     )
 
 
-async def test_registrations_are_sent_and_taken_back(session: FakeSession, topics: Topics) -> None:
+async def test_registrations_are_sent_and_taken_back(
+    session: FakeSession, topics: NodeTopics
+) -> None:
     publisher = advertise(topics, "/a")
     subscription = subscribe(topics, "/s")
     for _ in range(2):
@@ -81,7 +83,7 @@ async def test_registrations_are_sent_and_taken_back(session: FakeSession, topic
 
 
 async def test_registrations_made_without_a_hub_are_sent_to_the_next(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     session.on_disconnect()
     advertise(topics, "/a")
@@ -93,7 +95,7 @@ async def test_registrations_made_without_a_hub_are_sent_to_the_next(
 
 
 async def test_latched_messages_follow_registrations_unless_newer_ones_wait(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     sent = advertise(topics, "/sent", latch=True)
     waiting = advertise(topics, "/waiting", latch=True)
@@ -114,7 +116,7 @@ async def test_latched_messages_follow_registrations_unless_newer_ones_wait(
 
 
 async def test_latched_message_is_sent_again_though_one_for_another_node_waits(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     publisher = advertise(topics, "/a", latch=True)
     publisher._send(publisher._encode(1))
@@ -127,7 +129,7 @@ async def test_latched_message_is_sent_again_though_one_for_another_node_waits(
 
 @pytest.mark.parametrize("serialized", [True, False])
 async def test_messages_reach_the_readers_of_their_topic(
-    session: FakeSession, topics: Topics, lines: Lines, serialized: bool
+    session: FakeSession, topics: NodeTopics, lines: Lines, serialized: bool
 ) -> None:
     first, second, other = (subscribe(topics, topic) for topic in ("/s", "/s", "/o"))
     if serialized:
@@ -142,7 +144,7 @@ async def test_messages_reach_the_readers_of_their_topic(
     assert lines.seen() == []
 
 
-async def test_header_comes_with_its_message(session: FakeSession, topics: Topics) -> None:
+async def test_header_comes_with_its_message(session: FakeSession, topics: NodeTopics) -> None:
     subscription = subscribe(topics, "/s", headers=True)
     deliver(session, "publish", topic="/s", msg={"data": 1}, header={"callerid": "/a"})
     deliver(session, "publish", topic="/s", msg={"data": 2}, header="none")
@@ -156,7 +158,7 @@ async def test_header_comes_with_its_message(session: FakeSession, topics: Topic
 
 
 async def test_numbers_of_topics_are_forgotten_with_the_hub(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     subscription = subscribe(topics, "/s")
     subscribed(session, subscription)
@@ -168,7 +170,7 @@ async def test_numbers_of_topics_are_forgotten_with_the_hub(
 
 @pytest.mark.parametrize("frame", [b"", b"\x01\x00", b"\x09" + bytes(20)])
 async def test_invalid_frame_is_logged(
-    session: FakeSession, topics: Topics, lines: Lines, frame: bytes
+    session: FakeSession, topics: NodeTopics, lines: Lines, frame: bytes
 ) -> None:
     session.receive_binary(frame)
     (line,) = lines.seen()
@@ -176,7 +178,7 @@ async def test_invalid_frame_is_logged(
 
 
 async def test_subscription_may_be_closed_while_a_message_is_delivered(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     received: list[tuple[str, int]] = []
 
@@ -195,7 +197,7 @@ async def test_subscription_may_be_closed_while_a_message_is_delivered(
     assert topics.names() == []
 
 
-async def test_refusal_ends_its_publisher_alone(session: FakeSession, topics: Topics) -> None:
+async def test_refusal_ends_its_publisher_alone(session: FakeSession, topics: NodeTopics) -> None:
     refusals: list[NodeError] = []
     refused = advertise(topics, "/a", refused=refusals.append)
     other = advertise(topics, "/b", refused=refusals.append)
@@ -208,7 +210,7 @@ async def test_refusal_ends_its_publisher_alone(session: FakeSession, topics: To
 
 
 async def test_refusal_of_a_publisher_is_logged_unless_its_owner_is_called(
-    session: FakeSession, topics: Topics, lines: Lines
+    session: FakeSession, topics: NodeTopics, lines: Lines
 ) -> None:
     refusals: list[NodeError] = []
     for refused in (None, refusals.append):
@@ -217,7 +219,9 @@ async def test_refusal_of_a_publisher_is_logged_unless_its_owner_is_called(
     assert lines.seen() == ["The hub refused the publisher of /a: no room"]
 
 
-async def test_refusal_ends_its_subscription_alone(session: FakeSession, topics: Topics) -> None:
+async def test_refusal_ends_its_subscription_alone(
+    session: FakeSession, topics: NodeTopics
+) -> None:
     refusals: list[OperationRejected] = []
     refused = subscribe(topics, "/a", refused=refusals.append)
     other = subscribe(topics, "/b")
@@ -230,14 +234,16 @@ async def test_refusal_ends_its_subscription_alone(session: FakeSession, topics:
 
 
 async def test_warning_about_a_registration_does_not_end_it(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     publisher = advertise(topics, "/a")
     deliver(session, "status", level="warning", id=publisher._id, msg="hm")
     publisher._send(publisher._encode())
 
 
-async def test_names_are_those_of_all_registrations(session: FakeSession, topics: Topics) -> None:
+async def test_names_are_those_of_all_registrations(
+    session: FakeSession, topics: NodeTopics
+) -> None:
     refused = advertise(topics, "/b")
     closed = advertise(topics, "/c")
     subscription = subscribe(topics, "/a")
@@ -249,7 +255,9 @@ async def test_names_are_those_of_all_registrations(session: FakeSession, topics
     assert topics.names() == []
 
 
-async def test_nothing_is_registered_after_the_end(session: FakeSession, topics: Topics) -> None:
+async def test_nothing_is_registered_after_the_end(
+    session: FakeSession, topics: NodeTopics
+) -> None:
     session.end()
     assert topics.over
     for register in (advertise, subscribe):
@@ -258,7 +266,7 @@ async def test_nothing_is_registered_after_the_end(session: FakeSession, topics:
 
 
 async def test_peers_are_reported_by_the_registrations_id(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     first, second = advertise(topics, "/a", peers=True), advertise(topics, "/b", peers=True)
     subscription = subscribe(topics, "/a", peers=True)
@@ -275,7 +283,7 @@ async def test_peers_are_reported_by_the_registrations_id(
 
 
 @pytest.mark.parametrize("end", ["disconnect", "close", "refuse", "end"])
-async def test_peers_are_forgotten(session: FakeSession, topics: Topics, end: str) -> None:
+async def test_peers_are_forgotten(session: FakeSession, topics: NodeTopics, end: str) -> None:
     publisher, subscription = advertise(topics, "/a", peers=True), subscribe(topics, "/a")
     for id_ in (publisher._id, subscription._id):
         deliver(session, "peers", id=id_, topic="/a", nodes=["/b"])
@@ -294,7 +302,7 @@ async def test_peers_are_forgotten(session: FakeSession, topics: Topics, end: st
 
 
 async def test_readers_get_a_turn_when_a_queue_is_full(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     turns: list[int] = []
     session.connect(session.frames, serialized=False, end_turn=lambda: turns.append(len(sent)))
@@ -310,21 +318,21 @@ async def test_readers_get_a_turn_when_a_queue_is_full(
     assert turns == [3, 4]
 
 
-async def test_queue_size_is_sent_to_the_hub(session: FakeSession, topics: Topics) -> None:
+async def test_queue_size_is_sent_to_the_hub(session: FakeSession, topics: NodeTopics) -> None:
     subscribe(topics, "/a", queue_size=3)
     subscribe(topics, "/b", queue_size=None)
     assert [each["queue_length"] for each in sent_operations(session)] == [3, 10_000]
 
 
 async def test_reconnection_repeats_registrations_with_their_ids(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     ids = [advertise(topics, "/a")._id, subscribe(topics, "/s")._id]
     assert [each["id"] for each in reconnected(session)] == ids
 
 
 async def test_subscription_gets_nothing_before_the_hub_has_answered_it(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     """Another one of the node may hear the topic already: with no headers, or of no known type."""
     taken: list[tuple[int, bytes, str]] = []
@@ -335,7 +343,7 @@ async def test_subscription_gets_nothing_before_the_hub_has_answered_it(
     first = subscribe(topics, "/s")
     subscribed(session, first)
     typed = subscribe(topics, "/s", headers=True)
-    codec = Types(lambda: 0).serialized(ANY_TYPE, None, None)
+    codec = NodeTypes(lambda: 0).serialized(ANY_TYPE, None, None)
     any_ = topics.subscribe("/s", codec, queue_size=None, headers=True, take_serialized=take)
     header = b'{"callerid":"/b"}'
     delivers(session, first, 1)
@@ -351,11 +359,11 @@ async def test_subscription_gets_nothing_before_the_hub_has_answered_it(
 
 
 async def test_messages_have_the_type_that_their_topic_had(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     """A topic whose type has changed has another number; older messages may still arrive."""
     taken: list[str] = []
-    codec = Types(lambda: 0).serialized(ANY_TYPE, None, None)
+    codec = NodeTypes(lambda: 0).serialized(ANY_TYPE, None, None)
     any_ = topics.subscribe(
         "/s",
         codec,
@@ -375,7 +383,7 @@ async def test_messages_have_the_type_that_their_topic_had(
 
 
 async def test_number_that_went_to_another_topic_reaches_that_one_alone(
-    session: FakeSession, topics: Topics
+    session: FakeSession, topics: NodeTopics
 ) -> None:
     first, second = subscribe(topics, "/first"), subscribe(topics, "/second")
     subscribed(session, first)

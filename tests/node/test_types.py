@@ -13,7 +13,7 @@ import fibws.msg
 from fibws.interfaces import Interfaces
 from fibws.msg import _finder
 from fibws.msg.std_msgs import Int32
-from fibws.node.types import Types
+from fibws.node.types import NodeTypes
 from fibws.srv.rospy_tutorials import AddTwoInts
 
 from .conftest import ScriptedHub
@@ -39,8 +39,8 @@ def fresh(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("FIBWS_INTERFACES", raising=False)
 
 
-def types() -> Types:
-    return Types(time.time_ns)
+def types() -> NodeTypes:
+    return NodeTypes(time.time_ns)
 
 
 def test_class_is_found_by_the_name_of_its_type() -> None:
@@ -112,7 +112,7 @@ async def test_definition_is_sent_with_the_advertisement(
 
 @pytest.mark.parametrize("given", [Int32(), int, 5, None])
 def test_other_things_than_classes_and_names_are_refused(given: Any) -> None:
-    types = Types(lambda: 0)
+    types = NodeTypes(lambda: 0)
     for find in (types.message_class, types.service_class, types.action_class):
         with pytest.raises(TypeError, match="class or the name of a type, got"):
             find(given)

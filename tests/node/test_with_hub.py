@@ -20,7 +20,7 @@ from rospy.msg import AnyMsg
 import fibws
 from fibws.errors import CallRefused, ServiceError
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.fibws_msgs import PublisherInfo, SubscriptionStatistics
 from fibws.msg.geometry_msgs import Point, Pose, PoseStamped, TransformStamped, Twist, Vector3
 from fibws.msg.nav_msgs import Path as NavPath
@@ -39,12 +39,14 @@ from .stubborn import Stubborn
 
 
 @pytest.fixture
-async def real_hub() -> AsyncIterator[Hub]:
-    async with Hub(Settings(port=0)) as hub:
+async def real_hub() -> AsyncIterator[HubServer]:
+    async with HubServer(Settings(port=0)) as hub:
         yield hub
 
 
-async def test_node_may_subscribe_with_a_wrong_type_beside_the_right_one(real_hub: Hub) -> None:
+async def test_node_may_subscribe_with_a_wrong_type_beside_the_right_one(
+    real_hub: HubServer,
+) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         wrong = ear.subscribe("/a", String)
@@ -60,7 +62,7 @@ async def test_node_may_subscribe_with_a_wrong_type_beside_the_right_one(real_hu
         assert await anext(wrong) == String("x")
 
 
-async def test_node_receives_messages_of_another(real_hub: Hub) -> None:
+async def test_node_receives_messages_of_another(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         speeds = ear.subscribe("speed", Twist)
@@ -76,7 +78,7 @@ async def test_node_receives_messages_of_another(real_hub: Hub) -> None:
         assert (await anext(lines)).msg == "too fast"
 
 
-async def test_types_with_equal_fields_are_compatible(real_hub: Hub) -> None:
+async def test_types_with_equal_fields_are_compatible(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         publisher = await talker.advertise("/tf", TFMessage, latch=True)
@@ -88,7 +90,7 @@ async def test_types_with_equal_fields_are_compatible(real_hub: Hub) -> None:
         assert await anext(messages) == tfMessage()
 
 
-async def test_every_message_arrives_once_and_in_order(real_hub: Hub) -> None:
+async def test_every_message_arrives_once_and_in_order(real_hub: HubServer) -> None:
     count = 20_000
     async with fibws.Node("node", hub=real_hub.url) as node:
         numbers = node.subscribe("numbers", Int32, queue_size=count)
@@ -105,7 +107,7 @@ async def test_every_message_arrives_once_and_in_order(real_hub: Hub) -> None:
 
 
 async def test_serialized_messages_arrive_with_their_publisher_time_and_type(
-    real_hub: Hub,
+    real_hub: HubServer,
 ) -> None:
     url = real_hub.url
     arrived: asyncio.Queue[Any] = asyncio.Queue()
@@ -123,7 +125,7 @@ async def test_serialized_messages_arrive_with_their_publisher_time_and_type(
     assert "uint32 height" in type_.definition
 
 
-async def test_large_messages_arrive(real_hub: Hub) -> None:
+async def test_large_messages_arrive(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         images = node.subscribe("image", Image)
         publisher = await node.advertise("image", Image)
@@ -133,7 +135,7 @@ async def test_large_messages_arrive(real_hub: Hub) -> None:
 
 @pytest.mark.parametrize("who_is_wrong", ["publisher", "subscriber"])
 async def test_node_that_uses_another_type_is_warned_and_begins_once_it_fits(
-    real_hub: Hub, who_is_wrong: str
+    real_hub: HubServer, who_is_wrong: str
 ) -> None:
     async with (
         fibws.Node("wrong", hub=real_hub.url) as wrong,
@@ -163,7 +165,7 @@ async def test_node_that_uses_another_type_is_warned_and_begins_once_it_fits(
 
 
 async def test_definition_of_a_custom_type_reaches_the_hub(
-    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    real_hub: HubServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     messages = tmp_path / "orchard" / "msg"
     messages.mkdir(parents=True)
@@ -178,7 +180,9 @@ async def test_definition_of_a_custom_type_reaches_the_hub(
         assert (await anext(subscription)).apples == 255
 
 
-async def test_wait_for_message_loses_no_message_of_another_subscription(real_hub: Hub) -> None:
+async def test_wait_for_message_loses_no_message_of_another_subscription(
+    real_hub: HubServer,
+) -> None:
     count = 990
     async with (
         fibws.Node("talker", hub=real_hub.url) as talker,
@@ -202,14 +206,14 @@ async def test_wait_for_message_loses_no_message_of_another_subscription(real_hu
         assert (await first).data == 0
 
 
-async def test_second_node_of_the_same_name_ends_the_first(real_hub: Hub) -> None:
+async def test_second_node_of_the_same_name_ends_the_first(real_hub: HubServer) -> None:
     async with fibws.Node("talker", hub=real_hub.url) as first:
         async with fibws.Node("talker", hub=real_hub.url):
             with pytest.raises(fibws.NodeReplaced):
                 await first.spin()
 
 
-async def test_killed_node_does_not_reconnect(real_hub: Hub) -> None:
+async def test_killed_node_does_not_reconnect(real_hub: HubServer) -> None:
     async with (
         fibws.Node("talker", hub=real_hub.url) as talker,
         fibws.Node("killer", hub=real_hub.url) as killer,
@@ -231,14 +235,14 @@ async def test_killed_node_does_not_reconnect(real_hub: Hub) -> None:
         assert gone == PingNode.Response(success=False, message="Node /talker does not exist")
 
 
-async def test_node_may_kill_itself(real_hub: Hub) -> None:
+async def test_node_may_kill_itself(real_hub: HubServer) -> None:
     async with fibws.Node("tired", hub=real_hub.url) as node:
         assert (await node.call("/rosapi/kill_node", KillNode, {"node": "/tired"})).success
         with pytest.raises(fibws.NodeKilled):
             await node.spin()
 
 
-async def test_node_can_read_the_graph_and_the_statistics(real_hub: Hub) -> None:
+async def test_node_can_read_the_graph_and_the_statistics(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         numbers = node.subscribe("numbers", Int32)
         publisher = await node.advertise("numbers", Int32)
@@ -257,7 +261,7 @@ async def test_node_can_read_the_graph_and_the_statistics(real_hub: Hub) -> None
 
 
 async def test_nodes_reconnect_soon_after_the_hub_returns(port: int) -> None:
-    async with Hub(Settings(port=port)) as hub:
+    async with HubServer(Settings(port=port)) as hub:
         url = hub.url
         talker, ear = fibws.Node("talker", hub=url), fibws.Node("ear", hub=url)
         lines = Lines(ear.log)
@@ -269,7 +273,7 @@ async def test_nodes_reconnect_soon_after_the_hub_returns(port: int) -> None:
         await latched.publish("kept")
     assert "Lost the hub" in await lines.next()
     await publisher.publish(1)
-    async with Hub(Settings(port=port)):
+    async with HubServer(Settings(port=port)):
         async with asyncio.timeout(PATIENCE):
             assert (await anext(ear.subscribe("latched", String))).data == "kept"
             await publisher.publish(2)
@@ -281,7 +285,7 @@ async def test_nodes_reconnect_soon_after_the_hub_returns(port: int) -> None:
 
 async def test_messages_published_without_a_hub_reach_the_subscribers(port: int) -> None:
     async with asyncio.timeout(60), contextlib.AsyncExitStack() as stack:
-        async with Hub(Settings(port=port)) as hub:
+        async with HubServer(Settings(port=port)) as hub:
             url = hub.url
             talker = await stack.enter_async_context(fibws.Node("talker", hub=url))
             ear = await stack.enter_async_context(fibws.Node("ear", hub=url))
@@ -296,7 +300,7 @@ async def test_messages_published_without_a_hub_reach_the_subscribers(port: int)
         for number in range(8):
             await publisher.publish(number)
         assert publisher.dropped == 3
-        async with Hub(Settings(port=port)):
+        async with HubServer(Settings(port=port)):
             async with asyncio.timeout(PATIENCE):
                 kept = [(await anext(numbers)).data for _ in range(5)]
             await publisher.publish(8)
@@ -311,7 +315,7 @@ def add(request: AddTwoIntsRequest) -> int:
     return request.a + request.b
 
 
-async def test_node_calls_a_service_of_another(real_hub: Hub) -> None:
+async def test_node_calls_a_service_of_another(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
         await server.service("add", AddTwoInts, add)
@@ -322,7 +326,7 @@ async def test_node_calls_a_service_of_another(real_hub: Hub) -> None:
         assert await server.call("add", AddTwoInts) == AddTwoInts.Response(0)
 
 
-async def test_infinity_and_nan_arrive_in_requests_and_responses(real_hub: Hub) -> None:
+async def test_infinity_and_nan_arrive_in_requests_and_responses(real_hub: HubServer) -> None:
     def plan(request: GetPlanRequest) -> GetPlanResponse:
         return GetPlanResponse(NavPath(poses=[request.start, request.goal]))
 
@@ -336,7 +340,7 @@ async def test_infinity_and_nan_arrive_in_requests_and_responses(real_hub: Hub) 
         assert repr(found) == repr(sent)
 
 
-async def test_many_calls_are_handled_concurrently(real_hub: Hub) -> None:
+async def test_many_calls_are_handled_concurrently(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
         all_there = asyncio.Barrier(50)
@@ -354,7 +358,7 @@ async def test_many_calls_are_handled_concurrently(real_hub: Hub) -> None:
 
 
 @pytest.mark.long
-async def test_thousand_calls_at_once_are_answered(real_hub: Hub) -> None:
+async def test_thousand_calls_at_once_are_answered(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
         await server.service("add", AddTwoInts, add)
@@ -373,7 +377,7 @@ async def test_service_timeout_of_the_hub_is_raised(start_hub: StartHub) -> None
             await node.call("slow", Trigger)
 
 
-async def test_failed_calls_raise_with_their_texts(real_hub: Hub) -> None:
+async def test_failed_calls_raise_with_their_texts(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
 
         def fail(request: object) -> tuple[bool, str]:
@@ -398,7 +402,7 @@ async def test_failed_calls_raise_with_their_texts(real_hub: Hub) -> None:
     ],
 )
 async def test_text_of_a_server_is_not_mistaken_for_an_error_of_the_hub(
-    real_hub: Hub, text: str
+    real_hub: HubServer, text: str
 ) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
 
@@ -412,7 +416,7 @@ async def test_text_of_a_server_is_not_mistaken_for_an_error_of_the_hub(
         assert (raised.value.code, raised.value.text) == ("server_failed", text)
 
 
-async def test_node_that_loses_a_service_or_an_action_logs_a_warning(real_hub: Hub) -> None:
+async def test_node_that_loses_a_service_or_an_action_logs_a_warning(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("older", hub=url) as older, fibws.Node("newer", hub=url) as newer:
         lines = Lines(older.log)
@@ -427,7 +431,7 @@ async def test_node_that_loses_a_service_or_an_action_logs_a_warning(real_hub: H
         assert await lines.next() == "The hub: /fib has another server now: /newer"
 
 
-async def test_hub_knows_registrations_when_they_return(real_hub: Hub) -> None:
+async def test_hub_knows_registrations_when_they_return(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
         for number in range(20):
@@ -446,7 +450,9 @@ async def test_hub_knows_registrations_when_they_return(real_hub: Hub) -> None:
 
 async def test_refused_service_and_action_are_raised() -> None:
     async with (
-        Hub(Settings(port=0, max_advertisements=3)) as hub,  # One more than the log's own two.
+        HubServer(
+            Settings(port=0, max_advertisements=3)
+        ) as hub,  # One more than the log's own two.
         fibws.Node("node", hub=hub.url, rosout=False) as node,
     ):
         lines = Lines(node.log)
@@ -462,7 +468,7 @@ async def test_refused_service_and_action_are_raised() -> None:
                 await node.action_server("/second", fibonacci, lambda goal: None)
 
 
-async def test_refused_publisher_is_raised(real_hub: Hub) -> None:
+async def test_refused_publisher_is_raised(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         lines = Lines(node.log)
         await node.advertise("/numbers", Int32)
@@ -471,7 +477,7 @@ async def test_refused_publisher_is_raised(real_hub: Hub) -> None:
         assert lines.seen() == []
 
 
-async def test_refused_publisher_that_is_not_awaited_is_logged(real_hub: Hub) -> None:
+async def test_refused_publisher_that_is_not_awaited_is_logged(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         lines = Lines(node.log)
         await node.advertise("/numbers", Int32)
@@ -484,7 +490,7 @@ async def test_refused_publisher_that_is_not_awaited_is_logged(real_hub: Hub) ->
         assert lines.seen() == []
 
 
-async def test_call_fails_at_once_when_its_server_leaves(real_hub: Hub) -> None:
+async def test_call_fails_at_once_when_its_server_leaves(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("client", hub=url) as client:
         async with fibws.Node("server", hub=url) as server:
@@ -504,7 +510,7 @@ async def test_call_fails_at_once_when_its_server_leaves(real_hub: Hub) -> None:
                 await call
 
 
-async def test_call_to_a_slow_server_times_out_in_client_and_hub(real_hub: Hub) -> None:
+async def test_call_to_a_slow_server_times_out_in_client_and_hub(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         may = asyncio.Event()
 
@@ -521,7 +527,7 @@ async def test_call_to_a_slow_server_times_out_in_client_and_hub(real_hub: Hub) 
 
 async def test_services_and_clients_reconnect_with_the_hub(port: int) -> None:
     async with asyncio.timeout(60), contextlib.AsyncExitStack() as stack:
-        async with Hub(Settings(port=port)) as hub:
+        async with HubServer(Settings(port=port)) as hub:
             url = hub.url
             server = await stack.enter_async_context(fibws.Node("server", hub=url))
             client = await stack.enter_async_context(fibws.Node("client", hub=url))
@@ -530,13 +536,13 @@ async def test_services_and_clients_reconnect_with_the_hub(port: int) -> None:
             lines = Lines(client.log)
         assert "Lost the hub" in await lines.next()
         call = asyncio.create_task(client.call("add", AddTwoInts, {"a": 1, "b": 2}))
-        async with Hub(Settings(port=port)):
+        async with HubServer(Settings(port=port)):
             assert (await call).sum == 3
             await stack.aclose()
 
 
 async def test_definition_of_a_custom_service_reaches_the_hub(
-    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    real_hub: HubServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for kind in ("msg", "srv"):
         (tmp_path / "meadow" / kind).mkdir(parents=True)
@@ -553,7 +559,7 @@ async def test_definition_of_a_custom_service_reaches_the_hub(
 # Extensions of fibws to rosbridge
 
 
-async def test_header_of_a_message_names_its_publisher(real_hub: Hub) -> None:
+async def test_header_of_a_message_names_its_publisher(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         numbers = await talker.advertise("numbers", Int32, latch=True, headers={"user": "ann"})
@@ -572,7 +578,7 @@ async def test_header_of_a_message_names_its_publisher(real_hub: Hub) -> None:
         assert late.connection_header == {"callerid": "/talker", "latching": "0"}
 
 
-async def test_header_of_a_request_names_its_caller(real_hub: Hub) -> None:
+async def test_header_of_a_request_names_its_caller(real_hub: HubServer) -> None:
     def who(request: object, header: dict[str, str]) -> tuple[bool, str]:
         return True, f"{header['callerid']} {header.get('user')}"
 
@@ -589,7 +595,7 @@ async def test_header_of_a_request_names_its_caller(real_hub: Hub) -> None:
         await caller.call("/rosapi/statistics", GetStatistics, headers={"user": "ann"})
 
 
-async def test_header_of_a_response_names_its_server(real_hub: Hub) -> None:
+async def test_header_of_a_response_names_its_server(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("provider", hub=url) as provider, fibws.Node("caller", hub=url) as caller:
         await provider.service("who", Trigger, lambda request: (True, "me"))
@@ -601,7 +607,7 @@ async def test_header_of_a_response_names_its_server(real_hub: Hub) -> None:
         assert header == {"callerid": "/rosapi"}
 
 
-async def test_publishers_and_subscribers_know_each_other(real_hub: Hub) -> None:
+async def test_publishers_and_subscribers_know_each_other(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker:
         numbers = await talker.advertise("numbers", Int32, peers=True)
@@ -624,7 +630,7 @@ async def test_publishers_and_subscribers_know_each_other(real_hub: Hub) -> None
     assert subscription.peers.names == []
 
 
-async def test_message_for_a_new_subscriber_reaches_only_that_one(real_hub: Hub) -> None:
+async def test_message_for_a_new_subscriber_reaches_only_that_one(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("first", hub=url) as first:
         numbers = await talker.advertise("numbers", Int32, peers=True, latch=True)
@@ -649,7 +655,7 @@ async def test_message_for_a_new_subscriber_reaches_only_that_one(real_hub: Hub)
 
 
 async def test_peers_are_known_again_after_reconnection(port: int) -> None:
-    async with Hub(Settings(port=port)) as hub:
+    async with HubServer(Settings(port=port)) as hub:
         node = fibws.Node("talker", hub=hub.url)
         await node.__aenter__()
         try:
@@ -660,14 +666,14 @@ async def test_peers_are_known_again_after_reconnection(port: int) -> None:
                 pass
             await hub.close()
             assert await anext(changes) == []
-            async with asyncio.timeout(60), Hub(Settings(port=port)):
+            async with asyncio.timeout(60), HubServer(Settings(port=port)):
                 # Before the node subscribes, its publisher has no other subscribers.
                 assert await anext(changes) == ["/talker"]
         finally:
             await node.__aexit__(None, None, None)
 
 
-async def test_node_leaves_though_a_handler_does_not_end(real_hub: Hub) -> None:
+async def test_node_leaves_though_a_handler_does_not_end(real_hub: HubServer) -> None:
     handler = Stubborn()
     async with fibws.Node("caller", hub=real_hub.url) as caller, asyncio.timeout(PATIENCE):
         async with fibws.Node("server", hub=real_hub.url) as node:
@@ -683,7 +689,7 @@ async def test_node_leaves_though_a_handler_does_not_end(real_hub: Hub) -> None:
     await handler.ends()
 
 
-async def test_unbounded_queue_loses_nothing(real_hub: Hub) -> None:
+async def test_unbounded_queue_loses_nothing(real_hub: HubServer) -> None:
     count = 5000
     async with fibws.Node("talker", hub=real_hub.url) as node:
         numbers = await node.advertise("numbers", Int32, queue_size=count)
@@ -701,7 +707,7 @@ async def test_unbounded_queue_loses_nothing(real_hub: Hub) -> None:
 # Serialized messages
 
 
-async def test_messages_of_any_type_are_not_decoded(real_hub: Hub) -> None:
+async def test_messages_of_any_type_are_not_decoded(real_hub: HubServer) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         early = ear.subscribe("numbers", AnyMsg, headers=True)
@@ -715,7 +721,7 @@ async def test_messages_of_any_type_are_not_decoded(real_hub: Hub) -> None:
         assert early.type == late.type == "std_msgs/Int32"
 
 
-async def test_infinity_and_nan_arrive_unchanged(real_hub: Hub) -> None:
+async def test_infinity_and_nan_arrive_unchanged(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         floats = await node.advertise("floats", Float64, latch=True)
         subscription = node.subscribe("floats", Float64)
@@ -726,7 +732,7 @@ async def test_infinity_and_nan_arrive_unchanged(real_hub: Hub) -> None:
         assert math.isnan(received[2])
 
 
-async def test_serialized_message_is_forwarded(real_hub: Hub) -> None:
+async def test_serialized_message_is_forwarded(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         numbers = await node.advertise("numbers", Int32, latch=True)
         subscription = node.subscribe("numbers", Int32)
@@ -735,7 +741,7 @@ async def test_serialized_message_is_forwarded(real_hub: Hub) -> None:
 
 
 async def test_subscriber_may_define_a_custom_type_first(
-    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    real_hub: HubServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "vineyard" / "msg").mkdir(parents=True)
     (tmp_path / "vineyard" / "msg" / "Tree.msg").write_text("uint8 apples\n")
@@ -748,7 +754,7 @@ async def test_subscriber_may_define_a_custom_type_first(
         assert (await anext(subscription)).apples == 5
 
 
-async def test_type_with_another_md5_is_refused(real_hub: Hub) -> None:
+async def test_type_with_another_md5_is_refused(real_hub: HubServer) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         subscription = node.subscribe("numbers", Int32)
         codec = node._types.codec(Int32)

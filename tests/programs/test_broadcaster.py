@@ -16,7 +16,7 @@ from websockets.asyncio.client import connect
 
 import fibws
 from fibws.broadcaster import command, next_type
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, UInt8, UInt16
 
@@ -25,7 +25,9 @@ INT8 = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55, 89]
 
 
 @asynccontextmanager
-async def receiving(hub: Hub, topic: str) -> AsyncIterator[Callable[[int], Awaitable[list[int]]]]:
+async def receiving(
+    hub: HubServer, topic: str
+) -> AsyncIterator[Callable[[int], Awaitable[list[int]]]]:
     """Yield a function that returns the numbers on a topic up to a number."""
     async with connect(hub.url) as websocket:
         await websocket.send(json.dumps({"op": "subscribe", "topic": topic}))
@@ -68,7 +70,7 @@ def test_refusal_of_the_first_type_is_an_error() -> None:
         next_type(REFUSED, INT8_, INT8_, "widen")
 
 
-async def test_numbers_are_published_and_logged(hub: Hub, start: Start) -> None:
+async def test_numbers_are_published_and_logged(hub: HubServer, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         numbers = node.subscribe("fibonacci", Int32, queue_size=1000)
         lines = node.subscribe("/rosout", Log)
@@ -83,7 +85,7 @@ async def test_numbers_are_published_and_logged(hub: Hub, start: Start) -> None:
         assert entry.topics == ["/fibonacci", "/rosout"]
 
 
-async def test_names_can_be_chosen(hub: Hub, start: Start) -> None:
+async def test_names_can_be_chosen(hub: HubServer, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         lines = node.subscribe("/rosout", Log)
         numbers = node.subscribe("/robot/numbers", Int32)
@@ -93,7 +95,7 @@ async def test_names_can_be_chosen(hub: Hub, start: Start) -> None:
         assert (await anext(lines)).name == "/robot/counter"
 
 
-async def test_restart_on_overflow(hub: Hub, start: Start) -> None:
+async def test_restart_on_overflow(hub: HubServer, start: Start) -> None:
     async with receiving(hub, "/fibonacci") as numbers:
         program = await start(
             BROADCASTER, "--hub", hub.url, "--rate", "200", "--type", "std_msgs/Int8"
@@ -107,7 +109,7 @@ async def test_restart_on_overflow(hub: Hub, start: Start) -> None:
     assert printed == [*INT8, 0, 1]
 
 
-async def test_int32_holds_47_numbers(hub: Hub, start: Start) -> None:
+async def test_int32_holds_47_numbers(hub: HubServer, start: Start) -> None:
     program = await start(BROADCASTER, "--hub", hub.url, "--rate", "1000")
     warning = await program.error_line()
     assert ": 2971215073 does not fit a std_msgs/Int32: " in warning
@@ -115,7 +117,7 @@ async def test_int32_holds_47_numbers(hub: Hub, start: Start) -> None:
     assert printed[46:] == [1836311903, 0]
 
 
-async def test_stop_on_overflow(hub: Hub, start: Start) -> None:
+async def test_stop_on_overflow(hub: HubServer, start: Start) -> None:
     program = await start(
         *(BROADCASTER, "--hub", hub.url, "--rate", "1000"),
         *("--type", "std_msgs/Int8", "--on-overflow", "stop"),
@@ -126,7 +128,7 @@ async def test_stop_on_overflow(hub: Hub, start: Start) -> None:
     assert re.fullmatch(r"\[WARN\] \[.*\]: 144 does not fit a std_msgs/Int8: .*\n", err)
 
 
-async def test_widen_on_overflow(hub: Hub, start: Start) -> None:
+async def test_widen_on_overflow(hub: HubServer, start: Start) -> None:
     async with receiving(hub, "/fibonacci") as numbers:
         program = await start(
             *(BROADCASTER, "--hub", hub.url, "--rate", "100"),
@@ -138,7 +140,7 @@ async def test_widen_on_overflow(hub: Hub, start: Start) -> None:
 
 
 async def test_listener_of_the_narrower_type_does_not_stop_the_wider_one(
-    hub: Hub, start: Start
+    hub: HubServer, start: Start
 ) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         numbers = node.subscribe("fibonacci", UInt8, queue_size=1000)
@@ -156,7 +158,7 @@ async def test_listener_of_the_narrower_type_does_not_stop_the_wider_one(
             assert (await anext(wider)).data >= 377
 
 
-async def test_topic_of_another_type_is_a_warning(hub: Hub, start: Start) -> None:
+async def test_topic_of_another_type_is_a_warning(hub: HubServer, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         await node.advertise("fibonacci", UInt8)
         program = await start(BROADCASTER, "--hub", hub.url, "--rate", "100")
@@ -165,7 +167,7 @@ async def test_topic_of_another_type_is_a_warning(hub: Hub, start: Start) -> Non
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 async def test_ctrl_c_ends_it_without_failure(
-    hub: Hub, start: Start, number: signal.Signals
+    hub: HubServer, start: Start, number: signal.Signals
 ) -> None:
     program = await start(BROADCASTER, "--hub", hub.url)
     await program.line()
@@ -175,7 +177,7 @@ async def test_ctrl_c_ends_it_without_failure(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 async def test_ctrl_c_ends_the_wait_for_a_hub(
-    hub: Hub, start: Start, number: signal.Signals
+    hub: HubServer, start: Start, number: signal.Signals
 ) -> None:
     url = hub.url
     await hub.close()
@@ -185,7 +187,7 @@ async def test_ctrl_c_ends_the_wait_for_a_hub(
     assert await program.end() == (0, "", "")
 
 
-async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
+async def test_closed_pipe_ends_it_quietly(hub: HubServer, start: Start) -> None:
     program = await start(BROADCASTER, "--hub", hub.url, "--rate", "5")
     await program.line()
     program.stop_reading()
@@ -193,7 +195,7 @@ async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
     assert (code, err) == (0, "")
 
 
-async def test_second_node_of_the_same_name_ends_the_first(hub: Hub, start: Start) -> None:
+async def test_second_node_of_the_same_name_ends_the_first(hub: HubServer, start: Start) -> None:
     first = await start(BROADCASTER, "--hub", hub.url, "--node-name", "counter")
     await first.line()
     second = await start(BROADCASTER, "--hub", hub.url, "--node-name", "counter")

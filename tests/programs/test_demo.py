@@ -15,7 +15,8 @@ from running_programs import Start
 
 from fibws import demo
 from fibws.errors import HubError
-from fibws.hub.server import Hub
+from fibws.hub import Hub
+from fibws.hub.server import HubServer
 
 DEMO = ("fibws", "demo", "--rate", "100")
 
@@ -36,7 +37,7 @@ async def test_demo_runs_a_hub_and_both_nodes(start: Start) -> None:
     assert (code, err) == (0, "")
 
 
-async def test_port_is_that_of_the_environment(hub: Hub, start: Start) -> None:
+async def test_port_is_that_of_the_environment(hub: HubServer, start: Start) -> None:
     program = await start(*DEMO, FIBWS_PORT=str(hub.port))
     assert hub.url in await program.line()
     program.send(signal.SIGTERM)
@@ -58,7 +59,7 @@ async def test_invalid_setting_of_the_environment_is_an_error(start: Start) -> N
     assert "FIBWS_PORT must be between 0 and 65535, got 70000" in err
 
 
-async def test_demo_uses_a_running_hub(hub: Hub, start: Start) -> None:
+async def test_demo_uses_a_running_hub(hub: HubServer, start: Start) -> None:
     program = await start(*DEMO, "--port", str(hub.port))
     assert hub.url in await program.line()
     for _ in range(6):

@@ -10,7 +10,7 @@ from running_programs import Start
 
 import fibws
 from fibws.action.move_base_msgs import MoveBase
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.diagnostic_msgs import DiagnosticArray
 from fibws.msg.geometry_msgs import PoseStamped, Twist, Vector3
 from fibws.msg.move_base_msgs import MoveBaseGoal
@@ -23,7 +23,7 @@ from fibws.ros1.urdf import read_urdf
 
 
 @pytest.fixture
-async def node(hub: Hub, start: Start) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer, start: Start) -> AsyncIterator[fibws.Node]:
     await start("fibws.demo_robot.robot_node", FIBWS_HUB=hub.url)
     async with fibws.Node("test", hub=hub.url) as node:
         yield node

@@ -12,7 +12,7 @@ from running_programs import Start
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 
 REAL = Path("/usr/lib/diagnostic_aggregator/aggregator_node")
@@ -114,7 +114,7 @@ async def settled(node: fibws.Node, topic: str) -> list[Row]:
 
 
 @pytest.mark.long
-async def test_items_are_sorted_into_a_tree(hub: Hub, start: Start) -> None:
+async def test_items_are_sorted_into_a_tree(hub: HubServer, start: Start) -> None:
     hub.graph.parameters.set("/diagnostic_aggregator", PARAMETERS)
     async with fibws.Node("test", hub=hub.url) as node:
         tops = node.subscribe("/diagnostics_toplevel_state", DiagnosticStatus)
@@ -135,7 +135,7 @@ async def test_items_are_sorted_into_a_tree(hub: Hub, start: Start) -> None:
 @pytest.mark.skipif(not REAL.is_file(), reason="Debian's diagnostic_aggregator is not installed")
 async def test_tree_is_that_of_ros(start: Start, tmp_path: Path) -> None:
     settings = Settings(port=0, ros1=0, ros1_host="127.0.0.1")
-    async with Hub(settings) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(settings) as hub, fibws.Node("test", hub=hub.url) as node:
         assert hub.ros1 is not None
         for name in ("/ours", "/theirs"):
             hub.graph.parameters.set(name, PARAMETERS)

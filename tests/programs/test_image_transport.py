@@ -8,14 +8,14 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.sensor_msgs import CompressedImage, Image
 
 REPUBLISH = ("fibws", "run", "image_transport", "republish")
 
 
 @pytest.mark.long
-async def test_images_are_compressed_and_decompressed(hub: Hub, start: Start) -> None:
+async def test_images_are_compressed_and_decompressed(hub: HubServer, start: Start) -> None:
     async with fibws.Node("camera", hub=hub.url) as node:
         await node.params.set("/small/compressed/format", "png")
         raw = await node.advertise("/camera/image", Image, peers=True)
@@ -43,7 +43,7 @@ async def test_images_are_compressed_and_decompressed(hub: Hub, start: Start) ->
 
 
 @pytest.mark.long
-async def test_invalid_arguments_are_errors(hub: Hub, start: Start) -> None:
+async def test_invalid_arguments_are_errors(hub: HubServer, start: Start) -> None:
     code, _, err = await (await start(*REPUBLISH, "compresed")).end()
     assert code == 1 and "did you mean compressed?" in err
     code, _, err = await (await start(*REPUBLISH)).end()

@@ -8,14 +8,14 @@ import signal
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Float64, Int32
 
 LISTENER = "fibws.listener"
 
 
-async def test_numbers_are_logged(hub: Hub, start: Start) -> None:
+async def test_numbers_are_logged(hub: HubServer, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         numbers = await node.advertise("fibonacci", Int32, latch=True)
         lines = node.subscribe("/rosout", Log)
@@ -28,7 +28,7 @@ async def test_numbers_are_logged(hub: Hub, start: Start) -> None:
         assert re.fullmatch(rf"/fibonacci_listener_{program.pid}_\d{{13}}", line.name)
 
 
-async def test_names_and_type_can_be_chosen(hub: Hub, start: Start) -> None:
+async def test_names_and_type_can_be_chosen(hub: HubServer, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         numbers = await node.advertise("numbers", Float64, latch=True)
         lines = node.subscribe("/rosout", Log)
@@ -41,7 +41,7 @@ async def test_names_and_type_can_be_chosen(hub: Hub, start: Start) -> None:
         assert (await anext(lines)).name == "/ear"
 
 
-async def test_numbers_of_a_broadcaster_are_logged(hub: Hub, start: Start) -> None:
+async def test_numbers_of_a_broadcaster_are_logged(hub: HubServer, start: Start) -> None:
     listener = await start(LISTENER, "--hub", hub.url, "--node-name", "ear")
     await start("fibws.broadcaster", "--hub", hub.url, "--rate", "50")
     first = int((await listener.line()).split()[-1])
@@ -52,7 +52,7 @@ async def test_numbers_of_a_broadcaster_are_logged(hub: Hub, start: Start) -> No
     assert (code, err) == (0, "")
 
 
-async def test_topic_of_another_type_is_a_warning(hub: Hub, start: Start) -> None:
+async def test_topic_of_another_type_is_a_warning(hub: HubServer, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         await node.advertise("fibonacci", Float64)
         program = await start(LISTENER, "--hub", hub.url)

@@ -10,7 +10,7 @@ from patience import PATIENCE
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
 
 YAML = "image: a.pgm\nresolution: 0.5\norigin: [1, 2, {}]\nnegate: 0\n"
@@ -25,7 +25,9 @@ def map_of(folder: Path, *pixels: int, yaw: float = 0.0) -> Path:
     return file
 
 
-async def test_map_is_served_changed_and_saved(hub: Hub, start: Start, tmp_path: Path) -> None:
+async def test_map_is_served_changed_and_saved(
+    hub: HubServer, start: Start, tmp_path: Path
+) -> None:
     first = map_of(tmp_path / "first", 0, 254, 205, 0, yaw=1.0)
     other = map_of(tmp_path / "other", 0, 254)
     server = ("fibws", "run", "map_server", "map_server")

@@ -10,7 +10,7 @@ import pytest
 from running_programs import ROOT
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Empty
 
@@ -36,7 +36,7 @@ def test_all_public_names_exist() -> None:
         fibws.Master  # type: ignore[attr-defined]  # noqa: B018
 
 
-async def test_plain_with_and_for_are_answered_with_what_to_write(hub: Hub) -> None:
+async def test_plain_with_and_for_are_answered_with_what_to_write(hub: HubServer) -> None:
     node: Any = fibws.Node("talker", hub=hub.url)
     with pytest.raises(TypeError, match="write async with, not with, for a Node"):
         with node:
@@ -47,7 +47,7 @@ async def test_plain_with_and_for_are_answered_with_what_to_write(hub: Hub) -> N
                 list(loop)
 
 
-async def test_internal_names_are_not_suggested(hub: Hub) -> None:
+async def test_internal_names_are_not_suggested(hub: HubServer) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         publisher: Any = await node.advertise("chatter", String)
         service: Any = await node.service("reset", Empty, lambda request: {})

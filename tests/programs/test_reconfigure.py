@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from running_programs import Start
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 SERVER = Path(__file__).parents[1] / "ros1" / "scripts" / "reconfigure" / "server.py"
 
 
 @pytest.mark.long
 async def test_dynparam_changes_the_parameters_of_a_server(
-    hub: Hub, start: Start, tmp_path: Path
+    hub: HubServer, start: Start, tmp_path: Path
 ) -> None:
     url = hub.url
     server = await start("fibws.rospy", str(SERVER), FIBWS_HUB=url)

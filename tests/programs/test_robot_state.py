@@ -12,7 +12,7 @@ from running_programs import Start
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.sensor_msgs import JointState
 from fibws.msg.std_msgs import Header
 from fibws.msg.tf2_msgs import TFMessage
@@ -36,7 +36,7 @@ async def watch(node: fibws.Node, topic: str) -> dict[tuple[str, str], Numbers]:
 
 @pytest.mark.long
 async def test_launch_file_publishes_the_frames_of_a_robot(
-    hub: Hub, start: Start, tmp_path: Path
+    hub: HubServer, start: Start, tmp_path: Path
 ) -> None:
     (tmp_path / "arm.urdf").write_text(ARM)
     launch = tmp_path / "arm.launch"
@@ -69,7 +69,7 @@ async def test_launch_file_publishes_the_frames_of_a_robot(
 
 
 @pytest.mark.long
-async def test_invalid_or_missing_description_is_an_error(hub: Hub, start: Start) -> None:
+async def test_invalid_or_missing_description_is_an_error(hub: HubServer, start: Start) -> None:
     words = ("fibws", "run", "robot_state_publisher", "robot_state_publisher")
     code, _, err = await (await start(*words, FIBWS_HUB=hub.url)).end()
     assert code == 1
@@ -84,7 +84,7 @@ async def test_invalid_or_missing_description_is_an_error(hub: Hub, start: Start
 @pytest.mark.skipif(not REAL.is_file(), reason="Debian's robot_state_publisher is not installed")
 async def test_transforms_are_those_of_ros(start: Start, tmp_path: Path) -> None:
     settings = Settings(port=0, ros1=0, ros1_host="127.0.0.1")
-    async with Hub(settings) as hub, fibws.Node("test", hub=hub.url) as node:
+    async with HubServer(settings) as hub, fibws.Node("test", hub=hub.url) as node:
         assert hub.ros1 is not None
         hub.graph.parameters.set("/robot_description", ARM)
         environment = {key: value for key, value in os.environ.items() if "PYTHON" not in key}

@@ -6,7 +6,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.std_msgs import Header
 from fibws.msg.tf2_msgs import TFMessage
@@ -14,7 +14,7 @@ from fibws.msg.tf2_msgs import TFMessage
 REMAP = ("fibws", "run", "tf", "tf_remap")
 
 
-async def test_frames_get_other_names(hub: Hub, start: Start) -> None:
+async def test_frames_get_other_names(hub: HubServer, start: Start) -> None:
     mappings = [{"old": "/body", "new": "base_link"}, {"old": "laser", "new": "/lidar"}]
     hub.graph.parameters.set("/tf_remapper/mappings", mappings)
     async with fibws.Node("test", hub=hub.url) as node:
@@ -35,7 +35,9 @@ async def test_frames_get_other_names(hub: Hub, start: Start) -> None:
 
 @pytest.mark.parametrize("mappings", [5, [5], [{"old": "a"}], [{"old": "a", "new": 7}]])
 @pytest.mark.long
-async def test_invalid_mappings_are_an_error(hub: Hub, start: Start, mappings: object) -> None:
+async def test_invalid_mappings_are_an_error(
+    hub: HubServer, start: Start, mappings: object
+) -> None:
     hub.graph.parameters.set("/tf_remapper/mappings", mappings)
     code, _, err = await (await start(*REMAP, FIBWS_HUB=hub.url)).end()
     assert code == 1 and "~mappings must" in err

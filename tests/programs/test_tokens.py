@@ -13,7 +13,7 @@ import fibws
 from fibws.access.rights import RIGHTS, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32, String
 
 SCRIPT = """
@@ -56,7 +56,7 @@ async def token_hub(tmp_path: Path) -> AsyncIterator[TokenHub]:
     everything = {right: ("/**",) for right in RIGHTS}
     robot = file.add("robot", Rights(everything, {"param_write": ("/ros*",)}))
     settings = Settings(port=0, close_timeout=0.1, tokens=tmp_path / "tokens.toml")
-    async with Hub(settings) as hub:
+    async with HubServer(settings) as hub:
         yield TokenHub(hub.url, robot, tmp_path)
 
 
@@ -83,7 +83,7 @@ async def test_topic_that_may_not_be_read_is_not_waited_for(
 ) -> None:
     file = token_hub.folder / "more.toml"
     token = TokenFile(file).add("blind", Rights({"publish": ("/chatter",)}))
-    async with Hub(Settings(port=0, tokens=file)) as hub:
+    async with HubServer(Settings(port=0, tokens=file)) as hub:
         words = ("topic", "echo", "/secret", "--hub", hub.url)
         program = await start("fibws", *words, FIBWS_TOKEN=token)
         code, _, err = await program.end()

@@ -9,7 +9,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Point
 from fibws.msg.std_msgs import Float64, Header, Int32, String
 from fibws.srv.topic_tools import (
@@ -26,7 +26,7 @@ RUN = ("fibws", "run", "topic_tools")
 
 
 @pytest.fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("test", hub=hub.url) as node:
         yield node
 
@@ -39,7 +39,7 @@ async def has_subscriber(publisher: fibws.Publisher[Int32, ...]) -> None:
 
 
 async def test_relay_passes_on_latched_messages_of_any_type(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     words = await node.advertise("/robot/words", String, latch=True)
     await words.publish(String("hello"))
@@ -50,7 +50,7 @@ async def test_relay_passes_on_latched_messages_of_any_type(
 
 
 async def test_drop_leaves_out_the_first_of_each_number(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     numbers = await node.advertise("/numbers", Int32, queue_size=100, peers=True)
     found = node.subscribe("/some", Int32, queue_size=None)
@@ -62,7 +62,7 @@ async def test_drop_leaves_out_the_first_of_each_number(
 
 
 async def test_throttle_passes_on_the_first_message(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     numbers = await node.advertise("/numbers", Int32, latch=True)
     await numbers.publish(Int32(7))
@@ -72,7 +72,9 @@ async def test_throttle_passes_on_the_first_message(
 
 
 @pytest.mark.long
-async def test_delay_publishes_in_order_later(hub: Hub, start: Start, node: fibws.Node) -> None:
+async def test_delay_publishes_in_order_later(
+    hub: HubServer, start: Start, node: fibws.Node
+) -> None:
     numbers = await node.advertise("/numbers", Int32, queue_size=100, peers=True)
     found = node.subscribe("/numbers_delay", Int32, queue_size=None)
     await start(*RUN, "delay", "/numbers", "0.2", FIBWS_HUB=hub.url)
@@ -84,7 +86,9 @@ async def test_delay_publishes_in_order_later(hub: Hub, start: Start, node: fibw
     assert node.now().to_sec() - before >= 0.2
 
 
-async def test_mux_passes_on_the_selected_topic(hub: Hub, start: Start, node: fibws.Node) -> None:
+async def test_mux_passes_on_the_selected_topic(
+    hub: HubServer, start: Start, node: fibws.Node
+) -> None:
     first = await node.advertise("/first", Int32, latch=True)
     second = await node.advertise("/second", Int32, latch=True)
     await first.publish(Int32(1))
@@ -109,7 +113,7 @@ async def test_mux_passes_on_the_selected_topic(hub: Hub, start: Start, node: fi
 
 
 @pytest.mark.long
-async def test_mux_is_changed_by_commands(hub: Hub, start: Start, node: fibws.Node) -> None:
+async def test_mux_is_changed_by_commands(hub: HubServer, start: Start, node: fibws.Node) -> None:
     selected = node.subscribe("/mux/selected", String)
     await start(*RUN, "mux", "/chosen", "/first", FIBWS_HUB=hub.url)
     assert (await anext(selected)).data == "/first"
@@ -128,7 +132,7 @@ async def test_mux_is_changed_by_commands(hub: Hub, start: Start, node: fibws.No
 
 
 async def test_transform_publishes_what_an_expression_gives(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     point = await node.advertise("/pen/point", Point, latch=True)
     await point.publish(Point(3.0, 4.0, 0.0))
@@ -141,7 +145,7 @@ async def test_transform_publishes_what_an_expression_gives(
 
 
 async def test_relay_field_fills_fields_with_expressions(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     words = await node.advertise("/words", String, latch=True)
     await words.publish(String("map"))
@@ -153,7 +157,7 @@ async def test_relay_field_fills_fields_with_expressions(
 
 
 async def test_demux_passes_messages_on_to_the_selected_topic(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     numbers = await node.advertise("/numbers", Int32, peers=True)
     selected = node.subscribe("/demux/selected", String)
@@ -198,7 +202,7 @@ rospy.spin()
 
 
 async def test_lazy_transport_subscribes_while_it_is_needed(
-    hub: Hub, start: Start, node: fibws.Node, tmp_path: Path
+    hub: HubServer, start: Start, node: fibws.Node, tmp_path: Path
 ) -> None:
     script = tmp_path / "twice.py"
     script.write_text(LAZY)
@@ -233,7 +237,7 @@ async def test_lazy_transport_subscribes_while_it_is_needed(
 )
 @pytest.mark.long
 async def test_wrong_arguments_are_errors(
-    hub: Hub, start: Start, words: list[str], text: str
+    hub: HubServer, start: Start, words: list[str], text: str
 ) -> None:
     program = await start(*RUN, *words, FIBWS_HUB=hub.url)
     code, _, err = await program.end()

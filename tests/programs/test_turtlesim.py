@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Twist, Vector3
 from fibws.msg.sensor_msgs import CompressedImage
 from fibws.msg.turtlesim import Color, Pose
@@ -62,13 +62,13 @@ while not rospy.is_shutdown():
 
 
 @pytest.fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("test", hub=hub.url) as node:
         yield node
 
 
 @pytest.fixture
-async def simulator(hub: Hub, start: Start, node: fibws.Node) -> None:
+async def simulator(hub: HubServer, start: Start, node: fibws.Node) -> None:
     await start("fibws.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
     await node.wait_for_service("/kill", timeout=60)
 
@@ -86,7 +86,7 @@ async def test_turtle_obeys_and_reports(simulator: None, node: fibws.Node) -> No
     assert (color.r, color.g, color.b) == (0xB3, 0xB8, 0xFF)
 
 
-async def test_services_change_the_field(hub: Hub, simulator: None, node: fibws.Node) -> None:
+async def test_services_change_the_field(hub: HubServer, simulator: None, node: fibws.Node) -> None:
     spawned = await node.call("/spawn", Spawn, {"x": 1, "y": 2, "theta": 0})
     assert spawned.name == "turtle2"
     await node.call("/turtle2/set_pen", SetPen, {"r": 255, "width": 5})
@@ -115,7 +115,7 @@ async def test_wrong_calls_are_refused(simulator: None, node: fibws.Node) -> Non
 
 
 async def test_parameters_are_set_and_invalid_ones_reported(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     hub.graph.parameters.set("/turtlesim/background_g", "green")
     program = await start("fibws.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
@@ -132,7 +132,7 @@ async def test_picture_is_published_for_late_subscribers(simulator: None, node: 
 
 
 async def test_mimic_follows_remapped_namespaces(
-    hub: Hub, simulator: None, node: fibws.Node, start: Start
+    hub: HubServer, simulator: None, node: fibws.Node, start: Start
 ) -> None:
     await node.call("/spawn", Spawn, {"x": 1, "y": 1})
     words = ("input:=turtle1", "output:=turtle2")
@@ -163,7 +163,7 @@ def test_square_has_sides_of_two_meters() -> None:
 
 
 async def test_unmodified_tf_tutorial_lets_one_turtle_follow_another(
-    hub: Hub, simulator: None, node: fibws.Node, start: Start, tmp_path: Path
+    hub: HubServer, simulator: None, node: fibws.Node, start: Start, tmp_path: Path
 ) -> None:
     listener, broadcaster = tmp_path / "listener.py", tmp_path / "broadcaster.py"
     listener.write_text(TURTLE_LISTENER)
@@ -177,7 +177,7 @@ async def test_unmodified_tf_tutorial_lets_one_turtle_follow_another(
 
 
 @pytest.mark.long
-async def test_launch_file_starts_it(hub: Hub, start: Start, tmp_path: Path) -> None:
+async def test_launch_file_starts_it(hub: HubServer, start: Start, tmp_path: Path) -> None:
     path = tmp_path / "turtles.launch"
     path.write_text('<launch><node pkg="turtlesim" type="turtlesim_node" name="sim"/></launch>')
     await start("fibws", "launch", str(path), FIBWS_HUB=hub.url)
@@ -201,7 +201,7 @@ def test_keys_of_terminals_are_read(text: str, expected: list[str]) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
-async def test_arrow_keys_drive_the_turtle(hub: Hub, node: fibws.Node) -> None:
+async def test_arrow_keys_drive_the_turtle(hub: HubServer, node: fibws.Node) -> None:
     import pty
 
     main, terminal = pty.openpty()
@@ -225,7 +225,7 @@ async def test_arrow_keys_drive_the_turtle(hub: Hub, node: fibws.Node) -> None:
     os.close(main)
 
 
-async def test_without_a_terminal_teleop_is_an_error(hub: Hub, start: Start) -> None:
+async def test_without_a_terminal_teleop_is_an_error(hub: HubServer, start: Start) -> None:
     program = await start("fibws.turtlesim.teleop_key", FIBWS_HUB=hub.url)
     code, _, err = await program.end()
     assert code == 1

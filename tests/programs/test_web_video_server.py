@@ -12,7 +12,7 @@ import pytest
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.sensor_msgs import CompressedImage, Image
 from fibws.msg.std_msgs import Header, Int32
 
@@ -20,13 +20,13 @@ TOPIC = "/camera/image/compressed"
 
 
 @pytest.fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("test", hub=hub.url) as node:
         yield node
 
 
 @pytest.fixture
-async def port(hub: Hub, start: Start) -> int:
+async def port(hub: HubServer, start: Start) -> int:
     hub.graph.parameters.set("/web_video_server/port", 0)
     program = await start("fibws.web_video_server", FIBWS_HUB=hub.url)
     while (found := re.search(r"http://127\.0\.0\.1:(\d+)/", line := await program.line())) is None:
@@ -105,7 +105,7 @@ async def test_stream_has_the_images_of_the_topic(port: int, node: fibws.Node) -
 
 
 async def test_server_ends_quietly_while_somebody_views(
-    hub: Hub, start: Start, node: fibws.Node
+    hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     hub.graph.parameters.set("/web_video_server/port", 0)
     program = await start("fibws.web_video_server", FIBWS_HUB=hub.url)
@@ -235,7 +235,7 @@ async def test_requests_that_cannot_be_served_say_why(port: int, node: fibws.Nod
     assert await long.status() == 400
 
 
-async def test_taken_port_is_an_error(port: int, hub: Hub, start: Start) -> None:
+async def test_taken_port_is_an_error(port: int, hub: HubServer, start: Start) -> None:
     hub.graph.parameters.set("/other/port", port)
     program = await start("fibws.web_video_server", "__name:=other", FIBWS_HUB=hub.url)
     code, _, err = await program.end()

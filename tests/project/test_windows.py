@@ -21,7 +21,7 @@ from patience import PATIENCE
 
 from fibws.hub import Settings
 from fibws.hub.ros1 import nodes
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .on_windows import MODULES
 from .requirements import ROOT
@@ -106,7 +106,7 @@ async def test_hub_serves_nodes_and_ends_with_ctrl_c(tmp_path: Path) -> None:
 
 @pytest.fixture
 async def url() -> AsyncIterator[str]:
-    async with Hub(Settings(port=0)) as hub:
+    async with HubServer(Settings(port=0)) as hub:
         yield hub.url
 
 

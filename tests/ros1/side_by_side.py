@@ -22,7 +22,7 @@ from ros_masters import PYTHON, roscore
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 PATIENCE = 120
 IDLE = 0.03
@@ -280,7 +280,7 @@ def real_ros(folder: Path) -> Iterator[World]:
 @asynccontextmanager
 async def our_ros() -> AsyncIterator[World]:
     """A hub on a free port."""
-    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+    async with HubServer(Settings(port=0, close_timeout=0.1)) as hub:
         kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
         environment = {**kept, "FIBWS_HUB": hub.url, "LANG": "C.UTF-8"}
         yield World(partial(fork_server.start, "-m", "fibws.rospy"), environment)

@@ -12,7 +12,7 @@ from patience import PATIENCE
 from running_programs import start as start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.tf2_msgs import TFMessage
@@ -30,14 +30,14 @@ Transforms: TypeAlias = Sequence[TransformStamped]
 
 
 @pytest.fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     """A node for clients of the republisher."""
     async with fibws.Node("client", hub=hub.url) as node:
         yield node
 
 
 @pytest.fixture
-async def republisher(hub: Hub, node: fibws.Node) -> AsyncIterator[Republisher]:
+async def republisher(hub: HubServer, node: fibws.Node) -> AsyncIterator[Republisher]:
     """A republisher at work."""
     async with fibws.Node("tf2_web_republisher", hub=hub.url) as serving:
         republisher = Republisher(serving)

@@ -9,7 +9,7 @@ import pytest
 from patience import PATIENCE
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header, String
@@ -34,7 +34,7 @@ class Known:
 
 
 @pytest.fixture
-async def known(hub: Hub) -> AsyncIterator[Known]:
+async def known(hub: HubServer) -> AsyncIterator[Known]:
     async with fibws.Node("robot", hub=hub.url) as node:
         known = Known(node)
         running = asyncio.create_task(known.listener.run())
@@ -86,7 +86,7 @@ async def test_invalid_transform_is_logged_once_per_frame(
 
 @pytest.mark.parametrize("topic", ["/tf", "/tf_static"])
 async def test_publisher_of_another_type_keeps_no_transforms_out(
-    hub: Hub, publish: Publish, topic: str
+    hub: HubServer, publish: Publish, topic: str
 ) -> None:
     async with fibws.Node("wrong", hub=hub.url) as wrong, fibws.Node("robot", hub=hub.url) as node:
         await wrong.advertise(topic, String)
@@ -98,7 +98,7 @@ async def test_publisher_of_another_type_keeps_no_transforms_out(
         running.cancel()
 
 
-async def test_listener_ends_with_its_node(hub: Hub) -> None:
+async def test_listener_ends_with_its_node(hub: HubServer) -> None:
     async with fibws.Node("robot", hub=hub.url) as node:
         running = asyncio.create_task(TransformListener(node, Buffer()).run())
         await node.graph.nodes()

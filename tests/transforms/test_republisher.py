@@ -15,7 +15,7 @@ from patience import PATIENCE
 
 import fibws
 from fibws.action import tf2_web_republisher, tf2_web_republisher_interfaces
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.interfaces import Action
 from fibws.msg.actionlib_msgs import GoalID, GoalStatusArray
 from fibws.msg.rosgraph_msgs import Log
@@ -166,7 +166,7 @@ async def test_late_subscriber_receives_all_transforms(
 
 
 async def test_second_subscriber_receives_all_transforms(
-    hub: Hub, node: fibws.Node, publish: Publish
+    hub: HubServer, node: fibws.Node, publish: Publish
 ) -> None:
     name = await open_topic(node, "base", "arm")
     async with fibws.Node("first", hub=hub.url) as first:
@@ -345,7 +345,7 @@ async def test_subscribers_are_watched_only_while_there_are_goals_over_topics(
     assert numbers == [0, 1, 1, 0]
 
 
-async def test_action_can_be_renamed(hub: Hub, node: fibws.Node, publish: Publish) -> None:
+async def test_action_can_be_renamed(hub: HubServer, node: fibws.Node, publish: Publish) -> None:
     await publish(("base", "map", 1))
     renamed = fibws.parse_remappings(["/transforms:=/frames", "republish_tfs:=/others"])
     async with fibws.Node("transforms", hub=hub.url, remapping=renamed) as other:
@@ -361,7 +361,7 @@ async def test_action_can_be_renamed(hub: Hub, node: fibws.Node, publish: Publis
 # Both
 
 
-async def test_error_of_the_node_ends_it(hub: Hub, node: fibws.Node) -> None:
+async def test_error_of_the_node_ends_it(hub: HubServer, node: fibws.Node) -> None:
     async with fibws.Node("transforms", hub=hub.url) as other:
         serving = asyncio.create_task(Republisher(other).run())
         client = node.action_client("/transforms", tf2_web_republisher.TFSubscription)

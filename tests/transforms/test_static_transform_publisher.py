@@ -12,7 +12,7 @@ from patience import PATIENCE
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf.static_transform_publisher import command, place
 from fibws.tf.transform import Transform
@@ -69,7 +69,7 @@ def test_wrong_argument_is_an_error(arguments: str, fault: str) -> None:
     assert fault in result.stderr
 
 
-async def test_late_subscriber_receives_the_transform(hub: Hub, start: Start) -> None:
+async def test_late_subscriber_receives_the_transform(hub: HubServer, start: Start) -> None:
     arguments = ("1", "-2", "3", "0", "0", "0", "base", "camera", "__name:=mast")
     program = await start(PUBLISHER, *arguments, "--hub", hub.url)
     line = await program.line()
@@ -86,7 +86,7 @@ async def test_late_subscriber_receives_the_transform(hub: Hub, start: Start) ->
 
 
 async def test_late_subscriber_receives_transforms_of_all_publishers(
-    hub: Hub, start: Start
+    hub: HubServer, start: Start
 ) -> None:
     frames = {"camera", "laser", "imu"}
     for frame in frames:
@@ -104,7 +104,9 @@ def test_identity_is_published() -> None:
     assert place(tuple("0 0 0 0 0 0 base camera".split()))[1].transform == Transform()
 
 
-async def test_transform_may_be_in_a_parameter(hub: Hub, start: Start, node: fibws.Node) -> None:
+async def test_transform_may_be_in_a_parameter(
+    hub: HubServer, start: Start, node: fibws.Node
+) -> None:
     value = {
         "header": {"frame_id": "base"},
         "child_frame_id": "camera",
@@ -130,7 +132,7 @@ async def test_transform_may_be_in_a_parameter(hub: Hub, start: Start, node: fib
     ],
 )
 async def test_wrong_parameter_is_an_error(
-    hub: Hub, start: Start, node: fibws.Node, value: object, fault: str
+    hub: HubServer, start: Start, node: fibws.Node, value: object, fault: str
 ) -> None:
     if value is not None:
         await node.params.set("/mount", value)

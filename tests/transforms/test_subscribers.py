@@ -10,7 +10,7 @@ import pytest
 from patience import PATIENCE
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 from fibws.tf import subscribers as module
 from fibws.tf.subscribers import Subscribers
@@ -34,7 +34,7 @@ async def test_subscribers_are_unknown_before_the_first_update(node: fibws.Node)
     assert (subscribers.names, subscribers.is_empty) == (frozenset(), True)
 
 
-async def test_subscribers_are_known_by_name(hub: Hub, node: fibws.Node) -> None:
+async def test_subscribers_are_known_by_name(hub: HubServer, node: fibws.Node) -> None:
     subscribers = Subscribers(node, "/topic")
     async with fibws.Node("listener", hub=hub.url) as other:
         other.subscribe("/topic", String)

@@ -13,14 +13,14 @@ from running_programs import Start
 
 import fibws
 from fibws.action.tf2_web_republisher import TFSubscription
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.tf2_web_republisher import TFArray, TFSubscriptionGoal
 from fibws.srv.tf2_web_republisher import RepublishTFs
 
 REPUBLISHER = "fibws.tf.tf2_web_republisher"
 
 
-async def test_transforms_are_sent_by_service_and_by_action(hub: Hub, start: Start) -> None:
+async def test_transforms_are_sent_by_service_and_by_action(hub: HubServer, start: Start) -> None:
     place = ("fibws.tf.static_transform_publisher", "--hub", hub.url)
     await start(*place, "1", "0", "0", str(pi / 2), "0", "0", "base", "arm")
     await start(*place, "0", "2", "0", "0", "0", "0", "1", "arm", "hand")
@@ -44,7 +44,7 @@ async def test_transforms_are_sent_by_service_and_by_action(hub: Hub, start: Sta
         assert (rotation.x, rotation.y, rotation.z, rotation.w) == pytest.approx((0, 0, half, half))
 
 
-async def test_action_has_the_name_of_the_node(hub: Hub, start: Start) -> None:
+async def test_action_has_the_name_of_the_node(hub: HubServer, start: Start) -> None:
     await start(REPUBLISHER, "--hub", hub.url, "__ns:=/robot", "__name:=transforms", "/tf:=/moves")
     async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("/robot/republish_tfs")
@@ -53,7 +53,9 @@ async def test_action_has_the_name_of_the_node(hub: Hub, start: Start) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-async def test_ctrl_c_ends_the_republisher(hub: Hub, start: Start, number: signal.Signals) -> None:
+async def test_ctrl_c_ends_the_republisher(
+    hub: HubServer, start: Start, number: signal.Signals
+) -> None:
     program = await start(REPUBLISHER, "--hub", hub.url)
     async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("/republish_tfs")
@@ -61,7 +63,7 @@ async def test_ctrl_c_ends_the_republisher(hub: Hub, start: Start, number: signa
     assert await program.end() == (0, "", "")
 
 
-async def test_second_republisher_ends_the_first(hub: Hub, start: Start) -> None:
+async def test_second_republisher_ends_the_first(hub: HubServer, start: Start) -> None:
     first = await start(REPUBLISHER, "--hub", hub.url)
     async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("/republish_tfs")

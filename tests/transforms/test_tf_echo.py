@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.tf.history import Sample
 from fibws.tf.tf_echo import Moment, command, text_of
 from fibws.tf.transform import Transform
@@ -33,7 +33,7 @@ def test_transform_is_printed_as_in_ros() -> None:
 
 
 async def test_static_and_moving_transforms_are_printed(
-    hub: Hub, start: Start, publish: Publish
+    hub: HubServer, start: Start, publish: Publish
 ) -> None:
     await publish(("camera", "base", 2.0), static=True)
     program = await start(ECHO, "base", "camera", "100", "--limit", "2", "--hub", hub.url)
@@ -45,7 +45,9 @@ async def test_static_and_moving_transforms_are_printed(
     assert await program.line() == ""
 
 
-async def test_failure_is_printed_with_the_frames(hub: Hub, start: Start, publish: Publish) -> None:
+async def test_failure_is_printed_with_the_frames(
+    hub: HubServer, start: Start, publish: Publish
+) -> None:
     await publish(("camera", "base", 2.0), static=True)
     program = await start(ECHO, "base", "moon", "-l", "1", "--hub", hub.url)
     assert (await program.line()).startswith("Failure at ")

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from patience import PATIENCE
 from running_programs import Start
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample
@@ -63,7 +63,7 @@ def test_delay_of_a_chain_is_reported() -> None:
 
 
 async def test_program_reports_until_it_is_stopped(
-    hub: Hub, start: Start, publish: Publish
+    hub: HubServer, start: Start, publish: Publish
 ) -> None:
     program = await start(MONITOR, "--hub", hub.url)
     seen: set[str] = set()
@@ -75,7 +75,7 @@ async def test_program_reports_until_it_is_stopped(
             seen.add(await program.line())
 
 
-async def test_program_waits_for_a_chain(hub: Hub, start: Start, publish: Publish) -> None:
+async def test_program_waits_for_a_chain(hub: HubServer, start: Start, publish: Publish) -> None:
     program = await start(MONITOR, "map", "camera", "--hub", hub.url)
     await publish(("camera", "base", 2.0), static=True)
     seen = set()

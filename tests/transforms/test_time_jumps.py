@@ -11,7 +11,7 @@ from patience import PATIENCE
 from running_programs import Start
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.rosgraph_msgs import Clock, Log
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf import TransformListener
@@ -44,7 +44,7 @@ def pose(x: float) -> Transform:
 
 
 @pytest.fixture
-async def robot(hub: Hub, node: fibws.Node) -> Robot:
+async def robot(hub: HubServer, node: fibws.Node) -> Robot:
     await node.params.set("/use_sim_time", True)
     clock = await node.advertise("/clock", Clock)
     tf = await node.advertise("/tf", TFMessage, queue_size=100)
@@ -54,7 +54,7 @@ async def robot(hub: Hub, node: fibws.Node) -> Robot:
 
 
 @pytest.fixture
-async def listener(hub: Hub, robot: Robot) -> AsyncIterator[TransformListener]:
+async def listener(hub: HubServer, robot: Robot) -> AsyncIterator[TransformListener]:
     async with (
         fibws.Node("listening", hub=hub.url) as node,
         TransformListener(node) as listener,
@@ -121,13 +121,13 @@ async def test_jump_forward_and_a_pause_keep_the_transforms(
 
 
 async def test_time_without_a_clock_is_0_and_transforms_are_kept(
-    hub: Hub, robot: Robot, listener: TransformListener
+    hub: HubServer, robot: Robot, listener: TransformListener
 ) -> None:
     sample = await listener.wait("base", "laser", timeout=PATIENCE)
     assert (sample.stamp, sample.transform) == (0, pose(100))
 
 
-async def test_tf_echo_follows_a_loop(hub: Hub, robot: Robot, start: Start) -> None:
+async def test_tf_echo_follows_a_loop(hub: HubServer, robot: Robot, start: Start) -> None:
     program = await start("fibws.tf.tf_echo", "odom", "base", "1000", "--hub", hub.url)
 
     async def prints(text: str) -> None:

@@ -14,7 +14,7 @@ from patience import PATIENCE
 from running_programs import ROOT
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample
 from fibws.tf.listing import as_dot, as_yaml
@@ -104,7 +104,7 @@ async def test_graph_is_valid(buffer: Buffer, tmp_path: Path) -> None:
 
 @pytest.mark.long
 async def test_program_draws_the_frames(
-    hub: Hub, publish: Publish, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, publish: Publish, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await publish(("camera", "base", 2.0), static=True)
     process = await asyncio.create_subprocess_exec(
@@ -126,7 +126,7 @@ async def test_program_draws_the_frames(
     assert '"base" -> "camera"[label="Broadcaster: /client\\n' in graph
 
 
-async def test_node_is_asked_for_its_frames(hub: Hub) -> None:
+async def test_node_is_asked_for_its_frames(hub: HubServer) -> None:
     async with fibws.Node("robot", hub=hub.url) as robot, fibws.Node("test", hub=hub.url) as node:
         await robot.service(
             "~tf_frames", "tf/FrameGraph", lambda request: {"dot_graph": "digraph G {}"}

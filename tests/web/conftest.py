@@ -30,7 +30,7 @@ from playwright.async_api import (
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 BUILT = Path(fibws.__file__).parent / "hub" / "page"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
@@ -113,8 +113,8 @@ async def browser() -> AsyncIterator[Browser]:
 
 
 @fixture
-async def hub() -> AsyncIterator[Hub]:
-    async with Hub(Settings(**PATIENT)) as hub:
+async def hub() -> AsyncIterator[HubServer]:
+    async with HubServer(Settings(**PATIENT)) as hub:
         yield hub
 
 
@@ -124,7 +124,9 @@ def complaints() -> Complaints:
 
 
 @fixture
-async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> AsyncIterator[OpenPage]:
+async def open_page(
+    browser: Browser, complaints: Complaints, hub: HubServer
+) -> AsyncIterator[OpenPage]:
     """Return a function that opens a hub's page: ``await open_page(hub, "#/topics", width=360)``.
 
     It returns once the page is connected and gets messages, or has another ``state``. ``prepare``
@@ -137,7 +139,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
         pytest.skip("the page is not built: npm ci && npm run build, in web/")
 
     async def open_page(
-        hub: Hub,
+        hub: HubServer,
         route: str = "",
         *,
         width: int = 1280,
@@ -167,7 +169,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
     assert complaints.seen == []
 
 
-def web_address(hub: Hub) -> str:
+def web_address(hub: HubServer) -> str:
     """Return the address of the hub's page, without a trailing slash."""
     return hub.url.replace("ws", "http", 1)
 

@@ -11,7 +11,7 @@ from playwright.async_api import Locator, Page, expect
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions.actions import Over
 
@@ -41,13 +41,13 @@ async def execute(goal: Goal) -> FibonacciResult:
 
 
 @fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("counter", hub=hub.url) as node:
         yield node
 
 
 async def open_action(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, over: Over, **keywords: Any
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, over: Over, **keywords: Any
 ) -> Page:
     await node.action_server("/fibonacci", Fibonacci, execute, over=over, concurrent=True)
     return await open_page(hub, f"#/actions/{quote('/fibonacci', '')}", **keywords)
@@ -63,7 +63,7 @@ async def send(page: Page, order: int) -> Locator:
 
 
 async def test_actions_are_listed_with_type_transport_and_node(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/actions")
     await expect(page.get_by_text("No actions.")).to_be_visible()
@@ -81,7 +81,7 @@ async def test_actions_are_listed_with_type_transport_and_node(
 
 @both_kinds
 async def test_goal_has_feedback_and_result(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, over: Over
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, over: Over
 ) -> None:
     page = await open_action(hub, node, open_page, over)
     goal = await send(page, 3)
@@ -93,7 +93,7 @@ async def test_goal_has_feedback_and_result(
 
 @both_kinds
 async def test_several_goals_are_followed_and_one_of_them_is_canceled(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, over: Over
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, over: Over
 ) -> None:
     page = await open_action(hub, node, open_page, over)
     first, second = await send(page, ENDLESS), await send(page, ENDLESS)
@@ -114,7 +114,7 @@ async def test_several_goals_are_followed_and_one_of_them_is_canceled(
 
 @both_kinds
 async def test_failed_goal_shows_the_text_of_the_server(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, over: Over
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, over: Over
 ) -> None:
     page = await open_action(hub, node, open_page, over)
     goal = await send(page, FAILING)
@@ -124,7 +124,7 @@ async def test_failed_goal_shows_the_text_of_the_server(
 
 
 async def test_graph_leads_to_the_page_of_an_action(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.action_server("/fibonacci", Fibonacci, execute)
     page = await open_page(hub, f"#/graph/action/{quote('/fibonacci', '')}")
@@ -135,7 +135,7 @@ async def test_graph_leads_to_the_page_of_an_action(
 
 @both_kinds
 async def test_states_of_a_goal_are_a_line_of_steps(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, over: Over
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, over: Over
 ) -> None:
     page = await open_action(hub, node, open_page, over)
     goal = await send(page, ENDLESS)
@@ -149,7 +149,7 @@ async def test_states_of_a_goal_are_a_line_of_steps(
 
 
 async def test_feedback_is_plotted_on_the_page_of_the_action(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_action(hub, node, open_page, "topics")
     goal = await send(page, ENDLESS)
@@ -171,7 +171,9 @@ async def test_feedback_is_plotted_on_the_page_of_the_action(
     await expect(plot.locator(".plot-value")).to_have_text("2")
 
 
-async def test_invalid_goal_is_not_sent(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
+async def test_invalid_goal_is_not_sent(
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
+) -> None:
     page = await open_action(hub, node, open_page, "topics")
     await page.get_by_label("order int32").fill("many")
     await page.get_by_role("button", name="Send goal").click()
@@ -179,7 +181,7 @@ async def test_invalid_goal_is_not_sent(hub: Hub, node: fibws.Node, open_page: O
     await expect(page.locator(".goal")).to_have_count(0)
 
 
-async def test_goal_ends_when_its_server_leaves(hub: Hub, open_page: OpenPage) -> None:
+async def test_goal_ends_when_its_server_leaves(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("counter", hub=hub.url) as node:
         page = await open_action(hub, node, open_page, "operations")
         goal = await send(page, ENDLESS)
@@ -190,7 +192,7 @@ async def test_goal_ends_when_its_server_leaves(hub: Hub, open_page: OpenPage) -
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 async def test_view_fits_a_narrow_window(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, scheme: str
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, scheme: str
 ) -> None:
     page = await open_action(
         hub, node, open_page, "topics", width=360, height=740, color_scheme=scheme

@@ -14,7 +14,7 @@ from playwright.async_api import Page, expect
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.tls import self_signed
 from fibws.msg.std_msgs import Int32
 
@@ -22,7 +22,7 @@ from .conftest import PATIENT, STRANGER, OpenPage, web_address
 
 
 @asynccontextmanager
-async def proxy(hub: Hub, prefix: str, *, upgrades: bool = True) -> AsyncIterator[str]:
+async def proxy(hub: HubServer, prefix: str, *, upgrades: bool = True) -> AsyncIterator[str]:
     """Run a reverse proxy that serves only the hub, below a path; yield its address.
 
     Args:
@@ -53,7 +53,7 @@ async def proxy(hub: Hub, prefix: str, *, upgrades: bool = True) -> AsyncIterato
     assert [path for path in asked if not path.startswith(f"{prefix}/")] == []
 
 
-async def expect_page_to_work(page: Page, hub: Hub, address: str) -> None:
+async def expect_page_to_work(page: Page, hub: HubServer, address: str) -> None:
     """Check that scripts, styles, worker and connection use that address and no other."""
     async with fibws.Node("talker", hub=hub.url) as node:
         numbers = await node.advertise("fibonacci", Int32, latch=True)
@@ -71,14 +71,14 @@ async def expect_page_to_work(page: Page, hub: Hub, address: str) -> None:
         assert [url for url in fetched if not url.startswith((f"{address}/", "data:"))] == []
 
 
-async def test_page_works_at_localhost(hub: Hub, open_page: OpenPage) -> None:
+async def test_page_works_at_localhost(hub: HubServer, open_page: OpenPage) -> None:
     address = f"http://localhost:{hub.port}"
     await expect_page_to_work(await open_page(hub, address=address), hub, address)
 
 
 @pytest.mark.skipif(not socket.has_dualstack_ipv6(), reason="IPv6 is not available")
 async def test_page_works_at_an_ipv6_address(open_page: OpenPage) -> None:
-    async with Hub(Settings(host="::1", **PATIENT)) as hub:
+    async with HubServer(Settings(host="::1", **PATIENT)) as hub:
         page = await open_page(hub)
         assert web_address(hub).startswith("http://[::1]:")
         await expect_page_to_work(page, hub, web_address(hub))
@@ -86,7 +86,7 @@ async def test_page_works_at_an_ipv6_address(open_page: OpenPage) -> None:
 
 
 async def test_page_works_below_the_path_of_the_hub(open_page: OpenPage) -> None:
-    async with Hub(Settings(url_path="/lab/robot", **PATIENT)) as hub:
+    async with HubServer(Settings(url_path="/lab/robot", **PATIENT)) as hub:
         page = await open_page(hub)
         assert web_address(hub).endswith("/lab/robot")
         await expect_page_to_work(page, hub, web_address(hub))
@@ -100,7 +100,7 @@ async def test_phone_gets_a_secure_page_without_an_option_for_its_name(
 ) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     monkeypatch.setenv("FIBWS_CA", str(self_signed.files().authority))
-    async with Hub(Settings(self_signed=True, **PATIENT)) as hub:
+    async with HubServer(Settings(self_signed=True, **PATIENT)) as hub:
         address = f"https://{STRANGER}:{hub.port}"
         page = await open_page(hub, address=address, ignore_https_errors=True)
         await expect_page_to_work(page, hub, address)
@@ -112,7 +112,7 @@ async def test_phone_gets_a_secure_page_without_an_option_for_its_name(
         await page.close()
 
 
-async def test_page_works_behind_a_proxy_with_a_path(hub: Hub, open_page: OpenPage) -> None:
+async def test_page_works_behind_a_proxy_with_a_path(hub: HubServer, open_page: OpenPage) -> None:
     async with proxy(hub, "/lab/robot") as address:
         page = await open_page(hub, address=address)
         await expect_page_to_work(page, hub, address)

@@ -14,7 +14,7 @@ from playwright.async_api import expect
 import fibws
 from fibws.bags import open_reader, open_writer
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 
 from .conftest import OpenPage
@@ -37,7 +37,7 @@ def contents(folder: Path) -> list[bytes]:
 
 async def test_header_starts_and_stops_the_recording(tmp_path: Path, open_page: OpenPage) -> None:
     settings = Settings(port=0, record=tmp_path, record_at_start=False, record_min_space=0)
-    async with Hub(settings) as hub, fibws.Node("robot", hub=hub.url) as node:
+    async with HubServer(settings) as hub, fibws.Node("robot", hub=hub.url) as node:
         numbers = await node.advertise("/numbers", Int32, latch=True)
         await numbers.publish(1)
         page = await open_page(hub)
@@ -59,13 +59,13 @@ async def test_header_starts_and_stops_the_recording(tmp_path: Path, open_page: 
     assert "/numbers" in recorded(tmp_path)
 
 
-async def test_hub_without_a_folder_has_no_button(hub: Hub, open_page: OpenPage) -> None:
+async def test_hub_without_a_folder_has_no_button(hub: HubServer, open_page: OpenPage) -> None:
     page = await open_page(hub)
     await expect(page.locator("#count-nodes")).not_to_have_text("\N{EN DASH}")
     await expect(page.locator("#record")).to_have_count(0)
 
 
-async def test_player_is_controlled(hub: Hub, tmp_path: Path, open_page: OpenPage) -> None:
+async def test_player_is_controlled(hub: HubServer, tmp_path: Path, open_page: OpenPage) -> None:
     path = tmp_path / "walk.bag"
     with open_writer(path) as bag:
         connection = bag.connection("/numbers", Int32._type, "*", "int32 data\n")

@@ -12,7 +12,7 @@ import pytest
 from playwright.async_api import Browser, Page, expect
 from websockets.asyncio.client import ClientConnection, connect
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .conftest import OpenPage, traced, until
 
@@ -37,7 +37,7 @@ class Logger:
 
 
 @asynccontextmanager
-async def logger(hub: Hub) -> AsyncIterator[Logger]:
+async def logger(hub: HubServer) -> AsyncIterator[Logger]:
     async with connect(f"{hub.url}/?node=/talker") as client:
         topic = {"topic": "/rosout", "type": "rosgraph_msgs/Log"}
         await client.send(json.dumps({"op": "advertise", **topic}))
@@ -49,7 +49,7 @@ async def texts(page: Page) -> list[str]:
 
 
 @pytest.mark.smoke
-async def test_messages_are_listed_with_their_levels(open_page: OpenPage, hub: Hub) -> None:
+async def test_messages_are_listed_with_their_levels(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
         for level in (DEBUG, INFO, WARN, ERROR, FATAL):
@@ -63,7 +63,7 @@ async def test_messages_are_listed_with_their_levels(open_page: OpenPage, hub: H
 
 
 async def test_badge_counts_warnings_and_errors_while_another_view_is_shown(
-    open_page: OpenPage, hub: Hub
+    open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub, "#/parameters")
     badge = page.locator("#tab-console .badge")
@@ -84,7 +84,9 @@ async def test_badge_counts_warnings_and_errors_while_another_view_is_shown(
         await expect(badge).to_have_text("1 warning or error")
 
 
-async def test_lines_are_filtered_by_level_node_and_text(open_page: OpenPage, hub: Hub) -> None:
+async def test_lines_are_filtered_by_level_node_and_text(
+    open_page: OpenPage, hub: HubServer
+) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
         await talker.log("Hello from here", INFO, "/here")
@@ -111,7 +113,9 @@ async def test_lines_are_filtered_by_level_node_and_text(open_page: OpenPage, hu
         await expect(page.locator(".console [role=status]")).to_contain_text("No lines")
 
 
-async def test_link_has_the_level_the_node_and_the_filter(open_page: OpenPage, hub: Hub) -> None:
+async def test_link_has_the_level_the_node_and_the_filter(
+    open_page: OpenPage, hub: HubServer
+) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
         await talker.log("left motor is hot", WARN)
@@ -130,7 +134,7 @@ async def test_link_has_the_level_the_node_and_the_filter(open_page: OpenPage, h
         await expect(copy.get_by_label("Node")).to_have_value("/talker")
 
 
-async def test_paused_list_catches_up_when_resumed(open_page: OpenPage, hub: Hub) -> None:
+async def test_paused_list_catches_up_when_resumed(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
         await talker.log("one")
@@ -145,7 +149,7 @@ async def test_paused_list_catches_up_when_resumed(open_page: OpenPage, hub: Hub
         assert await texts(page) == ["one", "two", "three"]
 
 
-async def test_empty_list_can_be_paused(open_page: OpenPage, hub: Hub) -> None:
+async def test_empty_list_can_be_paused(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "#/console")
     await page.get_by_role("button", name="Pause", exact=True).click()
     async with logger(hub) as talker:
@@ -154,7 +158,7 @@ async def test_empty_list_can_be_paused(open_page: OpenPage, hub: Hub) -> None:
         assert await texts(page) == []
 
 
-async def test_cleared_list_shows_only_new_messages(open_page: OpenPage, hub: Hub) -> None:
+async def test_cleared_list_shows_only_new_messages(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
         await talker.log("old")
@@ -166,7 +170,7 @@ async def test_cleared_list_shows_only_new_messages(open_page: OpenPage, hub: Hu
         assert await texts(page) == ["new"]
 
 
-async def test_lines_are_copied_in_the_format_of_rospy(open_page: OpenPage, hub: Hub) -> None:
+async def test_lines_are_copied_in_the_format_of_rospy(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "#/console", permissions=["clipboard-read", "clipboard-write"])
     async with logger(hub) as talker:
         stamp = {"stamp": {"secs": 12, "nsecs": 345678901}}
@@ -180,7 +184,7 @@ async def test_lines_are_copied_in_the_format_of_rospy(open_page: OpenPage, hub:
     )
 
 
-async def test_source_of_an_error_is_shown(open_page: OpenPage, hub: Hub) -> None:
+async def test_source_of_an_error_is_shown(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
         where: dict[str, Any] = {"file": "talker.py", "line": 12, "function": "main"}
@@ -192,7 +196,7 @@ async def test_source_of_an_error_is_shown(open_page: OpenPage, hub: Hub) -> Non
         await expect(rows.nth(1)).to_contain_text("talker.py:12 main")
 
 
-async def test_messages_are_not_interpreted_as_markup(open_page: OpenPage, hub: Hub) -> None:
+async def test_messages_are_not_interpreted_as_markup(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
         await talker.log(MARKUP, ERROR, MARKUP, file=MARKUP, function=MARKUP)
@@ -203,7 +207,7 @@ async def test_messages_are_not_interpreted_as_markup(open_page: OpenPage, hub: 
 
 
 async def test_list_follows_the_newest_line_unless_scrolled_up(
-    open_page: OpenPage, hub: Hub
+    open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:
@@ -228,7 +232,7 @@ async def test_list_follows_the_newest_line_unless_scrolled_up(
 # It measures the CPU time of tasks, which is more on a busy machine.
 @pytest.mark.slow
 async def test_burst_of_messages_does_not_block_the_page(
-    browser: Browser, open_page: OpenPage, hub: Hub
+    browser: Browser, open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker, traced(browser) as tasks:
@@ -243,7 +247,9 @@ async def test_burst_of_messages_does_not_block_the_page(
     assert 0.001 < max(tasks) < 0.5, sorted(tasks)[-5:]
 
 
-async def test_refused_message_of_another_page_is_shown(hub: Hub, open_page: OpenPage) -> None:
+async def test_refused_message_of_another_page_is_shown(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     page = await open_page(hub, "#/console")
     await page.evaluate(
         """url => {

@@ -14,7 +14,7 @@ import pytest
 from playwright.async_api import FilePayload, Locator, Page, expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
@@ -56,7 +56,7 @@ FOUR = ["Picture /camera", "Map /map", "Drive /cmd_vel", "Diagnostics /diagnosti
 class Robot:
     """A node with a camera, a map, diagnostics and wheels."""
 
-    def __init__(self, node: fibws.Node, hub: Hub) -> None:
+    def __init__(self, node: fibws.Node, hub: HubServer) -> None:
         self.node = node
         self.publishers: dict[str, fibws.Publisher[Any]] = {}
         self.hub = hub
@@ -86,7 +86,7 @@ class Robot:
 
 
 @fixture
-async def robot(hub: Hub) -> AsyncIterator[Robot]:
+async def robot(hub: HubServer) -> AsyncIterator[Robot]:
     async with fibws.Node("robot", hub=hub.url) as node:
         robot = Robot(node, hub)
         await robot.start()
@@ -142,7 +142,7 @@ async def save(page: Page, name: str, *, shared: bool = False) -> None:
 
 
 async def test_empty_hub_says_what_to_publish_and_fills_as_a_robot_comes(
-    hub: Hub, open_page: OpenPage, complaints: Complaints
+    hub: HubServer, open_page: OpenPage, complaints: Complaints
 ) -> None:
     page = await open_page(hub, DASHBOARD)
     await expect(page.locator(".dashboard")).to_contain_text("fibws demo robot")
@@ -439,7 +439,7 @@ def payload(text: str) -> FilePayload:
     return {"name": "mine.json", "mimeType": "application/json", "buffer": text.encode()}
 
 
-async def test_a_panel_waits_for_its_topic(hub: Hub, open_page: OpenPage) -> None:
+async def test_a_panel_waits_for_its_topic(hub: HubServer, open_page: OpenPage) -> None:
     layout = {"schema": 1, "layout": {"view": "picture", "name": "/camera"}}
     page = await open_page(hub, DASHBOARD)
     await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
@@ -452,7 +452,9 @@ async def test_a_panel_waits_for_its_topic(hub: Hub, open_page: OpenPage) -> Non
         await expect(pane(page, "Picture /camera")).to_contain_text("rgb8")
 
 
-async def test_numbers_of_an_echo_are_plotted_beside_it(hub: Hub, open_page: OpenPage) -> None:
+async def test_numbers_of_an_echo_are_plotted_beside_it(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with fibws.Node("robot", hub=hub.url) as node:
         speed = await node.advertise("/speed", Float64, latch=True)
         await speed.publish(Float64(1.5))
@@ -468,7 +470,7 @@ async def test_numbers_of_an_echo_are_plotted_beside_it(hub: Hub, open_page: Ope
         await expect(plot.get_by_label("Time range")).to_have_value("120")
 
 
-async def test_all_plots_show_the_time_under_the_mouse(hub: Hub, open_page: OpenPage) -> None:
+async def test_all_plots_show_the_time_under_the_mouse(hub: HubServer, open_page: OpenPage) -> None:
     items = [
         {"view": "plot", "name": "", "config": {"plot": f"/n:{text}"}} for text in ("data", "-data")
     ]
@@ -496,7 +498,7 @@ async def test_all_plots_show_the_time_under_the_mouse(hub: Hub, open_page: Open
 
 
 async def test_choice_of_a_panel_is_filtered_and_stays_while_the_graph_changes(
-    hub: Hub, open_page: OpenPage
+    hub: HubServer, open_page: OpenPage
 ) -> None:
     async with fibws.Node("robot", hub=hub.url) as node:
         for number in range(20):
@@ -531,7 +533,7 @@ async def test_choice_of_a_panel_is_filtered_and_stays_while_the_graph_changes(
 
 @pytest.mark.parametrize("kind", ["laserScan", "Laser scan"])
 async def test_layouts_have_ids_of_layers_in_place_of_words(
-    hub: Hub, open_page: OpenPage, kind: str
+    hub: HubServer, open_page: OpenPage, kind: str
 ) -> None:
     """Those of fibws 0.1 have the words."""
     layer = {"topic": "/scan", "type": "sensor_msgs/LaserScan", "kind": kind, "settings": {}}
@@ -557,7 +559,7 @@ COLOURS = """[...document.querySelectorAll(".transitions li canvas")].map((canva
 """How many colours the spans of each row have."""
 
 
-async def test_states_are_spans_of_colours(hub: Hub, open_page: OpenPage) -> None:
+async def test_states_are_spans_of_colours(hub: HubServer, open_page: OpenPage) -> None:
     states = "/battery:power_supply_status,/mode:data,/on:data"
     layout = {
         "schema": 1,
@@ -599,7 +601,7 @@ async def test_states_are_spans_of_colours(hub: Hub, open_page: OpenPage) -> Non
 
 
 async def test_fields_of_an_echo_are_dragged_onto_plots_and_states(
-    hub: Hub, open_page: OpenPage
+    hub: HubServer, open_page: OpenPage
 ) -> None:
     views = ["echo", "plot", "transitions"]
     items = [{"view": view, "name": "/scan" if view == "echo" else ""} for view in views]

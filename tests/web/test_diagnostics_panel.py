@@ -5,7 +5,7 @@ from __future__ import annotations
 from playwright.async_api import expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .conftest import OpenPage
@@ -21,7 +21,7 @@ def statuses(laser: int, text: str) -> DiagnosticArray:
     )
 
 
-async def test_worst_diagnostics_come_first(hub: Hub, open_page: OpenPage) -> None:
+async def test_worst_diagnostics_come_first(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("robot", hub=hub.url) as node:
         topic = await node.advertise("/diagnostics", DiagnosticArray, latch=True)
         await topic.publish(statuses(2, "no data"))

@@ -9,7 +9,7 @@ import re
 from playwright.async_api import expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
 from fibws.msg.std_msgs import Header
 from fibws.msg.tf2_msgs import TFMessage
@@ -26,7 +26,9 @@ def transform(
     return TransformStamped(Header(frame_id=parent), child, Transform(Vector3(x, 0, 0), rotation))
 
 
-async def test_frames_are_shown_as_a_tree_with_their_faults(hub: Hub, open_page: OpenPage) -> None:
+async def test_frames_are_shown_as_a_tree_with_their_faults(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with (
         fibws.Node("wheels", hub=hub.url) as wheels,
         fibws.Node("mount", hub=hub.url) as mount,

@@ -15,7 +15,7 @@ from playwright.async_api import FloatRect, Locator, Page, expect
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse
@@ -35,7 +35,7 @@ def edge(page: Page, start: str, end: str) -> Locator:
 
 @contextlib.asynccontextmanager
 async def chain(
-    hub: Hub, publisher: str, topic: str, subscriber: str, namespace: str = "/"
+    hub: HubServer, publisher: str, topic: str, subscriber: str, namespace: str = "/"
 ) -> AsyncIterator[None]:
     """Run a node that publishes numbers at 20 Hz, and a subscriber."""
     async with (
@@ -84,7 +84,7 @@ async def middle(locator: Locator) -> tuple[float, float]:
 
 @pytest.mark.smoke
 async def test_publisher_topic_and_subscriber_are_drawn_from_left_to_right(
-    hub: Hub, open_page: OpenPage
+    hub: HubServer, open_page: OpenPage
 ) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
@@ -95,7 +95,7 @@ async def test_publisher_topic_and_subscriber_are_drawn_from_left_to_right(
         assert talker < chatter < listener
 
 
-async def test_edges_show_rates(hub: Hub, open_page: OpenPage) -> None:
+async def test_edges_show_rates(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         out = edge(page, "node /talker", "topic /chatter")
@@ -107,7 +107,10 @@ async def test_edges_show_rates(hub: Hub, open_page: OpenPage) -> None:
 
 
 async def test_unreachable_ros1_node_and_its_conflict_are_flagged(open_page: OpenPage) -> None:
-    async with Hub(Settings(port=0, ros1=0)) as hub, chain(hub, "talker", "/numbers", "listener"):
+    async with (
+        HubServer(Settings(port=0, ros1=0)) as hub,
+        chain(hub, "talker", "/numbers", "listener"),
+    ):
         assert hub.ros1 is not None
         with ServerProxy(hub.ros1.uri) as master:
             arguments = ("/camera", "/numbers", "sensor_msgs/Image", "http://127.0.0.1:9/")
@@ -134,7 +137,7 @@ async def test_unreachable_ros1_node_and_its_conflict_are_flagged(open_page: Ope
         await page.close()  # Before its hub ends, so that it does not complain.
 
 
-async def test_nodes_appear_and_disappear(hub: Hub, open_page: OpenPage) -> None:
+async def test_nodes_appear_and_disappear(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         await expect(element(page, "node", "/talker")).to_be_visible()
@@ -148,7 +151,9 @@ async def test_nodes_appear_and_disappear(hub: Hub, open_page: OpenPage) -> None
         await expect(element(page, "node", "/talker")).to_be_visible()
 
 
-async def test_drawing_stays_in_place_when_nodes_come_and_go(hub: Hub, open_page: OpenPage) -> None:
+async def test_drawing_stays_in_place_when_nodes_come_and_go(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         edges = page.locator(".graph .edge")
@@ -169,7 +174,9 @@ async def test_drawing_stays_in_place_when_nodes_come_and_go(hub: Hub, open_page
                 assert 0 < x < 1280 and 120 < y < 780
 
 
-async def test_click_opens_details_and_escape_closes_them(hub: Hub, open_page: OpenPage) -> None:
+async def test_click_opens_details_and_escape_closes_them(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         await element(page, "topic", "/chatter").click()
@@ -190,7 +197,7 @@ async def test_click_opens_details_and_escape_closes_them(hub: Hub, open_page: O
         await expect(details).to_be_hidden()
 
 
-async def test_details_say_that_a_node_is_gone(hub: Hub, open_page: OpenPage) -> None:
+async def test_details_say_that_a_node_is_gone(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("stays", hub=hub.url):
         async with fibws.Node("goes", hub=hub.url):
             page = await open_page(hub, "#/graph/node/%2Fgoes")
@@ -199,7 +206,9 @@ async def test_details_say_that_a_node_is_gone(hub: Hub, open_page: OpenPage) ->
         await expect(details).to_contain_text("not in the graph")
 
 
-async def test_debug_shows_names_of_the_hub_and_of_this_page(hub: Hub, open_page: OpenPage) -> None:
+async def test_debug_shows_names_of_the_hub_and_of_this_page(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         await expect(element(page, "node", "/talker")).to_be_visible()
@@ -212,7 +221,7 @@ async def test_debug_shows_names_of_the_hub_and_of_this_page(hub: Hub, open_page
         await expect(element(page, "topic", "/rosout")).to_have_count(0)
 
 
-async def test_link_has_the_options_and_the_filter(hub: Hub, open_page: OpenPage) -> None:
+async def test_link_has_the_options_and_the_filter(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"), chain(hub, "a", "/other", "b"):
         page = await open_page(hub)
         await page.get_by_label("Filter").fill("-/other -/a")
@@ -231,7 +240,7 @@ async def test_link_has_the_options_and_the_filter(hub: Hub, open_page: OpenPage
         await expect(copy).to_have_url(re.compile(r"#/graph\?filter=-/other\+-/a&types=0$"))
 
 
-async def test_options_are_kept_after_a_reload(hub: Hub, open_page: OpenPage) -> None:
+async def test_options_are_kept_after_a_reload(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         await page.get_by_label("Elements").select_option("Nodes only")
@@ -244,7 +253,7 @@ async def test_options_are_kept_after_a_reload(hub: Hub, open_page: OpenPage) ->
 
 
 async def test_filter_shows_matching_elements_and_their_neighbours(
-    hub: Hub, open_page: OpenPage
+    hub: HubServer, open_page: OpenPage
 ) -> None:
     async with (
         chain(hub, "camera", "/robot/image", "viewer", namespace="/robot"),
@@ -262,7 +271,7 @@ async def test_filter_shows_matching_elements_and_their_neighbours(
         await expect(page.get_by_text("Clear the filter")).to_be_visible()
 
 
-async def test_services_and_actions_are_optional(hub: Hub, open_page: OpenPage) -> None:
+async def test_services_and_actions_are_optional(hub: HubServer, open_page: OpenPage) -> None:
     def start(request: TriggerRequest) -> TriggerResponse:
         return TriggerResponse(success=True)
 
@@ -285,7 +294,7 @@ async def test_services_and_actions_are_optional(hub: Hub, open_page: OpenPage) 
         await expect(element(page, "action", "/fibonacci")).to_have_count(0)
 
 
-async def test_graph_is_usable_with_the_keyboard(hub: Hub, open_page: OpenPage) -> None:
+async def test_graph_is_usable_with_the_keyboard(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         talker = page.get_by_role("button", name="node /talker, publishes 1, subscribes 0")
@@ -310,7 +319,7 @@ async def test_graph_is_usable_with_the_keyboard(hub: Hub, open_page: OpenPage) 
         await expect(page.get_by_role("button", name="topic /chatter")).to_be_focused()
 
 
-async def test_drag_moves_the_drawing_without_a_click(hub: Hub, open_page: OpenPage) -> None:
+async def test_drag_moves_the_drawing_without_a_click(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         x, y = await middle(element(page, "topic", "/chatter"))
@@ -323,7 +332,7 @@ async def test_drag_moves_the_drawing_without_a_click(hub: Hub, open_page: OpenP
         await expect(page.get_by_role("complementary", name="Details")).to_be_hidden()
 
 
-async def test_graph_is_available_as_text(hub: Hub, open_page: OpenPage) -> None:
+async def test_graph_is_available_as_text(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
         await element(page, "topic", "/chatter").wait_for()
@@ -333,7 +342,7 @@ async def test_graph_is_available_as_text(hub: Hub, open_page: OpenPage) -> None
         )
 
 
-async def test_names_of_namespaces_cover_no_element(hub: Hub, open_page: OpenPage) -> None:
+async def test_names_of_namespaces_cover_no_element(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "camera", "/robot/arm/image", "viewer", namespace="/robot"):
         page = await open_page(hub, "#/graph?namespaces=1")
         await middle(element(page, "topic", "/robot/arm/image"))
@@ -360,7 +369,7 @@ def _overlap(one: FloatRect, other: FloatRect) -> bool:
 
 
 async def test_large_graph_starts_readable_and_fits_on_demand(
-    hub: Hub, open_page: OpenPage
+    hub: HubServer, open_page: OpenPage
 ) -> None:
     names = [f"laser_scanner_{number}" for number in range(40)]
     async with contextlib.AsyncExitStack() as nodes:
@@ -381,7 +390,7 @@ async def test_large_graph_starts_readable_and_fits_on_demand(
             await until(page, f"({ALL_WITHIN})({len(names)}, {width}, {height})")
 
 
-async def test_nodes_without_messages_can_be_hidden(hub: Hub, open_page: OpenPage) -> None:
+async def test_nodes_without_messages_can_be_hidden(hub: HubServer, open_page: OpenPage) -> None:
     async with (
         chain(hub, "talker", "/chatter", "listener"),
         fibws.Node("idle", hub=hub.url) as idle,
@@ -396,7 +405,7 @@ async def test_nodes_without_messages_can_be_hidden(hub: Hub, open_page: OpenPag
         await expect(element(page, "topic", "/silent")).to_have_count(0)
 
 
-async def test_graph_is_saved_as_svg_and_dot(hub: Hub, open_page: OpenPage) -> None:
+async def test_graph_is_saved_as_svg_and_dot(hub: HubServer, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/robot/chatter", "listener", namespace="/robot"):
         page = await open_page(hub, "#/graph?namespaces=1", color_scheme="dark")
         await element(page, "node", "/robot/talker").wait_for()
@@ -425,7 +434,7 @@ async def test_graph_is_saved_as_svg_and_dot(hub: Hub, open_page: OpenPage) -> N
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 async def test_narrow_window_has_layers_from_top_to_bottom(
-    hub: Hub, open_page: OpenPage, scheme: str
+    hub: HubServer, open_page: OpenPage, scheme: str
 ) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub, width=360, height=740, color_scheme=scheme)

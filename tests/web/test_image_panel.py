@@ -16,7 +16,7 @@ from PIL import Image as pillow
 from playwright.async_api import Browser, Page, expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid
 from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.sensor_msgs import CompressedImage, Image
@@ -74,7 +74,7 @@ def compressed(kind: str) -> CompressedImage:
 
 
 @fixture
-async def camera(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def camera(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("camera", hub=hub.url) as node:
         yield node
 
@@ -88,7 +88,7 @@ async def shown(page: Page, encoding: str) -> list[list[int]]:
 
 
 async def test_age_is_that_by_the_simulated_clock(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
 ) -> None:
     clock = await camera.advertise("/clock", Clock, latch=True)
     topic = await camera.advertise("/image", Image, latch=True)
@@ -105,7 +105,7 @@ async def test_age_is_that_by_the_simulated_clock(
     ("encoding", "order"), [("rgb8", "RGB"), ("bgr8", "BGR"), ("rgba8", "RGBA"), ("8UC3", "BGR")]
 )
 async def test_raw_image_is_shown(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage, encoding: str, order: str
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage, encoding: str, order: str
 ) -> None:
     topic = await camera.advertise("/image", Image, latch=True)
     await topic.publish(raw(encoding, order))
@@ -121,7 +121,7 @@ async def test_raw_image_is_shown(
 
 @pytest.mark.parametrize("kind", ["JPEG", "PNG", "WEBP"])
 async def test_compressed_image_is_shown(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage, kind: str
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage, kind: str
 ) -> None:
     topic = await camera.advertise("/image/compressed", CompressedImage, latch=True)
     await topic.publish(compressed(kind))
@@ -132,7 +132,7 @@ async def test_compressed_image_is_shown(
 
 
 async def test_depths_are_shown_with_the_value_under_the_pointer(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
 ) -> None:
     depths = await camera.advertise("/depth", Image, latch=True)
     numbers = [1830 if x < WIDTH // 2 else 4000 for _ in range(HEIGHT) for x in range(WIDTH)]
@@ -155,7 +155,7 @@ async def test_depths_are_shown_with_the_value_under_the_pointer(
 
 
 async def test_compressed_depths_are_shown(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
 ) -> None:
     depths = await camera.advertise("/depth/compressedDepth", CompressedImage, latch=True)
     written = io.BytesIO()
@@ -171,7 +171,9 @@ async def test_compressed_depths_are_shown(
     await expect(page.locator(".image-facts")).to_contain_text("shown from 1000 to 2500")
 
 
-async def test_what_is_wrong_is_said(hub: Hub, camera: fibws.Node, open_page: OpenPage) -> None:
+async def test_what_is_wrong_is_said(
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
+) -> None:
     topic = await camera.advertise("/image", Image, latch=True)
     page = await open_page(hub, "#/topics/%2Fimage")
     await expect(page.locator(".image-waiting")).to_have_text("Waiting for the first image …")
@@ -189,7 +191,7 @@ async def test_what_is_wrong_is_said(hub: Hub, camera: fibws.Node, open_page: Op
 
 
 async def test_picture_ends_with_its_page(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await camera.advertise("/image", Image, latch=True, peers=True)
     changes = topic.peers.changes()
@@ -218,7 +220,7 @@ async def test_picture_ends_with_its_page(
 
 
 async def test_picture_is_zoomed_and_saved(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await camera.advertise("/front/image", Image, latch=True)
     await topic.publish(raw("rgb8", "RGB"))
@@ -245,7 +247,7 @@ async def test_picture_is_zoomed_and_saved(
 # It measures CPU time, which is more on a busy machine.
 @pytest.mark.slow
 async def test_camera_costs_the_page_little(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage, browser: Browser
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage, browser: Browser
 ) -> None:
     """The page's own thread: the worker decodes and draws."""
     written = io.BytesIO()
@@ -278,7 +280,7 @@ class SlowLine:
 
     PIECE = 16_384
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: HubServer) -> None:
         self._hub = hub
         self._turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._tasks: set[asyncio.Task[Any] | None] = set()
@@ -340,7 +342,7 @@ class SlowLine:
 
 
 async def test_slow_line_shows_fewer_images_and_no_older_ones(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
 ) -> None:
     written = io.BytesIO()
     pillow.effect_noise((640, 480), 60).convert("RGB").save(written, "JPEG", quality=30)
@@ -376,7 +378,7 @@ async def test_slow_line_shows_fewer_images_and_no_older_ones(
 
 
 async def test_map_is_shown_with_the_cell_under_the_pointer(
-    hub: Hub, camera: fibws.Node, open_page: OpenPage
+    hub: HubServer, camera: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await camera.advertise("/map", OccupancyGrid, latch=True)
     info = MapMetaData(resolution=0.05, width=4, height=3)

@@ -9,28 +9,28 @@ from running_programs import Program
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .conftest import OpenPage, fixture
 from .test_topics import FIBONACCI, row, value
 
 
 @fixture
-async def middle(hub: Hub) -> AsyncIterator[Hub]:
+async def middle(hub: HubServer) -> AsyncIterator[HubServer]:
     """A hub that has joined another one."""
-    async with Hub(Settings(port=0, hub_name="middle", join=(hub.url,))) as middle:
+    async with HubServer(Settings(port=0, hub_name="middle", join=(hub.url,))) as middle:
         yield middle
 
 
 @fixture
-async def last(middle: Hub) -> AsyncIterator[Hub]:
+async def last(middle: HubServer) -> AsyncIterator[HubServer]:
     """A hub that has joined that one."""
-    async with Hub(Settings(port=0, hub_name="last", join=(middle.url,))) as last:
+    async with HubServer(Settings(port=0, hub_name="last", join=(middle.url,))) as last:
         yield last
 
 
 @fixture
-async def programs(hub: Hub, middle: Hub) -> AsyncIterator[Program]:
+async def programs(hub: HubServer, middle: HubServer) -> AsyncIterator[Program]:
     """The tutorial's broadcaster on the first hub; yields its listener on the second one."""
     listener = await Program.start("fibws.listener", FIBWS_HUB=middle.url)
     broadcaster = await Program.start("fibws.broadcaster", "--rate", "5", FIBWS_HUB=hub.url)
@@ -40,7 +40,7 @@ async def programs(hub: Hub, middle: Hub) -> AsyncIterator[Program]:
 
 
 async def test_page_shows_numbers_of_a_broadcaster_two_hubs_away(
-    last: Hub, programs: Program, open_page: OpenPage
+    last: HubServer, programs: Program, open_page: OpenPage
 ) -> None:
     page = await open_page(last, "#/topics")
     await expect(row(page, "/fibonacci").locator(".col-publishers")).to_have_text("1")
@@ -50,7 +50,9 @@ async def test_page_shows_numbers_of_a_broadcaster_two_hubs_away(
         assert line
 
 
-async def test_hubs_tab_lists_links_and_hubs_behind_them(last: Hub, open_page: OpenPage) -> None:
+async def test_hubs_tab_lists_links_and_hubs_behind_them(
+    last: HubServer, open_page: OpenPage
+) -> None:
     page = await open_page(last, "#/hubs")
     await expect(page.get_by_role("heading", name="This hub: last")).to_be_visible()
     links = page.get_by_role("region", name="Links")
@@ -60,7 +62,7 @@ async def test_hubs_tab_lists_links_and_hubs_behind_them(last: Hub, open_page: O
 
 
 async def test_node_of_another_hub_is_drawn_with_it(
-    hub: Hub, middle: Hub, open_page: OpenPage
+    hub: HubServer, middle: HubServer, open_page: OpenPage
 ) -> None:
     page = await open_page(middle, "#/graph")
     await expect(page.locator("#tab-hubs")).to_be_hidden()

@@ -14,7 +14,7 @@ import fibws
 from fibws.access.rights import RIGHTS, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.sensor_msgs import Image
 
@@ -24,7 +24,7 @@ from .conftest import STRANGER, Complaints, OpenPage, fixture, until
 class TokenHub:
     """A hub with tokens: ``robot`` may do everything, ``dashboard`` may only look."""
 
-    def __init__(self, hub: Hub, file: TokenFile) -> None:
+    def __init__(self, hub: HubServer, file: TokenFile) -> None:
         self.hub = hub
         self.file = file
         self.robot = file.add("robot", Rights({right: ("/**",) for right in RIGHTS}))
@@ -37,7 +37,7 @@ async def token_hub(tmp_path: Path) -> AsyncIterator[TokenHub]:
     """A hub with tokens; tests name it before `open_page`, so that it outlives their pages."""
     path = tmp_path / "tokens.toml"
     path.touch()
-    async with Hub(Settings(port=0, tokens=path)) as hub:
+    async with HubServer(Settings(port=0, tokens=path)) as hub:
         yield TokenHub(hub, TokenFile(path))
 
 
@@ -110,7 +110,7 @@ async def test_missing_right_is_named(token_hub: TokenHub, open_page: OpenPage) 
 
 
 async def test_page_of_another_hub_sends_its_token_by_an_operation(
-    token_hub: TokenHub, open_page: OpenPage, hub: Hub
+    token_hub: TokenHub, open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub, f"?hub={token_hub.hub.url}/%3Ftoken%3D{token_hub.dashboard}")
     async with fibws.Node("talker", hub=token_hub.hub.url, token=token_hub.robot) as node:
@@ -121,7 +121,7 @@ async def test_page_of_another_hub_sends_its_token_by_an_operation(
 
 
 async def test_script_sends_its_token_as_a_subprotocol(
-    token_hub: TokenHub, open_page: OpenPage, hub: Hub
+    token_hub: TokenHub, open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub)
     script = """([url, token]) => new Promise((resolve) => {
@@ -144,11 +144,11 @@ async def test_form_warns_of_a_connection_without_encryption(
 ) -> None:
     page = await open_page(token_hub.hub, state="closed")
     await expect(page.get_by_text("not encrypted")).to_have_count(0)
-    async with Hub(Settings(port=0)) as former:
+    async with HubServer(Settings(port=0)) as former:
         port = former.port
     address = f"http://{STRANGER}:{port}"
     settings = Settings(port=port, tokens=tmp_path / "tokens.toml", allow_origin=(address,))
-    async with Hub(settings) as hub:
+    async with HubServer(settings) as hub:
         page = await open_page(hub, address=address, state="closed")
         await expect(page.get_by_text("not encrypted")).to_be_visible()
         await log_in(page, token_hub.dashboard)

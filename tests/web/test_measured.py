@@ -19,7 +19,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_tutorials import FibonacciResult
 
 from .conftest import OpenPage, traced, until
@@ -55,7 +55,7 @@ async def subscribe(client: ClientConnection, topic: str) -> None:
 
 
 @asynccontextmanager
-async def graph(hub: Hub, nodes: int, topics: int) -> AsyncIterator[list[ClientConnection]]:
+async def graph(hub: HubServer, nodes: int, topics: int) -> AsyncIterator[list[ClientConnection]]:
     """Connect nodes that each publish and subscribe to some of the topics."""
     clients: list[ClientConnection] = []
     try:
@@ -74,7 +74,7 @@ async def graph(hub: Hub, nodes: int, topics: int) -> AsyncIterator[list[ClientC
 
 # It measures elapsed time.
 @pytest.mark.slow
-async def test_ten_nodes_are_drawn_within_two_seconds(open_page: OpenPage, hub: Hub) -> None:
+async def test_ten_nodes_are_drawn_within_two_seconds(open_page: OpenPage, hub: HubServer) -> None:
     async with graph(hub, nodes=10, topics=12):
         rounds = []
         for _ in range(ROUNDS):
@@ -92,7 +92,7 @@ async def test_ten_nodes_are_drawn_within_two_seconds(open_page: OpenPage, hub: 
 # It measures the CPU time of tasks, which is more on a busy machine.
 @pytest.mark.slow
 async def test_large_graph_does_not_block_the_page(
-    browser: Browser, open_page: OpenPage, hub: Hub
+    browser: Browser, open_page: OpenPage, hub: HubServer
 ) -> None:
     async with graph(hub, nodes=200, topics=300), traced(browser) as tasks:
         page = await open_page(hub)
@@ -115,7 +115,7 @@ async def test_large_graph_does_not_block_the_page(
 
 
 async def test_memory_does_not_grow_during_an_hour_of_messages(
-    open_page: OpenPage, hub: Hub
+    open_page: OpenPage, hub: HubServer
 ) -> None:
     """The messages of an hour are passed to the page as if the hub had sent them."""
     async with connect(f"{hub.url}/?node=/counter") as client:
@@ -164,7 +164,7 @@ async def execute(goal: Any) -> FibonacciResult:
 
 
 @pytest.mark.long
-async def test_panels_that_are_closed_leave_nothing(open_page: OpenPage, hub: Hub) -> None:
+async def test_panels_that_are_closed_leave_nothing(open_page: OpenPage, hub: HubServer) -> None:
     """Each kind is added and closed 50 times."""
     assert TOPICS.keys() >= set(re.findall(r'^    id: "(\w+)"', KINDS.read_text(), re.MULTILINE))
     items = [{"view": view, "name": name} for view, (name, _) in TOPICS.items()]

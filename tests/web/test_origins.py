@@ -8,7 +8,7 @@ import pytest
 from playwright.async_api import Browser, Page, expect
 
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .conftest import STRANGER, Complaints, OpenPage, fixture, web_address
 from .test_addresses import proxy
@@ -23,7 +23,7 @@ async def page(browser: Browser) -> AsyncIterator[Page]:
 
 
 async def test_page_under_an_unknown_name_shows_the_option_that_lets_it_in(
-    page: Page, hub: Hub
+    page: Page, hub: HubServer
 ) -> None:
     origin = f"http://{STRANGER}:{hub.port}"
     await page.goto(f"{origin}/")
@@ -34,21 +34,21 @@ async def test_page_under_an_unknown_name_shows_the_option_that_lets_it_in(
 
 
 async def test_option_that_the_page_shows_lets_it_in(browser: Browser, open_page: OpenPage) -> None:
-    async with Hub(Settings(port=0)) as refusing:
+    async with HubServer(Settings(port=0)) as refusing:
         page = await browser.new_page()
         await page.goto(f"http://{STRANGER}:{refusing.port}/")
         text = await page.get_by_role("alert").locator("pre").inner_text()
         option = text.removeprefix("python -m fibws.hub --allow-origin ")
         await page.close()
         port = refusing.port
-    async with Hub(Settings(port=port, allow_origin=(option,))) as hub:
+    async with HubServer(Settings(port=port, allow_origin=(option,))) as hub:
         page = await open_page(hub, address=f"http://{STRANGER}:{port}")
         await expect(page.locator(".connection-problem")).to_be_hidden()
         await page.close()
 
 
-async def test_page_of_another_hub_shows_why_that_refuses_it(page: Page, hub: Hub) -> None:
-    async with Hub(Settings(port=0)) as other:
+async def test_page_of_another_hub_shows_why_that_refuses_it(page: Page, hub: HubServer) -> None:
+    async with HubServer(Settings(port=0)) as other:
         await page.goto(f"{web_address(hub)}/?hub={STRANGER}:{other.port}")
         await expect(page.get_by_role("alert")).to_contain_text(
             f"--allow-origin {web_address(hub)}"
@@ -56,15 +56,15 @@ async def test_page_of_another_hub_shows_why_that_refuses_it(page: Page, hub: Hu
         await page.goto("about:blank")
 
 
-async def test_address_without_a_hub_is_named(page: Page, hub: Hub) -> None:
-    async with Hub(Settings(port=0)) as other:
+async def test_address_without_a_hub_is_named(page: Page, hub: HubServer) -> None:
+    async with HubServer(Settings(port=0)) as other:
         address = f"localhost:{other.port}"
     await page.goto(f"{web_address(hub)}/?hub={address}")
     await expect(page.get_by_role("alert")).to_contain_text(f"No hub answers at ws://{address}")
     await page.goto("about:blank")
 
 
-async def test_proxy_without_websockets_is_named_as_the_reason(page: Page, hub: Hub) -> None:
+async def test_proxy_without_websockets_is_named_as_the_reason(page: Page, hub: HubServer) -> None:
     async with proxy(hub, "/robot", upgrades=False) as address:
         await page.goto(f"{address}/")
         await expect(page.get_by_role("alert")).to_contain_text("Upgrade")
@@ -85,7 +85,7 @@ ROSLIB_PAGE = """\
 
 @pytest.mark.parametrize("listens", [False, True])
 async def test_refused_message_is_in_the_console_unless_the_page_handles_it(
-    page: Page, hub: Hub, complaints: Complaints, listens: bool
+    page: Page, hub: HubServer, complaints: Complaints, listens: bool
 ) -> None:
     complaints.watch(page)
     more = ""
@@ -105,7 +105,7 @@ async def test_refused_message_is_in_the_console_unless_the_page_handles_it(
 
 
 async def test_refused_page_of_another_server_finds_the_option_in_its_console(
-    page: Page, hub: Hub
+    page: Page, hub: HubServer
 ) -> None:
     html = ROSLIB_PAGE.format(site=web_address(hub), hub=hub.url, more="")
     async with served(html) as address:

@@ -15,7 +15,7 @@ from websockets.asyncio.client import connect
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 from fibws.srv.fibws_msgs import KillNode
 
@@ -28,7 +28,7 @@ LOST = "WebSocket connection to"
 """Chromium's warning about a failed connection."""
 
 
-async def publish_a_number(hub: Hub) -> None:
+async def publish_a_number(hub: HubServer) -> None:
     """Publish a latched number, until cancelled."""
     async with connect(f"{hub.url}/?node=/broadcaster") as client:
         topic = {"topic": "/fibonacci", "type": "std_msgs/Int32", "latch": True}
@@ -37,7 +37,7 @@ async def publish_a_number(hub: Hub) -> None:
         await client.wait_closed()
 
 
-async def paste(page: Page, snippet: str, hub: Hub) -> str:
+async def paste(page: Page, snippet: str, hub: HubServer) -> str:
     """Run a snippet as in the browser's console; return the first line that it logs."""
     broadcaster = asyncio.create_task(publish_a_number(hub))
     console = await page.context.new_cdp_session(page)
@@ -59,7 +59,7 @@ async def roslib(page: Page) -> None:
 
 
 @pytest.mark.smoke
-async def test_empty_hub_shows_first_steps(open_page: OpenPage, hub: Hub) -> None:
+async def test_empty_hub_shows_first_steps(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub)
     await expect(page.get_by_role("heading", name="This hub is empty")).to_be_visible()
     commands = page.locator(".copyable pre")
@@ -69,7 +69,7 @@ async def test_empty_hub_shows_first_steps(open_page: OpenPage, hub: Hub) -> Non
 
 
 async def test_first_steps_disappear_with_the_first_node_and_can_be_reopened(
-    open_page: OpenPage, hub: Hub
+    open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub)
     welcome = page.get_by_role("heading", name="This hub is empty")
@@ -87,7 +87,7 @@ async def test_first_steps_disappear_with_the_first_node_and_can_be_reopened(
     await expect(welcome).to_be_visible()
 
 
-async def test_one_click_opens_the_hub_in_foxglove(open_page: OpenPage, hub: Hub) -> None:
+async def test_one_click_opens_the_hub_in_foxglove(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub)
     opened: list[str] = []
 
@@ -110,7 +110,7 @@ async def test_one_click_opens_the_hub_in_foxglove(open_page: OpenPage, hub: Hub
 
 @pytest.mark.parametrize("number", [2, 3])
 async def test_snippets_of_the_first_steps_receive_numbers(
-    open_page: OpenPage, hub: Hub, number: int
+    open_page: OpenPage, hub: HubServer, number: int
 ) -> None:
     page = await open_page(hub, permissions=["clipboard-read", "clipboard-write"])
     await page.locator(".copyable").nth(number).get_by_role("button", name="Copy").click()
@@ -121,7 +121,7 @@ async def test_snippets_of_the_first_steps_receive_numbers(
     assert await paste(page, snippet, hub) == "I heard 8"
 
 
-async def test_copying_works_without_the_clipboard_api(open_page: OpenPage, hub: Hub) -> None:
+async def test_copying_works_without_the_clipboard_api(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub)
     await page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
     await page.get_by_role("button", name="Copy").first.click()
@@ -133,7 +133,7 @@ async def test_copying_works_without_the_clipboard_api(open_page: OpenPage, hub:
     await expect(name).to_have_value(f"python -m fibws.broadcaster --hub {hub.url}")
 
 
-async def test_text_is_selected_if_copying_fails(open_page: OpenPage, hub: Hub) -> None:
+async def test_text_is_selected_if_copying_fails(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub)
     await page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
     await page.evaluate("document.execCommand = () => false")
@@ -144,7 +144,7 @@ async def test_text_is_selected_if_copying_fails(open_page: OpenPage, hub: Hub) 
 
 
 async def test_browser_console_shows_an_example_once(
-    browser: Browser, hub: Hub, open_page: OpenPage
+    browser: Browser, hub: HubServer, open_page: OpenPage
 ) -> None:
     page = await browser.new_page()
     lines: list[str] = []
@@ -158,7 +158,7 @@ async def test_browser_console_shows_an_example_once(
     assert await paste(page, example[1], hub) == "I heard 8"
 
 
-async def test_first_visit_of_the_graph_is_small(browser: Browser, hub: Hub) -> None:
+async def test_first_visit_of_the_graph_is_small(browser: Browser, hub: HubServer) -> None:
     page = await browser.new_page()
     names: set[str] = set()
     page.on("request", lambda request: names.add(urlsplit(request.url).path.lstrip("/")))
@@ -176,7 +176,7 @@ async def test_first_visit_of_the_graph_is_small(browser: Browser, hub: Hub) -> 
 
 @pytest.mark.parametrize("name", ["ROSLIB", "ros"])
 async def test_roslib_is_loaded_when_the_console_first_uses_it(
-    open_page: OpenPage, hub: Hub, name: str
+    open_page: OpenPage, hub: HubServer, name: str
 ) -> None:
     page = await open_page(hub, "#/topics")
     await expect(page.locator("#count-nodes")).to_have_text("0")
@@ -191,7 +191,7 @@ async def test_roslib_is_loaded_when_the_console_first_uses_it(
 
 
 async def test_connection_of_the_browser_console_is_a_visible_node(
-    open_page: OpenPage, hub: Hub
+    open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub)
     await roslib(page)
@@ -201,20 +201,20 @@ async def test_connection_of_the_browser_console_is_a_visible_node(
 
 
 @pytest.mark.parametrize("written", ["{}", "ws://{}", " {} "])
-async def test_query_names_another_hub(open_page: OpenPage, hub: Hub, written: str) -> None:
-    async with Hub(Settings(port=0, allow_origin=(web_address(hub),))) as other:
+async def test_query_names_another_hub(open_page: OpenPage, hub: HubServer, written: str) -> None:
+    async with HubServer(Settings(port=0, allow_origin=(web_address(hub),))) as other:
         address = written.format(f"localhost:{other.port}")
         page = await open_page(hub, f"?hub={quote(address)}")
         await expect(page.locator("#hub code")).to_have_text(f"ws://localhost:{other.port}")
         await page.close()  # Before its hub ends, so that it does not complain.
 
 
-async def test_empty_query_names_the_hub_of_the_page(open_page: OpenPage, hub: Hub) -> None:
+async def test_empty_query_names_the_hub_of_the_page(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub, "?hub=")
     await expect(page.locator("#hub code")).to_have_text(hub.url)
 
 
-async def test_invalid_address_is_reported(browser: Browser, hub: Hub) -> None:
+async def test_invalid_address_is_reported(browser: Browser, hub: HubServer) -> None:
     page = await browser.new_page()
     await page.goto(f"{web_address(hub)}/?hub=http://robot")
     await expect(page.get_by_role("alert")).to_contain_text("http://robot")
@@ -226,7 +226,7 @@ async def test_invalid_address_is_reported(browser: Browser, hub: Hub) -> None:
 async def test_page_reconnects_when_the_hub_is_back(
     open_page: OpenPage, complaints: Complaints
 ) -> None:
-    async with Hub(Settings(port=0)) as hub:
+    async with HubServer(Settings(port=0)) as hub:
         port = hub.port
         page = await open_page(hub, "#/console")
         await roslib(page)
@@ -236,7 +236,7 @@ async def test_page_reconnects_when_the_hub_is_back(
     state = page.get_by_role("status").filter(has_text="reconnecting")
     await expect(state).to_contain_text("the hub is shutting down")
     await expect(page.locator(".log li")).to_contain_text(["before"])
-    async with Hub(Settings(port=port)) as hub:
+    async with HubServer(Settings(port=port)) as hub:
         await expect(page.locator("#state")).to_have_text("connected")
         async with fibws.Node("talker", hub=hub.url) as node:
             # The page subscribes before it shows that it is connected.
@@ -246,7 +246,7 @@ async def test_page_reconnects_when_the_hub_is_back(
 
 
 async def test_page_reconnects_on_demand_after_a_shutdown_request(
-    open_page: OpenPage, hub: Hub
+    open_page: OpenPage, hub: HubServer
 ) -> None:
     page = await open_page(hub)
     own = await page.locator("#hub code").get_attribute("title") or ""
@@ -260,7 +260,7 @@ async def test_page_reconnects_on_demand_after_a_shutdown_request(
     await expect(page.get_by_role("button", name="Connect")).to_be_hidden()
 
 
-async def test_rate_of_all_messages_is_shown(open_page: OpenPage, hub: Hub) -> None:
+async def test_rate_of_all_messages_is_shown(open_page: OpenPage, hub: HubServer) -> None:
     page = await open_page(hub)
     async with fibws.Node("talker", hub=hub.url) as node:
         numbers = await node.advertise("numbers", Int32)
@@ -276,7 +276,7 @@ async def test_rate_of_all_messages_is_shown(open_page: OpenPage, hub: Hub) -> N
         publishing.cancel()
 
 
-async def test_every_view_fits_the_width_of_a_phone(open_page: OpenPage, hub: Hub) -> None:
+async def test_every_view_fits_the_width_of_a_phone(open_page: OpenPage, hub: HubServer) -> None:
     namespace = "/a/quite/deep/namespace"
     async with fibws.Node("with_a_long_name", namespace=namespace, hub=hub.url) as node:
         await node.advertise("/another/deep/namespace/with/a_topic_of_a_long_name", Int32)
@@ -291,7 +291,7 @@ async def test_every_view_fits_the_width_of_a_phone(open_page: OpenPage, hub: Hu
 
 
 async def test_every_control_is_reached_by_tab_and_has_a_name(
-    open_page: OpenPage, hub: Hub
+    open_page: OpenPage, hub: HubServer
 ) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         await node.advertise("chatter", Int32)
@@ -336,7 +336,9 @@ NAMELESS = f"""{VISIBLE_CONTROLS}.filter((each) =>
 ).map((each) => each.outerHTML)"""
 
 
-async def test_back_button_returns_to_the_previous_view(open_page: OpenPage, hub: Hub) -> None:
+async def test_back_button_returns_to_the_previous_view(
+    open_page: OpenPage, hub: HubServer
+) -> None:
     page = await open_page(hub)
     await page.get_by_role("link", name="Console").click()
     await page.get_by_role("link", name="Parameters").click()
@@ -347,19 +349,19 @@ async def test_back_button_returns_to_the_previous_view(open_page: OpenPage, hub
 
 
 async def test_snippet_of_the_readme_works_from_another_page_on_localhost(
-    browser: Browser, hub: Hub
+    browser: Browser, hub: HubServer
 ) -> None:
     found = SNIPPET.search(README.read_text())
     assert found is not None
     snippet = found[1].replace("ws://localhost:9090", hub.url)
     assert len(snippet.splitlines()) == 5
-    async with Hub(Settings(port=0)) as other:
+    async with HubServer(Settings(port=0)) as other:
         page = await browser.new_page()
         await page.goto(f"http://localhost:{other.port}/healthz")
         assert await paste(page, snippet, hub) == "I heard 8"
 
 
-async def test_snippet_of_the_readme_works_in_the_page(open_page: OpenPage, hub: Hub) -> None:
+async def test_snippet_of_the_readme_works_in_the_page(open_page: OpenPage, hub: HubServer) -> None:
     found = SNIPPET.search(README.read_text())
     assert found is not None
     page = await open_page(hub)
@@ -370,9 +372,9 @@ async def test_snippet_of_the_readme_works_in_the_page(open_page: OpenPage, hub:
 async def test_page_of_another_origin_connects_only_if_allowed(
     browser: Browser, allowed: bool
 ) -> None:
-    async with Hub(Settings(port=0)) as other:
+    async with HubServer(Settings(port=0)) as other:
         origin = f"http://{STRANGER}:{other.port}"
-        async with Hub(Settings(port=0, allow_origin=(origin,) if allowed else ())) as hub:
+        async with HubServer(Settings(port=0, allow_origin=(origin,) if allowed else ())) as hub:
             page = await browser.new_page()
             await page.goto(f"{origin}/")
             opened = await page.evaluate(

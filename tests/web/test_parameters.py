@@ -9,7 +9,7 @@ import pytest
 from playwright.async_api import Locator, Page, expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .conftest import OpenPage, fixture
 
@@ -17,7 +17,7 @@ MARKUP = "<img src=x onerror=alert(1)>"
 
 
 @fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("setter", hub=hub.url) as node:
         yield node
 
@@ -28,7 +28,7 @@ def leaf(page: Page, key: str) -> Locator:
 
 
 async def test_parameters_are_shown_by_namespace(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/robot/speed", 0.5)
     await node.params.set("/robot/name", "R2")
@@ -45,7 +45,7 @@ async def test_parameters_are_shown_by_namespace(
 
 @pytest.mark.smoke
 async def test_value_is_changed_with_the_keyboard(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/speed", 0.5)
     page = await open_page(hub, "#/parameters")
@@ -63,7 +63,7 @@ async def test_value_is_changed_with_the_keyboard(
 
 
 async def test_text_that_is_not_json_is_a_string_and_escape_cancels(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/name", "R2")
     page = await open_page(hub, "#/parameters")
@@ -80,7 +80,7 @@ async def test_text_that_is_not_json_is_a_string_and_escape_cancels(
 
 
 async def test_value_saved_without_a_change_keeps_its_type(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/version", "42")
     await node.params.set("/lines", "two\nlines ")
@@ -97,7 +97,7 @@ async def test_value_saved_without_a_change_keeps_its_type(
 
 
 async def test_parameter_is_added_and_deleted_after_confirmation(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     page = await open_page(hub, "#/parameters")
     await page.locator("summary", has_text="Add a parameter").click()
@@ -119,7 +119,7 @@ async def test_parameter_is_added_and_deleted_after_confirmation(
 
 
 async def test_namespace_is_deleted_with_its_parameters(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/robot", {"speed": 1, "arm": {"joints": 6}})
     page = await open_page(hub, "#/parameters")
@@ -130,7 +130,9 @@ async def test_namespace_is_deleted_with_its_parameters(
     assert not [name for name in await node.params.names() if name.startswith("/robot")]
 
 
-async def test_error_of_the_hub_is_shown(open_page: OpenPage, hub: Hub, node: fibws.Node) -> None:
+async def test_error_of_the_hub_is_shown(
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
+) -> None:
     await node.params.set("/speed", 1)
     page = await open_page(hub, "#/parameters")
     await page.get_by_role("button", name="Change /speed").click()
@@ -146,7 +148,7 @@ async def test_error_of_the_hub_is_shown(open_page: OpenPage, hub: Hub, node: fi
 
 
 async def test_changes_by_others_appear_without_closing_the_form(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/speed", 1)
     page = await open_page(hub, "#/parameters")
@@ -166,7 +168,7 @@ async def test_changes_by_others_appear_without_closing_the_form(
 
 
 async def test_names_and_values_are_not_interpreted(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/", {MARKUP: MARKUP, "__proto__": {"constructor": {"x": 1}}})
     page = await open_page(hub, "#/parameters")
@@ -176,7 +178,9 @@ async def test_names_and_values_are_not_interpreted(
     await expect(page.locator("#stage img")).to_have_count(0)
 
 
-async def test_parameters_are_filtered(open_page: OpenPage, hub: Hub, node: fibws.Node) -> None:
+async def test_parameters_are_filtered(
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
+) -> None:
     await node.params.set("/robot/speed", 1)
     page = await open_page(hub, "#/parameters")
     await expect(leaf(page, "rosversion")).to_be_visible()
@@ -187,7 +191,7 @@ async def test_parameters_are_filtered(open_page: OpenPage, hub: Hub, node: fibw
 
 
 async def test_link_has_the_filter_and_the_folded_namespaces(
-    open_page: OpenPage, hub: Hub, node: fibws.Node
+    open_page: OpenPage, hub: HubServer, node: fibws.Node
 ) -> None:
     await node.params.set("/robot/arm/speed", 0.5)
     await node.params.set("/robot/name", "R2")

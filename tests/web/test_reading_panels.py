@@ -7,7 +7,7 @@ import math
 from playwright.async_api import expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Quaternion, Vector3
 from fibws.msg.sensor_msgs import BatteryState, Imu, JointState, NavSatFix, NavSatStatus
 
@@ -27,7 +27,7 @@ URDF = """<robot name="arm">
 </robot>"""
 
 
-async def test_joints_are_bars_between_their_limits(hub: Hub, open_page: OpenPage) -> None:
+async def test_joints_are_bars_between_their_limits(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("arm", hub=hub.url) as node:
         await node.params.set("/robot_description", URDF)
         topic = await node.advertise("/joint_states", JointState, latch=True)
@@ -65,7 +65,9 @@ async def test_joints_are_bars_between_their_limits(hub: Hub, open_page: OpenPag
         await expect(rows.filter(has_text="head").locator(".joint-bar")).to_be_visible()
 
 
-async def test_joints_of_a_broken_description_have_no_limits(hub: Hub, open_page: OpenPage) -> None:
+async def test_joints_of_a_broken_description_have_no_limits(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with fibws.Node("arm", hub=hub.url) as node:
         await node.params.set("/robot_description", "<robot><link/></robot>")
         topic = await node.advertise("/joint_states", JointState, latch=True)
@@ -75,7 +77,7 @@ async def test_joints_of_a_broken_description_have_no_limits(hub: Hub, open_page
         await expect(page.get_by_text("No limits: /robot_description is invalid")).to_be_visible()
 
 
-async def test_attitude_has_a_horizon(hub: Hub, open_page: OpenPage) -> None:
+async def test_attitude_has_a_horizon(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("imu", hub=hub.url) as node:
         topic = await node.advertise("/imu", Imu, latch=True)
         half = math.radians(30) / 2
@@ -96,7 +98,9 @@ async def test_attitude_has_a_horizon(hub: Hub, open_page: OpenPage) -> None:
         )
 
 
-async def test_battery_says_its_charge_and_what_is_unknown(hub: Hub, open_page: OpenPage) -> None:
+async def test_battery_says_its_charge_and_what_is_unknown(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with fibws.Node("base", hub=hub.url) as node:
         topic = await node.advertise("/battery", BatteryState, latch=True)
         await topic.publish(
@@ -119,7 +123,7 @@ async def test_battery_says_its_charge_and_what_is_unknown(hub: Hub, open_page: 
         await expect(page.locator(".battery-percent")).to_have_text("charge unknown")
 
 
-async def test_position_has_a_track(hub: Hub, open_page: OpenPage) -> None:
+async def test_position_has_a_track(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("gps", hub=hub.url) as node:
         topic = await node.advertise("/fix", NavSatFix, latch=True)
         page = await open_page(hub, "#/topics/%2Ffix")
@@ -136,7 +140,7 @@ async def test_position_has_a_track(hub: Hub, open_page: OpenPage) -> None:
         assert float(await here.get_attribute("cx") or 0) > 80
 
 
-async def test_reading_without_a_publisher_says_so(hub: Hub, open_page: OpenPage) -> None:
+async def test_reading_without_a_publisher_says_so(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         node.subscribe("/imu", Imu)
         await node.flush()

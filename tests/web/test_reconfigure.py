@@ -8,7 +8,7 @@ from pathlib import Path
 from playwright.async_api import Locator, Page, expect
 from running_programs import Program
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .conftest import OpenPage, fixture
 
@@ -16,7 +16,7 @@ SERVER = Path(__file__).parents[1] / "ros1" / "scripts" / "reconfigure" / "serve
 
 
 @fixture
-async def server(hub: Hub) -> AsyncIterator[Program]:
+async def server(hub: HubServer) -> AsyncIterator[Program]:
     """A node with two servers: /server, and /server/second below it."""
     program = await Program.start("fibws.rospy", str(SERVER), FIBWS_HUB=hub.url)
     while "ready" not in await program.line():
@@ -29,7 +29,7 @@ def number(page: Page, name: str) -> Locator:
     return page.get_by_label(name, exact=True)
 
 
-async def test_tab_appears_with_a_server(hub: Hub, open_page: OpenPage) -> None:
+async def test_tab_appears_with_a_server(hub: HubServer, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
     await expect(page.locator("#tab-reconfigure")).to_be_hidden()
     program = await Program.start("fibws.rospy", str(SERVER), FIBWS_HUB=hub.url)
@@ -41,7 +41,7 @@ async def test_tab_appears_with_a_server(hub: Hub, open_page: OpenPage) -> None:
 
 
 async def test_values_are_changed_and_clamped(
-    hub: Hub, server: Program, open_page: OpenPage
+    hub: HubServer, server: Program, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/reconfigure/%2Fserver")
     text = number(page, "int_param")
@@ -64,7 +64,7 @@ async def test_values_are_changed_and_clamped(
 
 
 async def test_invalid_text_is_refused_beside_it(
-    hub: Hub, server: Program, open_page: OpenPage
+    hub: HubServer, server: Program, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/reconfigure/%2Fserver")
     text = number(page, "int_param")
@@ -80,7 +80,7 @@ async def test_invalid_text_is_refused_beside_it(
 
 
 async def test_changes_of_others_and_refusals_are_shown(
-    hub: Hub, server: Program, open_page: OpenPage
+    hub: HubServer, server: Program, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/reconfigure/%2Fserver%2Fsecond")
     other = await open_page(hub, "#/reconfigure/%2Fserver%2Fsecond")
@@ -94,7 +94,7 @@ async def test_changes_of_others_and_refusals_are_shown(
 
 
 async def test_group_is_opened_for_everybody(
-    hub: Hub, server: Program, open_page: OpenPage
+    hub: HubServer, server: Program, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/reconfigure/%2Fserver")
     other = await open_page(hub, "#/reconfigure/%2Fserver")

@@ -18,7 +18,7 @@ from playwright.async_api import Page, expect
 from fibws.bags import open_writer
 from fibws.hub import Settings
 from fibws.hub.http.requests import CONTENT_SECURITY_POLICY
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.interfaces import Interfaces
 from fibws.interfaces.serialization import Serializers
 
@@ -56,7 +56,7 @@ def static_host() -> Iterator[str]:
 
 @fixture
 async def page(
-    open_page: OpenPage, hub: Hub, static_host: str, complaints: Complaints
+    open_page: OpenPage, hub: HubServer, static_host: str, complaints: Complaints
 ) -> AsyncIterator[Page]:
     """Return the page of a host without a hub."""
     page = await open_page(hub, "", address=static_host, state="closed")
@@ -193,7 +193,7 @@ async def test_a_recording_of_the_hub_is_shown_in_parts(
     settings = Settings(
         **PATIENT, record=tmp_path / "bags", record_at_start=False, record_min_space=0
     )
-    async with Hub(settings) as hub:
+    async with HubServer(settings) as hub:
         file = await record(hub)
         file.write_bytes(recorded)
         sent: list[int] = []
@@ -257,7 +257,7 @@ async def test_a_file_is_dropped_on_the_page(page: Page, tmp_path: Path) -> None
 
 
 async def test_a_file_is_opened_in_place_of_a_hub(
-    open_page: OpenPage, hub: Hub, tmp_path: Path
+    open_page: OpenPage, hub: HubServer, tmp_path: Path
 ) -> None:
     page = await open_page(hub, "#/topics")
     await open_file(page, write(tmp_path / "n.mcap"))

@@ -13,7 +13,7 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Point, Pose, Quaternion, TransformStamped, Vector3
 from fibws.msg.sensor_msgs import JointState
 from fibws.msg.std_msgs import ColorRGBA, Header, String
@@ -90,7 +90,7 @@ def stl_box() -> bytes:
 
 
 @fixture
-async def robot(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def robot(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("robot", hub=hub.url) as node:
         yield node
 
@@ -135,7 +135,7 @@ def _are_near(found: dict[Any, tuple[float, float]], wanted: dict[Any, Any]) -> 
     )
 
 
-async def scene_of(open_page: OpenPage, hub: Hub, topic: str, **options: Any) -> Scene:
+async def scene_of(open_page: OpenPage, hub: HubServer, topic: str, **options: Any) -> Scene:
     route = f"#/topics/{topic.replace('/', '%2F')}"
     page = await open_page(hub, route, width=1440, **options)
     # The key keeps the distance, "2D" would show all there is.
@@ -158,7 +158,7 @@ def cube(number: int, place: tuple[float, float], color: tuple[float, float, flo
 
 
 async def test_markers_are_where_they_should_be(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
 ) -> None:
     markers = await robot.advertise("/markers", MarkerArray, latch=True)
     places = {RED: (0.0, 0.0), GREEN: (1.0, 0.0), BLUE: (0.0, 1.0)}
@@ -171,7 +171,7 @@ async def test_markers_are_where_they_should_be(
 
 
 async def test_markers_end_when_they_are_deleted_or_their_time_is_over(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
 ) -> None:
     topic = await robot.advertise("/marker", Marker, peers=True)
     scene = await scene_of(open_page, hub, "/marker", has_clock=True)
@@ -196,7 +196,9 @@ async def test_markers_end_when_they_are_deleted_or_their_time_is_over(
     await scene.shows({})
 
 
-async def test_namespaces_can_be_hidden(open_page: OpenPage, hub: Hub, robot: fibws.Node) -> None:
+async def test_namespaces_can_be_hidden(
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
+) -> None:
     topic = await robot.advertise("/markers", MarkerArray, latch=True)
     two = [cube(0, (0.0, 0.0), RED), cube(1, (1.0, 0.0), GREEN)]
     two[1].ns = "walls"
@@ -247,7 +249,7 @@ KINDS += ["SPHERE_LIST", "POINTS", "MESH_RESOURCE", "TRIANGLE_LIST"]
 
 
 async def test_every_kind_of_marker_is_drawn_at_its_place(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
 ) -> None:
     await fibws_parameter(robot, '<robot name="r"><!-- package://arm/ --><link name="a"/></robot>')
     topic = await robot.advertise("/markers", MarkerArray, latch=True)
@@ -271,7 +273,7 @@ async def test_every_kind_of_marker_is_drawn_at_its_place(
 
 
 async def test_faults_of_markers_are_said(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node, complaints: Complaints
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node, complaints: Complaints
 ) -> None:
     topic = await robot.advertise("/markers", MarkerArray, latch=True)
     flat = cube(7, (0.0, 0.0), RED)
@@ -298,7 +300,7 @@ def frame(parent: str, child: str, place: tuple[float, float], stamp: int) -> TF
 
 
 async def test_locked_markers_go_along_with_their_frame(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
 ) -> None:
     tf = await robot.advertise("/tf", TFMessage, latch=True)
     await tf.publish(frame("map", "carrier", (0.0, 0.0), 100))
@@ -316,7 +318,7 @@ async def test_locked_markers_go_along_with_their_frame(
 
 
 async def test_interactive_markers_are_drawn_and_follow_updates(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
 ) -> None:
     full = await robot.advertise("/menu/update_full", InteractiveMarkerInit, latch=True)
     updates = await robot.advertise("/menu/update", InteractiveMarkerUpdate, peers=True)
@@ -360,7 +362,9 @@ async def fibws_parameter(node: fibws.Node, text: str) -> None:
     await node.params.set("/robot_description", text)
 
 
-async def test_links_move_with_joints(open_page: OpenPage, hub: Hub, robot: fibws.Node) -> None:
+async def test_links_move_with_joints(
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
+) -> None:
     await fibws_parameter(robot, ARM)
     joints = await robot.advertise("/joint_states", JointState, latch=True)
     scene = await scene_of(open_page, hub, "/joint_states")
@@ -381,7 +385,7 @@ async def test_links_move_with_joints(open_page: OpenPage, hub: Hub, robot: fibw
 
 
 async def test_links_are_where_tf_has_them(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node
 ) -> None:
     description = await robot.advertise("/robot_description", String, latch=True)
     await description.publish(String(ARM.replace('"base"', '"carrier"')))
@@ -401,7 +405,7 @@ async def test_links_are_where_tf_has_them(
 
 
 async def test_meshes_are_loaded_and_missing_ones_are_pink_and_named(
-    open_page: OpenPage, hub: Hub, robot: fibws.Node, complaints: Complaints
+    open_page: OpenPage, hub: HubServer, robot: fibws.Node, complaints: Complaints
 ) -> None:
     def mesh(link: str, file: str, x: float) -> str:
         return (

@@ -10,7 +10,7 @@ import pytest
 from playwright.async_api import Browser
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Twist
 from fibws.msg.std_msgs import String
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
@@ -101,7 +101,7 @@ async def served(html: str) -> AsyncIterator[str]:
 
 @pytest.mark.smoke
 async def test_page_of_an_old_tutorial_works(
-    browser: Browser, hub: Hub, complaints: Complaints
+    browser: Browser, hub: HubServer, complaints: Complaints
 ) -> None:
     page = await browser.new_page()
     complaints.watch(page)

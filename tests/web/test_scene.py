@@ -20,7 +20,7 @@ import pytest
 from playwright.async_api import FloatRect, Page, expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import (
     PointStamped,
     PoseStamped,
@@ -130,7 +130,7 @@ NO_WEBGL = """
 
 
 @fixture
-async def robot(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def robot(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("robot", hub=hub.url) as node:
         yield node
 
@@ -190,7 +190,7 @@ async def box_of(page: Page) -> FloatRect:
 
 @pytest.mark.smoke
 async def test_return_of_a_scan_on_the_left_is_drawn_on_the_left(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     # The robot looks along y of the map, and so does the camera behind it.
     await publish_frames(
@@ -241,7 +241,7 @@ def projected(place: Place, width: float, height: float) -> tuple[float, float]:
 
 
 async def test_corners_of_a_cloud_are_at_known_pixels(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await robot.advertise("/points", PointCloud2, latch=True)
     await topic.publish(cloud(corners()))
@@ -279,7 +279,7 @@ async def test_corners_of_a_cloud_are_at_known_pixels(
 
 
 async def test_map_has_its_first_row_below_and_takes_updates(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await robot.advertise("/map", OccupancyGrid, latch=True)
     updates = await robot.advertise("/map_updates", OccupancyGridUpdate, peers=True)
@@ -315,7 +315,9 @@ async def test_map_has_its_first_row_below_and_takes_updates(
     )
 
 
-async def test_layers_say_what_is_wrong(hub: Hub, robot: fibws.Node, open_page: OpenPage) -> None:
+async def test_layers_say_what_is_wrong(
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
+) -> None:
     await publish_frames(
         robot, stamped("map", "base_link", 0, 0), stamped("base_link", "lidar", 0, 0)
     )
@@ -355,7 +357,7 @@ async def test_layers_say_what_is_wrong(hub: Hub, robot: fibws.Node, open_page: 
 
 
 async def test_tools_publish_where_they_are_used(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))
     goals = robot.subscribe("/move_base_simple/goal", PoseStamped)
@@ -463,7 +465,7 @@ async def test_tools_publish_where_they_are_used(
     await expect(label).to_have_count(0)
 
 
-async def open_dashboard(hub: Hub, open_page: OpenPage, *views: str, **context: Any) -> Page:
+async def open_dashboard(hub: HubServer, open_page: OpenPage, *views: str, **context: Any) -> Page:
     """Open the dashboard with some views that need no topic, side by side."""
     page = await open_page(hub, "#/dashboard", **context)
     items = [{"view": view, "name": ""} for view in views]
@@ -480,7 +482,7 @@ async def open_dashboard(hub: Hub, open_page: OpenPage, *views: str, **context: 
 
 
 async def test_scene_has_the_theme_that_changed_while_it_was_covered(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))
     page = await open_dashboard(hub, open_page, "scene", "console", color_scheme="light")
@@ -494,7 +496,7 @@ async def test_scene_has_the_theme_that_changed_while_it_was_covered(
 
 
 async def test_followed_robot_is_in_the_middle_at_once_and_after_a_reload(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 3, 1, math.pi / 2))
     topic = await robot.advertise("/scan", LaserScan, latch=True)
@@ -532,7 +534,7 @@ async def test_followed_robot_is_in_the_middle_at_once_and_after_a_reload(
 
 
 async def test_list_of_layers_is_hidden_by_its_button_and_stays_so(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))
     page = await open_dashboard(hub, open_page, "scene", "console", width=1600)
@@ -557,7 +559,7 @@ async def test_list_of_layers_is_hidden_by_its_button_and_stays_so(
 
 @pytest.mark.parametrize("cut", ["no messages", "stamps go back"])
 async def test_trail_is_not_joined_across_a_cut(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage, cut: str
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage, cut: str
 ) -> None:
     odometry = await robot.advertise("/odom", Odometry, peers=True)
     changes = odometry.peers.changes()
@@ -602,7 +604,7 @@ async def test_trail_is_not_joined_across_a_cut(
 
 
 async def test_goal_says_its_age_without_a_new_picture(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await robot.advertise("/goal", PoseStamped, latch=True)
     goal = PoseStamped(Header(frame_id="map", stamp=fibws.Time(100)))
@@ -628,7 +630,7 @@ async def test_goal_says_its_age_without_a_new_picture(
 
 
 async def test_escape_ends_a_tool_before_the_large_panel(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))
     page = await open_dashboard(hub, open_page, "scene", "console")
@@ -645,7 +647,7 @@ async def test_escape_ends_a_tool_before_the_large_panel(
 
 
 async def test_finger_sends_a_goal_by_a_button(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))
     goals = robot.subscribe("/goal", PoseStamped)
@@ -690,7 +692,7 @@ async def at_rest(page: Page) -> int:
 
 
 async def test_nothing_is_drawn_at_rest_and_when_hidden(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await robot.advertise("/scan", LaserScan, latch=True, peers=True)
     changes = topic.peers.changes()
@@ -736,7 +738,7 @@ async def test_nothing_is_drawn_at_rest_and_when_hidden(
 
 
 async def test_picture_survives_the_loss_of_its_context(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage, complaints: Complaints
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage, complaints: Complaints
 ) -> None:
     topic = await robot.advertise("/scan", LaserScan, latch=True)
     await topic.publish(scan("laser", [1.0] * 4))
@@ -753,7 +755,7 @@ async def test_picture_survives_the_loss_of_its_context(
 
 
 async def test_without_webgl_the_scene_is_text(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage
 ) -> None:
     topic = await robot.advertise("/scan", LaserScan, latch=True)
     await topic.publish(scan("laser", [1.0] * 4))
@@ -766,7 +768,7 @@ async def test_without_webgl_the_scene_is_text(
 @pytest.mark.slow
 @pytest.mark.parametrize(("count", "limit"), [(20_000, 60), (300_000, 80)])
 async def test_picture_of_a_cloud_is_drawn_in_time(
-    hub: Hub, robot: fibws.Node, open_page: OpenPage, count: int, limit: float
+    hub: HubServer, robot: fibws.Node, open_page: OpenPage, count: int, limit: float
 ) -> None:
     """Twice the figures for two cores without a graphics card; one picture must be fast enough."""
     await publish_frames(robot, stamped("map", "base_link", 0, 0))

@@ -8,7 +8,7 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse
 
@@ -29,7 +29,7 @@ def speak(request: TriggerRequest) -> TriggerResponse:
 
 
 @fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("adder", hub=hub.url) as node:
         await node.service("/add_two_ints", AddTwoInts, add)
         await node.service("/speak", Trigger, speak)
@@ -44,7 +44,7 @@ async def call(page: Page, a: str, b: str) -> None:
 
 @pytest.mark.smoke
 async def test_service_is_found_by_the_filter_and_called(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/services")
     names = page.locator(".browse-list tbody th a")
@@ -61,7 +61,7 @@ async def test_service_is_found_by_the_filter_and_called(
 
 
 async def test_large_integers_are_sent_exactly_and_marked_as_rounded(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, ADD)
     await call(page, str(2**53 + 1), "2")
@@ -69,7 +69,9 @@ async def test_large_integers_are_sent_exactly_and_marked_as_rounded(
     await expect(page.locator(".tree-value")).to_have_text(f"≈ {2**53 + 4}")
 
 
-async def test_invalid_request_is_not_sent(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
+async def test_invalid_request_is_not_sent(
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
+) -> None:
     page = await open_page(hub, ADD)
     await call(page, "1", "two")
     await expect(page.locator(".form-problems")).to_contain_text("b: “two”")
@@ -77,7 +79,7 @@ async def test_invalid_request_is_not_sent(hub: Hub, node: fibws.Node, open_page
 
 
 async def test_error_of_the_service_is_shown(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, ADD)
     await call(page, "13", "2")
@@ -89,7 +91,7 @@ async def test_error_of_the_service_is_shown(
 
 
 async def test_request_without_fields_and_response_with_markup(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/services/%2Fspeak")
     await expect(page.get_by_text("std_srvs/TriggerRequest has no fields.")).to_be_visible()
@@ -99,7 +101,7 @@ async def test_request_without_fields_and_response_with_markup(
 
 
 async def test_form_is_kept_when_other_services_appear(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, ADD)
     await page.get_by_label("a int64").fill("8")
@@ -108,7 +110,9 @@ async def test_form_is_kept_when_other_services_appear(
     await expect(page.get_by_label("a int64")).to_have_value("8")
 
 
-async def test_missing_service_can_be_called_when_it_appears(hub: Hub, open_page: OpenPage) -> None:
+async def test_missing_service_can_be_called_when_it_appears(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     page = await open_page(hub, ADD)
     await expect(page.get_by_text("No node provides this service")).to_be_visible()
     async with fibws.Node("adder", hub=hub.url) as node:
@@ -120,7 +124,7 @@ async def test_missing_service_can_be_called_when_it_appears(hub: Hub, open_page
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 async def test_view_fits_a_narrow_window(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, scheme: str
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, scheme: str
 ) -> None:
     page = await open_page(hub, "#/services", width=360, height=740, color_scheme=scheme)
     await page.get_by_role("link", name="/add_two_ints").click()

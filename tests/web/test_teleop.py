@@ -10,7 +10,7 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Twist, TwistStamped, Vector3
 
 from .conftest import OpenPage, fixture, until
@@ -105,7 +105,7 @@ class Robot:
 
 
 @fixture
-async def robot(hub: Hub) -> AsyncIterator[Robot]:
+async def robot(hub: HubServer) -> AsyncIterator[Robot]:
     async with fibws.Node("robot", hub=hub.url) as node:
         robot = Robot(node)
         await node.flush()
@@ -137,7 +137,7 @@ async def held(page: Page, x: float, y: float) -> AsyncIterator[None]:
 
 @pytest.mark.smoke
 async def test_stick_drives_and_its_release_stops(
-    hub: Hub, robot: Robot, open_page: OpenPage
+    hub: HubServer, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     async with held(page, 0, -1):
@@ -155,7 +155,7 @@ async def test_stick_drives_and_its_release_stops(
 
 
 async def test_limits_are_kept_for_the_next_time(
-    hub: Hub, robot: Robot, open_page: OpenPage
+    hub: HubServer, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     await page.get_by_label("Greatest speed in m/s").fill("2")
@@ -172,7 +172,7 @@ async def test_limits_are_kept_for_the_next_time(
 
 
 async def test_keys_drive_while_the_panel_has_the_focus(
-    hub: Hub, robot: Robot, open_page: OpenPage
+    hub: HubServer, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     await drive(page, robot)
@@ -191,7 +191,9 @@ async def test_keys_drive_while_the_panel_has_the_focus(
     await robot.rest(page)
 
 
-async def test_stop_holds_until_it_is_released(hub: Hub, robot: Robot, open_page: OpenPage) -> None:
+async def test_stop_holds_until_it_is_released(
+    hub: HubServer, robot: Robot, open_page: OpenPage
+) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     stick = page.locator(".teleop-stick").first
     await drive(page, robot)
@@ -212,7 +214,7 @@ async def test_stop_holds_until_it_is_released(hub: Hub, robot: Robot, open_page
 
 
 async def test_stick_must_be_pressed_again_after_the_window_had_lost_the_focus(
-    hub: Hub, robot: Robot, open_page: OpenPage
+    hub: HubServer, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     async with held(page, 0, -1):
@@ -228,7 +230,7 @@ async def test_stick_must_be_pressed_again_after_the_window_had_lost_the_focus(
 
 @pytest.mark.parametrize("event", ["blur", "pagehide", "visibilitychange", "tab", "close"])
 async def test_robot_stops_when_nobody_looks(
-    hub: Hub, robot: Robot, open_page: OpenPage, event: str
+    hub: HubServer, robot: Robot, open_page: OpenPage, event: str
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     await drive(page, robot)
@@ -247,7 +249,7 @@ async def test_robot_stops_when_nobody_looks(
 
 
 async def test_robot_stops_when_the_page_stands_still(
-    hub: Hub, robot: Robot, open_page: OpenPage
+    hub: HubServer, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     await drive(page, robot)
@@ -270,7 +272,7 @@ async def test_robot_stops_when_the_page_stands_still(
 
 
 async def test_gamepad_drives_while_a_shoulder_button_is_held(
-    hub: Hub, robot: Robot, open_page: OpenPage
+    hub: HubServer, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT + PAD)
     await expect(page.locator(".teleop")).to_be_visible()
@@ -285,7 +287,7 @@ async def test_gamepad_drives_while_a_shoulder_button_is_held(
     await robot.rest(page)
 
 
-async def test_stamped_velocities_have_a_time(hub: Hub, open_page: OpenPage) -> None:
+async def test_stamped_velocities_have_a_time(hub: HubServer, open_page: OpenPage) -> None:
     async with fibws.Node("robot", hub=hub.url) as node:
         commands = node.subscribe("/stamped", TwistStamped, queue_size=None)
         await node.flush()
@@ -297,7 +299,9 @@ async def test_stamped_velocities_have_a_time(hub: Hub, open_page: OpenPage) -> 
                     break
 
 
-async def test_others_at_the_topic_are_named(hub: Hub, robot: Robot, open_page: OpenPage) -> None:
+async def test_others_at_the_topic_are_named(
+    hub: HubServer, robot: Robot, open_page: OpenPage
+) -> None:
     async with fibws.Node("planner", hub=hub.url) as planner:
         await planner.advertise("/cmd_vel", Twist)
         page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
@@ -309,7 +313,7 @@ async def test_others_at_the_topic_are_named(hub: Hub, robot: Robot, open_page: 
 
 
 async def test_nothing_is_held_after_a_lost_connection(
-    hub: Hub, robot: Robot, open_page: OpenPage
+    hub: HubServer, robot: Robot, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, CMD, has_clock=True, prepare=WATCH_SENT)
     await drive(page, robot)

@@ -18,7 +18,7 @@ from websockets.asyncio.client import connect
 from websockets.typing import Subprotocol
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_msgs import GoalStatus
 from fibws.msg.actionlib_tutorials import FibonacciActionFeedback
 from fibws.msg.geometry_msgs import Point, PointStamped, Pose, PoseStamped
@@ -41,7 +41,7 @@ FIBONACCI = "#/topics/%2Ffibonacci"
 
 
 @fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("robot", hub=hub.url) as node:
         yield node
 
@@ -85,7 +85,9 @@ async def open_publish(page: Page) -> None:
     await page.locator("details.section > summary", has_text="Publish").click()
 
 
-async def test_list_has_types_and_rates(hub: Hub, fibonacci: None, open_page: OpenPage) -> None:
+async def test_list_has_types_and_rates(
+    hub: HubServer, fibonacci: None, open_page: OpenPage
+) -> None:
     page = await open_page(hub, "#/topics")
     cells = row(page, "/fibonacci")
     await expect(cells.locator(".col-type")).to_have_text("std_msgs/Int32")
@@ -95,7 +97,7 @@ async def test_list_has_types_and_rates(hub: Hub, fibonacci: None, open_page: Op
 
 
 async def test_list_is_sorted_and_filtered_and_hides_topics_of_the_hub(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     for topic, kind in (("/b", Int32), ("/a", String), ("/c", Int32)):
         await node.advertise(topic, kind)
@@ -116,7 +118,7 @@ async def test_list_is_sorted_and_filtered_and_hides_topics_of_the_hub(
 
 
 async def test_link_has_the_filter_the_order_and_the_topic(
-    hub: Hub, node: fibws.Node, fibonacci: None, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, fibonacci: None, open_page: OpenPage
 ) -> None:
     await node.advertise("/robot/scan", LaserScan)
     page = await open_page(hub, "#/topics")
@@ -138,7 +140,7 @@ async def test_link_has_the_filter_the_order_and_the_topic(
 
 
 async def test_names_are_broken_only_after_slashes_and_underscores(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     name = "/kitchen_robot/front_laser_scanner/detected_obstacles/all_of_them_together"
     await node.advertise(name, FibonacciActionFeedback)
@@ -170,7 +172,7 @@ async def test_names_are_broken_only_after_slashes_and_underscores(
 
 
 async def test_rows_are_not_replaced_while_numbers_change(
-    hub: Hub, fibonacci: None, open_page: OpenPage
+    hub: HubServer, fibonacci: None, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics")
     await expect(row(page, "/fibonacci").locator(".col-rate")).to_contain_text("Hz")
@@ -191,7 +193,7 @@ async def test_rows_are_not_replaced_while_numbers_change(
 
 
 async def test_echo_shows_the_newest_message_until_paused(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     numbers = await node.advertise("/fibonacci", Int32, latch=True)
     await numbers.publish(data=8)
@@ -222,7 +224,7 @@ async def test_echo_shows_the_newest_message_until_paused(
 
 
 async def test_echo_keeps_its_open_branches(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     scans = await node.advertise("/scan", LaserScan, latch=True)
     await scans.publish(ranges=[float(each) for each in range(1000)], header=Header(frame_id="a"))
@@ -254,7 +256,7 @@ async def test_echo_keeps_its_open_branches(
     ],
 )
 async def test_numbers_are_shown_saved_and_copied_as_they_were_sent(
-    hub: Hub, node: fibws.Node, open_page: OpenPage, kind: type, sent: float, shown: str
+    hub: HubServer, node: fibws.Node, open_page: OpenPage, kind: type, sent: float, shown: str
 ) -> None:
     numbers = await node.advertise("/n", kind, latch=True)
     await numbers.publish(data=sent)
@@ -271,7 +273,9 @@ async def test_numbers_are_shown_saved_and_copied_as_they_were_sent(
     assert repr(json.loads(copied)["data"]) == repr(None if isnan(sent) else sent)
 
 
-async def test_text_that_is_not_utf8_is_shown_as_it_was_sent(hub: Hub, open_page: OpenPage) -> None:
+async def test_text_that_is_not_utf8_is_shown_as_it_was_sent(
+    hub: HubServer, open_page: OpenPage
+) -> None:
     async with connect(hub.url, subprotocols=[Subprotocol("fibws.v1")]) as talker:
         advertise = {"op": "advertise", "topic": "/t", "type": "std_msgs/String", "publisher": 1}
         await talker.send(json.dumps({**advertise, "latch": True}))
@@ -281,7 +285,7 @@ async def test_text_that_is_not_utf8_is_shown_as_it_was_sent(hub: Hub, open_page
 
 
 async def test_every_message_of_a_fast_topic_is_plotted_and_saved(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     """A burst of 2000 messages is more than the page draws in a second, by far."""
     numbers = await node.advertise("/n", Int32, latch=True, queue_size=2000)
@@ -300,7 +304,9 @@ async def test_every_message_of_a_fast_topic_is_plotted_and_saved(
     assert [int(line[1]) for line in rows] == [*range(-1, 2000)]
 
 
-async def test_markup_is_not_interpreted(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
+async def test_markup_is_not_interpreted(
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
+) -> None:
     words = await node.advertise("/chatter", String, latch=True)
     await words.publish(data=MARKUP)
     page = await open_page(hub, "#/topics/%2Fchatter")
@@ -350,7 +356,7 @@ async def saved(page: Page, button: str) -> list[list[str]]:
     return [*csv.reader((await asyncio.to_thread(path.read_text)).splitlines())]
 
 
-async def test_plot_draws_a_curve(hub: Hub, fibonacci: None, open_page: OpenPage) -> None:
+async def test_plot_draws_a_curve(hub: HubServer, fibonacci: None, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
     await row(page, "/fibonacci").get_by_role("button", name="Plot").click()
     output = curve(page, "/fibonacci data").locator("output")
@@ -367,7 +373,7 @@ async def test_plot_draws_a_curve(hub: Hub, fibonacci: None, open_page: OpenPage
 
 
 async def test_labels_of_the_axis_follow_the_values(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     collect = """
         const {fillText} = CanvasRenderingContext2D.prototype;
@@ -388,7 +394,7 @@ async def test_labels_of_the_axis_follow_the_values(
 
 
 async def test_samples_of_a_plot_are_saved_as_csv(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     joints = await node.advertise("/joint_states", JointState, latch=True)
     await joints.publish(JointState(name=["hip", "knee, left"], position=[0.5, 1.5]))
@@ -412,7 +418,7 @@ async def test_samples_of_a_plot_are_saved_as_csv(
 
 
 async def test_plot_has_several_fields_of_several_topics(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     poses = await node.advertise("/pose", PoseStamped, latch=True)
     temperature = await node.advertise("/temperature", Float64, latch=True)
@@ -437,7 +443,7 @@ async def test_plot_has_several_fields_of_several_topics(
 
 
 async def test_plot_moves_by_drawing_only_what_is_new(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     """Neither the axes nor the drawn part of a curve are drawn again while it moves."""
     numbers = await node.advertise("/number", Int32)
@@ -473,7 +479,7 @@ async def test_plot_moves_by_drawing_only_what_is_new(
 
 
 async def test_curves_of_different_size_can_have_own_axes(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     points = await node.advertise("/point", Point, latch=True)
     page = await open_page(hub, "#/topics/%2Fpoint/plot")
@@ -507,7 +513,7 @@ async def publish_circle(points: fibws.Publisher[Any], count: int = 41) -> None:
 
 
 async def test_part_of_a_plot_is_zoomed_to_moved_and_saved(
-    hub: Hub, circle: fibws.Publisher[Any], open_page: OpenPage
+    hub: HubServer, circle: fibws.Publisher[Any], open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics?plot=/circle:point.z&range=600")
     await expect(row(page, "/circle").locator(".col-subscribers")).to_have_text("1")
@@ -562,7 +568,7 @@ async def test_part_of_a_plot_is_zoomed_to_moved_and_saved(
 
 
 async def test_one_curve_is_drawn_over_another(
-    hub: Hub, circle: fibws.Publisher[Any], open_page: OpenPage
+    hub: HubServer, circle: fibws.Publisher[Any], open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics?plot=/circle:point.x,/circle:point.y&range=10")
     await expect(row(page, "/circle").locator(".col-subscribers")).to_have_text("1")
@@ -578,7 +584,7 @@ async def test_one_curve_is_drawn_over_another(
 
 
 async def test_elements_of_an_array_are_drawn_over_their_index(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     scans = await node.advertise("/scan", LaserScan, latch=True)
     await scans.publish(ranges=[1.0, 2.0, inf, 4.0])
@@ -597,7 +603,7 @@ async def test_elements_of_an_array_are_drawn_over_their_index(
 
 
 async def test_curve_of_simple_maths_with_fields(
-    hub: Hub, circle: fibws.Publisher[Any], open_page: OpenPage
+    hub: HubServer, circle: fibws.Publisher[Any], open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics/%2Fcircle")
     await publish_circle(circle, 2)
@@ -619,7 +625,7 @@ async def test_curve_of_simple_maths_with_fields(
 
 
 async def test_plot_has_any_number_of_curves_and_loads_its_library_when_first_used(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     arrays = await node.advertise("/n", Float64MultiArray, latch=True)
     await arrays.publish(data=[float(at) for at in range(20)])
@@ -638,7 +644,7 @@ async def test_plot_has_any_number_of_curves_and_loads_its_library_when_first_us
 
 
 async def test_elements_are_called_by_their_names(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     states = await node.advertise("/joint_states", JointState, latch=True)
     await states.publish(name=["shoulder", "elbow"], position=[0.5, 1.5])
@@ -658,7 +664,7 @@ async def test_elements_are_called_by_their_names(
 
 
 async def test_plot_is_open_where_it_was_opened_and_a_line_elsewhere(
-    hub: Hub, node: fibws.Node, fibonacci: None, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, fibonacci: None, open_page: OpenPage
 ) -> None:
     await node.advertise("/other", Int32)
     page = await open_page(hub, FIBONACCI)
@@ -682,7 +688,7 @@ async def test_plot_is_open_where_it_was_opened_and_a_line_elsewhere(
 
 
 async def test_link_reproduces_the_plot(
-    hub: Hub, node: fibws.Node, fibonacci: None, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, fibonacci: None, open_page: OpenPage
 ) -> None:
     poses = await node.advertise("/point", Point, latch=True)
     await poses.publish(x=1.0, y=2.0, z=3.0)
@@ -710,7 +716,9 @@ async def test_link_reproduces_the_plot(
     await expect(folded.locator(".plot-canvas")).to_be_hidden()
 
 
-async def test_paused_plot_does_not_change(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
+async def test_paused_plot_does_not_change(
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
+) -> None:
     numbers = await node.advertise("/fibonacci", Int32, latch=True)
     await numbers.publish(data=8)
     page = await open_page(hub, f"{FIBONACCI}/plot")
@@ -725,7 +733,7 @@ async def test_paused_plot_does_not_change(hub: Hub, node: fibws.Node, open_page
 
 
 async def test_plot_names_a_field_without_a_number(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     numbers = await node.advertise("/fibonacci", Int32, latch=True)
     await numbers.publish(data=8)
@@ -736,7 +744,9 @@ async def test_plot_names_a_field_without_a_number(
 
 
 @pytest.mark.smoke
-async def test_form_publishes_messages(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
+async def test_form_publishes_messages(
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
+) -> None:
     page = await open_page(hub, "#/topics")
     await node.advertise("/status", GoalStatus)
     async with asyncio.timeout(60), node.subscribe("/status", GoalStatus) as received:
@@ -764,7 +774,7 @@ async def test_form_publishes_messages(hub: Hub, node: fibws.Node, open_page: Op
 
 
 async def test_invalid_values_are_not_published(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/small", Int8)
     page = await open_page(hub, "#/topics/%2Fsmall")
@@ -794,7 +804,7 @@ async def test_invalid_values_are_not_published(
 
 
 async def test_large_integers_and_bytes_are_published_exactly(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/long", Int64)
     page = await open_page(hub, "#/topics/%2Flong")
@@ -823,7 +833,7 @@ async def test_large_integers_and_bytes_are_published_exactly(
 
 
 async def test_message_is_published_repeatedly_until_stopped(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/fibonacci", Int32)
     page = await open_page(hub, FIBONACCI)
@@ -845,7 +855,7 @@ async def test_message_is_published_repeatedly_until_stopped(
 
 
 async def test_new_topic_is_created_by_its_first_message(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics")
     await page.get_by_role("button", name="New topic").click()
@@ -866,7 +876,7 @@ async def test_new_topic_is_created_by_its_first_message(
         await expect(page.locator(".browse-page .notice")).to_be_hidden()
 
 
-async def test_unknown_type_is_reported(hub: Hub, open_page: OpenPage) -> None:
+async def test_unknown_type_is_reported(hub: HubServer, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
     await page.get_by_role("button", name="New topic").click()
     await page.locator(".new-topic").get_by_label("Name").fill("/x")
@@ -876,7 +886,7 @@ async def test_unknown_type_is_reported(hub: Hub, open_page: OpenPage) -> None:
 
 
 async def test_topic_page_has_connections_and_type(
-    hub: Hub, fibonacci: None, open_page: OpenPage
+    hub: HubServer, fibonacci: None, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, FIBONACCI)
     await expect(page.get_by_role("link", name="/robot")).to_have_attribute(
@@ -890,7 +900,7 @@ async def test_topic_page_has_connections_and_type(
 
 
 async def test_hidden_view_ends_its_subscriptions(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/fibonacci", Int32)
     page = await open_page(hub, f"{FIBONACCI}/plot")
@@ -902,7 +912,7 @@ async def test_hidden_view_ends_its_subscriptions(
 
 
 async def test_form_is_kept_while_another_view_is_shown(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
+    hub: HubServer, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/fibonacci", Int32)
     page = await open_page(hub, FIBONACCI)
@@ -920,7 +930,7 @@ async def test_form_is_kept_while_another_view_is_shown(
 
 @pytest.mark.parametrize("width", [360, 1280])
 async def test_view_fits_the_width_of_the_window(
-    hub: Hub, fibonacci: None, node: fibws.Node, open_page: OpenPage, width: int
+    hub: HubServer, fibonacci: None, node: fibws.Node, open_page: OpenPage, width: int
 ) -> None:
     await node.advertise("/a/very/long/name/of/a/topic/indeed/" + "x" * 60, PoseStamped)
     page = await open_page(hub, "#/topics", width=width, height=740)

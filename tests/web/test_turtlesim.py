@@ -8,7 +8,7 @@ from playwright.async_api import Page, expect
 from running_programs import Program
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.srv.turtlesim import SetPen, Spawn, TeleportAbsolute
 
 from .conftest import OpenPage, fixture
@@ -27,7 +27,7 @@ BACKGROUND, PEN, RED = [69, 86, 255], [0xB3, 0xB8, 0xFF], [255, 0, 0]
 
 
 @fixture
-async def simulator(hub: Hub) -> AsyncIterator[Program]:
+async def simulator(hub: HubServer) -> AsyncIterator[Program]:
     """A simulator with the turtle that it begins with."""
     program = await Program.start("fibws.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
     while "Spawning" not in (line := await program.line()):
@@ -48,7 +48,7 @@ async def count_of(page: Page, color: list[int], least: int) -> int:
 
 
 async def test_arrow_keys_drive_the_turtle(
-    hub: Hub, simulator: Program, open_page: OpenPage
+    hub: HubServer, simulator: Program, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics")
     await page.locator("#tab-turtlesim").click()
@@ -63,7 +63,7 @@ async def test_arrow_keys_drive_the_turtle(
 
 
 async def test_what_was_drawn_before_is_shown(
-    hub: Hub, simulator: Program, open_page: OpenPage
+    hub: HubServer, simulator: Program, open_page: OpenPage
 ) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("/kill")
@@ -82,7 +82,7 @@ async def test_what_was_drawn_before_is_shown(
 
 
 async def test_without_a_simulator_the_tab_says_how_to_start_one(
-    hub: Hub, open_page: OpenPage
+    hub: HubServer, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics")
     await expect(page.locator("#tab-turtlesim")).to_be_hidden()
@@ -91,7 +91,7 @@ async def test_without_a_simulator_the_tab_says_how_to_start_one(
 
 
 async def test_stick_drives_the_chosen_turtle(
-    hub: Hub, simulator: Program, open_page: OpenPage
+    hub: HubServer, simulator: Program, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/turtlesim", width=390, has_touch=True)
     await page.get_by_text("Stick", exact=True).click()

@@ -9,7 +9,7 @@ from patience import PATIENCE
 from playwright.async_api import Browser, Page
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 
 pytestmark = pytest.mark.browser
@@ -26,7 +26,7 @@ async (timeout) => {
 """
 
 
-async def driving_page(browser: Browser, hub: Hub, timeout: float | None) -> Page:
+async def driving_page(browser: Browser, hub: HubServer, timeout: float | None) -> Page:
     page = await browser.new_page()
     await page.goto(f"http://127.0.0.1:{hub.port}/healthz")
     await page.add_script_tag(url=f"http://127.0.0.1:{hub.port}/roslib.js")
@@ -35,7 +35,7 @@ async def driving_page(browser: Browser, hub: Hub, timeout: float | None) -> Pag
 
 
 @pytest.mark.parametrize("end", ["close", "crash", "stand still"])
-async def test_robot_stops_when_its_page_ends(browser: Browser, hub: Hub, end: str) -> None:
+async def test_robot_stops_when_its_page_ends(browser: Browser, hub: HubServer, end: str) -> None:
     async with (
         asyncio.timeout(PATIENCE),
         fibws.Node("robot", hub=hub.url) as robot,

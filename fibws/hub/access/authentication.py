@@ -32,7 +32,7 @@ from fibws.access.rights import RIGHTS, Principal, Rights, check_name
 from fibws.access.token_file import ANONYMOUS, Tokens
 from fibws.access.web_tokens import WebTokens
 from fibws.errors import AccessError, AuthenticationError, SettingError, TooManyAttempts
-from fibws.hub.access.sessions import Session, Sessions
+from fibws.hub.access.sessions import LoginSession, Sessions
 from fibws.hub.log.text import is_power_of_ten
 from fibws.hub.settings import Settings
 from fibws.protocol.websocket import LONGEST_TOKEN, TOKEN_SUBPROTOCOL
@@ -80,7 +80,7 @@ class Login:
 
     principal: Principal
     again: Callable[[], Principal]
-    session: Session | None = None
+    session: LoginSession | None = None
 
 
 class Authentication:
@@ -209,7 +209,7 @@ class Authentication:
         """End the session of a request's cookie; return whether there was one."""
         return any([self._sessions.close(each) for each in _cookies(headers)])
 
-    def _session(self, headers: Headers) -> Session | None:
+    def _session(self, headers: Headers) -> LoginSession | None:
         origin, host = headers.get("Origin"), headers.get("Host", "")
         found = (self._sessions.find(each, origin, host) for each in _cookies(headers))
         return next((each for each in found if each is not None), None)

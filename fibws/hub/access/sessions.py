@@ -25,7 +25,7 @@ MOST = 10_000
 
 
 @dataclass(slots=True, eq=False)
-class Session:
+class LoginSession:
     """The login of one browser.
 
     Attributes:
@@ -57,7 +57,7 @@ class Sessions:
 
     def __init__(self, now: Callable[[], float]) -> None:
         self._now = now
-        self._sessions: OrderedDict[str, Session] = OrderedDict()
+        self._sessions: OrderedDict[str, LoginSession] = OrderedDict()
         """By their ids; the one that was not used for longest comes first."""
 
     def __len__(self) -> int:
@@ -67,7 +67,7 @@ class Sessions:
         """Return the id of a new session.
 
         Args:
-            check: as in `Session`.
+            check: as in `LoginSession`.
             origin: of the page that logs in, if it is known.
         """
         self._forget_old()
@@ -79,10 +79,10 @@ class Sessions:
             self.close(next(iter(self._sessions)))
         id_ = secrets.token_urlsafe(32)
         page = Origin.parse(origin) if origin is not None else None
-        self._sessions[id_] = Session(owner, check, page, self._now())
+        self._sessions[id_] = LoginSession(owner, check, page, self._now())
         return id_
 
-    def find(self, id_: str, origin: str | None, host: str) -> Session | None:
+    def find(self, id_: str, origin: str | None, host: str) -> LoginSession | None:
         """Return a session for a request; None if it has none, or one of another page.
 
         Args:
@@ -115,7 +115,7 @@ class Sessions:
             del self._sessions[id_]
 
 
-def _is_own(session: Session, origin: str, host: str) -> bool:
+def _is_own(session: LoginSession, origin: str, host: str) -> bool:
     page = Origin.parse(origin)
     if page is None:
         return False

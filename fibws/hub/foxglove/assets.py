@@ -13,7 +13,7 @@ from fibws.errors import FibwsError
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.delivery.send_queue import Frame
 from fibws.hub.delivery.workers import Workers
-from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
 from fibws.hub.log.text import INTERNAL_ERROR, shortened
 from fibws.hub.memory.byte_room import ByteRoom
@@ -64,7 +64,7 @@ class Assets:
     """
 
     def __init__(
-        self, client: Client, files: AssetFiles | None, readers: Workers, room: ByteRoom
+        self, client: FoxgloveClient, files: AssetFiles | None, readers: Workers, room: ByteRoom
     ) -> None:
         self._client = client
         self._files = files

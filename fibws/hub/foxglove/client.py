@@ -10,7 +10,7 @@ from fibws.errors import LimitReached, NotAllowed
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.foxglove.messages import ERROR, WARNING, text_frame
-from fibws.hub.foxglove.turns import Turns
+from fibws.hub.foxglove.turns import FeedTurns
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.view import GraphView
 from fibws.hub.log.audit import Audit
@@ -19,7 +19,7 @@ from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Registration
 
 
-class Statuses:
+class FoxgloveStatuses:
     """Sends one client statuses, and logs its errors.
 
     Args:
@@ -70,7 +70,7 @@ class Statuses:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Client:
+class FoxgloveClient:
     """One client: its name, the graph, and the way back to it.
 
     Attributes:
@@ -85,10 +85,10 @@ class Client:
     queue: SendQueue
     clock: Clock
     settings: Settings
-    statuses: Statuses
+    statuses: FoxgloveStatuses
     audit: Audit
     check_shared: Callable[[Registration], None]
-    turns: Turns
+    turns: FeedTurns
 
     def resolve(self, spelling: str) -> str:
         """Return the global name that the client means; raise `InvalidName`."""

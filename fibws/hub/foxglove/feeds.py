@@ -17,7 +17,7 @@ from weakref import WeakKeyDictionary
 
 from pydantic_core import to_json
 
-from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.messages import ROS1, ROS1_TEXT, WARNING, list_frame, text_frame
 from fibws.hub.foxglove.turns import TURN
 from fibws.hub.graph.graph import ExternalNode, Graph
@@ -47,7 +47,7 @@ E = TypeVar("E")
 class Feed(ABC, Generic[K, E]):
     """Sends one client the entries that it may see, and then their changes."""
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: FoxgloveClient) -> None:
         self.client = client
         self.known: dict[K, E] = {}
         """What the client has been sent."""
@@ -169,7 +169,7 @@ class ChannelFeed(Feed[str, tuple[Channel, ...]]):
     """
 
     def __init__(
-        self, client: Client, schemas: Schemas, removed: Callable[[Channel], object]
+        self, client: FoxgloveClient, schemas: Schemas, removed: Callable[[Channel], object]
     ) -> None:
         super().__init__(client)
         self._schemas = schemas
@@ -231,7 +231,7 @@ class Probe:
         end: called when that has taken too long.
     """
 
-    def __init__(self, client: Client, topic: Topic, end: Callable[[], object]) -> None:
+    def __init__(self, client: FoxgloveClient, topic: Topic, end: Callable[[], object]) -> None:
         self.node = client.node
         self._client = client
         self._topic = topic
@@ -261,7 +261,7 @@ class UndefinedFeed(Feed[str, tuple[str, str]]):
     definition. ROS 1 nodes are asked for it before.
     """
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: FoxgloveClient) -> None:
         super().__init__(client)
         self._probes: dict[str, Probe] = {}
         self._delayed: dict[str, None] = {}
@@ -355,7 +355,7 @@ class ServiceEntry:
         )
 
 
-class Services:
+class ServiceFeeds:
     """The descriptions of the graph's services, each made once."""
 
     def __init__(self, graph: Graph) -> None:
@@ -408,7 +408,7 @@ def _service_schemas(definitions: Definitions, type_: str) -> tuple[bytes, bytes
 class ServiceFeed(Feed[str, ServiceEntry]):
     """The services that a client may call, by their names."""
 
-    def __init__(self, client: Client, services: Services) -> None:
+    def __init__(self, client: FoxgloveClient, services: ServiceFeeds) -> None:
         super().__init__(client)
         self._services = services
         self._by_id: dict[int, ServiceEntry] = {}
@@ -506,7 +506,7 @@ class GraphFeed(Feed[GraphKey, Users]):
         )
 
 
-def _used(client: Client, name: str) -> Topic | None:
+def _used(client: FoxgloveClient, name: str) -> Topic | None:
     """Return a topic that has a publisher, or waits for one, and that the client may subscribe to.
 
     An application can publish what others wait for, such as a robot for its velocity.
@@ -521,7 +521,7 @@ def _used(client: Client, name: str) -> Topic | None:
     return topic if is_used else None
 
 
-def _published(client: Client, name: str) -> Topic | None:
+def _published(client: FoxgloveClient, name: str) -> Topic | None:
     """Return a topic that has a publisher and that the client may subscribe to."""
     view = client.view
     topic = view.topic(name)

@@ -76,21 +76,21 @@ class _Model(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
 
 
-class Subscription(_Model):
-    """One of the subscriptions of `Subscribe`."""
+class ChannelSubscription(_Model):
+    """One of the subscriptions of `SubscribeChannels`."""
 
     id: Number
     channel: Number = Field(alias="channelId")
 
 
-class Subscribe(_Model):
+class SubscribeChannels(_Model):
     """The client wants the messages of some channels."""
 
     op: Literal["subscribe"]
-    subscriptions: Annotated[list[Subscription], Field(max_length=MOST_ITEMS), FailFast()]
+    subscriptions: Annotated[list[ChannelSubscription], Field(max_length=MOST_ITEMS), FailFast()]
 
 
-class Unsubscribe(_Model):
+class UnsubscribeChannels(_Model):
     """The client ends some of its subscriptions."""
 
     op: Literal["unsubscribe"]
@@ -108,14 +108,14 @@ class ClientChannel(_Model):
     schema_encoding: str | None = Field(None, alias="schemaEncoding")
 
 
-class Advertise(_Model):
+class AdvertiseChannels(_Model):
     """The client publishes some topics."""
 
     op: Literal["advertise"]
     channels: Annotated[list[ClientChannel], Field(max_length=MOST_ITEMS), FailFast()]
 
 
-class Unadvertise(_Model):
+class UnadvertiseChannels(_Model):
     """The client publishes some topics no more."""
 
     op: Literal["unadvertise"]
@@ -181,10 +181,10 @@ class FetchAsset(_Model):
 
 
 Operation: TypeAlias = (
-    Subscribe
-    | Unsubscribe
-    | Advertise
-    | Unadvertise
+    SubscribeChannels
+    | UnsubscribeChannels
+    | AdvertiseChannels
+    | UnadvertiseChannels
     | GetParameters
     | SetParameters
     | SubscribeParameterUpdates

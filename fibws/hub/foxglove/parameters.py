@@ -14,7 +14,7 @@ from typing import Any
 from pydantic_core import from_json, to_json
 
 from fibws.errors import FibwsError, InvalidName, LimitReached, ParameterError, ParameterNotSet
-from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.feeds import BATCH
 from fibws.hub.foxglove.messages import GetParameters, Parameter, SetParameters, list_frame
 from fibws.hub.foxglove.turns import TURN
@@ -31,7 +31,7 @@ MOST_WATCHED = 10_000
 class ParameterAccess:
     """One client's use of the parameters."""
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: FoxgloveClient) -> None:
         self._client = client
         self._watched: set[str] = set()
         self._sorted: list[str] = []

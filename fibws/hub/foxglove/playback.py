@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, NamedTuple, Self
 
 from fibws.errors import FibwsError, OperationError
-from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.messages import PlaybackRequest, playback_frame
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.publication import Publication
@@ -64,7 +64,7 @@ class Playback:
         changed: called when there is another range of time to play, or none any more.
     """
 
-    def __init__(self, client: Client, changed: Callable[[], object]) -> None:
+    def __init__(self, client: FoxgloveClient, changed: Callable[[], object]) -> None:
         self._client = client
         self._changed = changed
         self._known: set[str] = set()

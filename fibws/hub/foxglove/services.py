@@ -7,7 +7,7 @@ from typing import NamedTuple
 from pydantic_core import from_json
 
 from fibws.errors import CallFailed, FibwsError, OperationError, UnknownDefinition
-from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.feeds import ServiceFeed
 from fibws.hub.foxglove.messages import (
     ENCODINGS,
@@ -25,7 +25,7 @@ from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.value_limits import check_json
 
 
-class WaitingCall(NamedTuple):
+class FoxgloveCall(NamedTuple):
     """A call until its response, by the numbers that the client knows it by."""
 
     service: int
@@ -33,17 +33,17 @@ class WaitingCall(NamedTuple):
     encoding: str
 
 
-class Calls:
+class FoxgloveCalls:
     """One client's calls until their responses; each call gets one.
 
     Args:
         services: those that the client may call.
     """
 
-    def __init__(self, client: Client, services: ServiceFeed) -> None:
+    def __init__(self, client: FoxgloveClient, services: ServiceFeed) -> None:
         self._client = client
         self._services = services
-        self._waiting: dict[Call, WaitingCall] = {}
+        self._waiting: dict[Call, FoxgloveCall] = {}
 
     def call(self, request: ClientRequest) -> None:
         """Call a service; a failure is sent to the client."""
@@ -97,7 +97,7 @@ class Calls:
             raise CallFailed(f"Service {entry.name} has another type now", "type_conflict")
         args = _read(request)
         call = client.graph.call(entry.name, args, client.node, self._succeeded, self._failed)
-        self._waiting[call] = WaitingCall(request.service, request.call, request.encoding)
+        self._waiting[call] = FoxgloveCall(request.service, request.call, request.encoding)
         try:
             call.start(client.settings.service_timeout, client.clock.call_later)
         except Exception:

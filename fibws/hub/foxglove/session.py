@@ -1,6 +1,6 @@
 """Foxglove sessions: what one client of Foxglove's WebSocket protocol asks for.
 
-A session is synchronous and knows no socket: messages come in by `Session.receive_text` and
+A session is synchronous and knows no socket: messages come in by `FoxgloveSession.receive_text` and
 `receive_binary`, frames go out by the client's send queue. Each part of the protocol has a handler:
 `topics`, `services`, `parameters`, and the `feeds` that describe the graph.
 """
@@ -17,7 +17,7 @@ from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, LimitReac
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.workers import Workers
 from fibws.hub.foxglove.assets import MOST_HELD, AssetFiles, Assets
-from fibws.hub.foxglove.client import Client, Statuses
+from fibws.hub.foxglove.client import FoxgloveClient, FoxgloveStatuses
 from fibws.hub.foxglove.feeds import (
     Application,
     ChannelFeed,
@@ -25,23 +25,23 @@ from fibws.hub.foxglove.feeds import (
     GraphKey,
     Schemas,
     ServiceFeed,
-    Services,
+    ServiceFeeds,
     UndefinedFeed,
 )
 from fibws.hub.foxglove.messages import (
     ENCODINGS,
-    Advertise,
+    AdvertiseChannels,
     ClientMessage,
     ClientRequest,
     FetchAsset,
     GetParameters,
     Operation,
     SetParameters,
-    Subscribe,
+    SubscribeChannels,
     SubscribeConnectionGraph,
     SubscribeParameterUpdates,
-    Unadvertise,
-    Unsubscribe,
+    UnadvertiseChannels,
+    UnsubscribeChannels,
     UnsubscribeConnectionGraph,
     UnsubscribeParameterUpdates,
     parse_binary,
@@ -51,9 +51,9 @@ from fibws.hub.foxglove.messages import (
 )
 from fibws.hub.foxglove.parameters import ParameterAccess
 from fibws.hub.foxglove.playback import NANOSECONDS, Playback
-from fibws.hub.foxglove.services import Calls
+from fibws.hub.foxglove.services import FoxgloveCalls
 from fibws.hub.foxglove.topics import Groups, Publications, Subscriptions, unknown_channel
-from fibws.hub.foxglove.turns import Turns
+from fibws.hub.foxglove.turns import FeedTurns
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log.audit import Audit
@@ -118,10 +118,10 @@ class Foxglove:
         self.session_id = secrets.token_hex(8)
         """Tells clients that connect again whether it is still the same hub."""
         self.schemas = Schemas()
-        self.services = Services(graph)
+        self.services = ServiceFeeds(graph)
         self.groups: Groups = {}
-        self.sessions: set[Session] = set()
-        self.turns = Turns(clock)
+        self.sessions: set[FoxgloveSession] = set()
+        self.turns = FeedTurns(clock)
         self._topics: dict[str, None] = {}
         """Topics that have changed, of which the sessions are still to be told."""
         self._services: dict[str, None] = {}
@@ -132,7 +132,7 @@ class Foxglove:
         graph.parameters.watch(self._parameter_changed)
         graph.clock.watch(self._time_changed)
 
-    def open(self, opening: Opening, protocol: str) -> Session:
+    def open(self, opening: Opening, protocol: str) -> FoxgloveSession:
         """Return a new session.
 
         Raises:
@@ -141,9 +141,9 @@ class Foxglove:
         """
         if opening.log_in is not None and opening.principal is None:
             raise AuthenticationError("missing token: append ?token=... to the address")
-        return Session(self, opening, protocol)
+        return FoxgloveSession(self, opening, protocol)
 
-    def left(self, session: Session) -> None:
+    def left(self, session: FoxgloveSession) -> None:
         """Forget a session; the second time nothing happens."""
         self.sessions.discard(session)
         if not self.sessions:
@@ -181,7 +181,7 @@ class Foxglove:
         self._was_simulated = is_simulated
 
 
-class Session(NodeSession[Client], Application):
+class FoxgloveSession(NodeSession[FoxgloveClient], Application):
     """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
 
     __slots__ = (
@@ -208,14 +208,14 @@ class Session(NodeSession[Client], Application):
         self._dropped = 0
         """Messages dropped because the client sends too much."""
         self.node = graph.enter(self, opening.node, opening.principal)
-        self._client = client = Client(
+        self._client = client = FoxgloveClient(
             self.node,
             graph,
             graph.view(self.node),
             opening.queue,
             foxglove.clock,
             foxglove.settings,
-            Statuses(self.node, opening.queue, foxglove.report),
+            FoxgloveStatuses(self.node, opening.queue, foxglove.report),
             foxglove.audit,
             opening.check_room,
             foxglove.turns,
@@ -228,7 +228,7 @@ class Session(NodeSession[Client], Application):
         self._graph_feed: GraphFeed | None = None
         self._playback = Playback(client, self.introduce)
         self._assets = Assets(client, foxglove.assets, foxglove.readers, foxglove.asset_room)
-        self.calls = Calls(client, self._services)
+        self.calls = FoxgloveCalls(client, self._services)
         self.parameters = ParameterAccess(client)
         foxglove.sessions.add(self)
         self.introduce()
@@ -394,13 +394,13 @@ class Session(NodeSession[Client], Application):
     # One case for each operation, all of which mypy demands.
     def _perform(self, operation: Operation) -> Work:  # noqa: C901
         match operation:
-            case Subscribe():
+            case SubscribeChannels():
                 yield from self._subscribe(operation)
-            case Unsubscribe():
+            case UnsubscribeChannels():
                 yield from self._unsubscribe(operation)
-            case Advertise():
+            case AdvertiseChannels():
                 yield from self._advertise(operation)
-            case Unadvertise():
+            case UnadvertiseChannels():
                 yield from self._unadvertise(operation)
             case GetParameters():
                 yield from self.parameters.get(operation)
@@ -419,7 +419,7 @@ class Session(NodeSession[Client], Application):
             case _:
                 assert_never(operation)
 
-    def _subscribe(self, request: Subscribe) -> Work:
+    def _subscribe(self, request: SubscribeChannels) -> Work:
         """Subscribe to some channels; one that fails does not affect the others."""
         for each in request.subscriptions:
             try:
@@ -431,12 +431,12 @@ class Session(NodeSession[Client], Application):
                 self._client.statuses.error(f"subscribe: {error}", code=error.code)
             yield
 
-    def _unsubscribe(self, request: Unsubscribe) -> Work:
+    def _unsubscribe(self, request: UnsubscribeChannels) -> Work:
         for id_ in request.subscriptions:
             self._subscriptions.remove(id_)
             yield
 
-    def _advertise(self, request: Advertise) -> Work:
+    def _advertise(self, request: AdvertiseChannels) -> Work:
         """Publish some topics; one that fails does not affect the others."""
         for channel in request.channels:
             try:
@@ -446,7 +446,7 @@ class Session(NodeSession[Client], Application):
                 self._client.statuses.error(text, code=error.code)
             yield
 
-    def _unadvertise(self, request: Unadvertise) -> Work:
+    def _unadvertise(self, request: UnadvertiseChannels) -> Work:
         for id_ in request.channels:
             self._publications.remove(id_)
             yield

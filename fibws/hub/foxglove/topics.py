@@ -9,7 +9,7 @@ from pydantic_core import from_json
 
 from fibws.errors import FibwsError, InterfaceError, LimitReached, OperationError
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue, frame_of
-from fibws.hub.foxglove.client import Client
+from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.feeds import Channel
 from fibws.hub.foxglove.messages import (
     ENCODINGS,
@@ -48,11 +48,11 @@ BEHIND = "Send buffer limit reached"
 BEHIND_ID = "send buffer"
 
 GroupKey = tuple[Channel, int]
-Groups = dict[GroupKey, "Group"]
+Groups = dict[GroupKey, "FoxgloveGroup"]
 """All groups of a hub."""
 
 
-class Group:
+class FoxgloveGroup:
     """Subscriptions of one channel under equal ids; a `Receiver` of the topic.
 
     Clients number their subscriptions from 0 on, so that many get the same bytes. A message is
@@ -67,7 +67,7 @@ class Group:
         self._flusher = flusher
         self._type: MessageType | None = None
         """Of the last message."""
-        self._members: dict[Subscription, int] = {}
+        self._members: dict[FoxgloveSubscription, int] = {}
         """Each with the value of `_sent` when it came."""
         self._lanes: dict[SendQueue, Lane] = {}
         self._sent = 0
@@ -101,17 +101,17 @@ class Group:
         head = message_head(self._key[1], publication.received)
         return frame_of(server_header(BINARY, MESSAGE_HEAD_SIZE + len(message)) + head, message)
 
-    def sent_to(self, member: Subscription) -> int:
+    def sent_to(self, member: FoxgloveSubscription) -> int:
         """Return how many messages a member was sent, except for latched ones."""
         return self._sent - self._members[member]
 
-    def add(self, member: Subscription) -> None:
+    def add(self, member: FoxgloveSubscription) -> None:
         """Add a subscription."""
         self._groups[self._key] = self
         self._members[member] = self._sent
         self._lanes[member.client.queue] = member.lane
 
-    def remove(self, member: Subscription) -> None:
+    def remove(self, member: FoxgloveSubscription) -> None:
         """Remove a subscription."""
         del self._members[member], self._lanes[member.client.queue]
         if not self._members:
@@ -126,7 +126,7 @@ class Group:
         return True
 
 
-class Subscription:
+class FoxgloveSubscription:
     """One subscription of a client to a channel; a `Sink` of the topic."""
 
     __slots__ = (
@@ -141,7 +141,12 @@ class Subscription:
     )
 
     def __init__(
-        self, subscriptions: Subscriptions, id_: int, channel: Channel, topic: Topic, group: Group
+        self,
+        subscriptions: Subscriptions,
+        id_: int,
+        channel: Channel,
+        topic: Topic,
+        group: FoxgloveGroup,
     ) -> None:
         self._subscriptions = subscriptions
         self._group = group
@@ -202,11 +207,11 @@ class Subscriptions:
         groups: those of the hub.
     """
 
-    def __init__(self, client: Client, groups: Groups) -> None:
+    def __init__(self, client: FoxgloveClient, groups: Groups) -> None:
         self.client = client
         self._groups = groups
-        self.by_id: dict[int, Subscription] = {}
-        self._channels: dict[int, Subscription] = {}
+        self.by_id: dict[int, FoxgloveSubscription] = {}
+        self._channels: dict[int, FoxgloveSubscription] = {}
         """By the channels' ids."""
         self._reported = 0
         """Dropped messages that the client knows of."""
@@ -236,8 +241,8 @@ class Subscriptions:
         key = channel, id_
         group = self._groups.get(key)
         if group is None:
-            group = Group(key, self._groups, self.client.queue.flusher)
-        subscription = Subscription(self, id_, channel, topic, group)
+            group = FoxgloveGroup(key, self._groups, self.client.queue.flusher)
+        subscription = FoxgloveSubscription(self, id_, channel, topic, group)
         subscription.join()
         self.by_id[id_] = self._channels[channel.id] = subscription
         topic.replay(subscription)
@@ -297,7 +302,7 @@ class Subscriptions:
 class Publications:
     """The topics that one client publishes, by the ids that it gave them."""
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: FoxgloveClient) -> None:
         self._client = client
         self._quota = client.graph.latch_quota(
             client.settings.max_latched_bytes, client.node, client.statuses.error

@@ -16,7 +16,7 @@ Send = Callable[[], object]
 """Sends a client what has changed, for about `TURN`."""
 
 
-class Turns:
+class FeedTurns:
     """The turns of one hub's clients, each of which comes once for each `wait`."""
 
     def __init__(self, clock: Clock) -> None:

@@ -55,7 +55,7 @@ def total_bound(limit: int) -> Bound:
     return Bound(limit, "--max-memory", what, CloseReason(1013, reason))
 
 
-class Shared(Protocol):
+class SharedQueue(Protocol):
     """A queue whose messages may be those of other queues, too: a send queue."""
 
     @property
@@ -87,7 +87,7 @@ class Holding:
         *,
         shorten: Callable[[int, int, Bound], object] = lambda size, least, bound: None,
         end: Callable[[Bound], object] = lambda bound: None,
-        shared: Shared | None = None,
+        shared: SharedQueue | None = None,
         is_stranger: bool = False,
     ) -> None:
         self.owner = owner
@@ -108,7 +108,7 @@ class Holding:
         return () if self._shared is None else self._shared.buffers()
 
 
-class Part(NamedTuple):
+class AccountPart(NamedTuple):
     """Something that holds bytes.
 
     Attributes:
@@ -140,7 +140,7 @@ class Account:
         self.bound = total_bound(limit)
         self.allowance = ByteAllowance(lambda: call_soon(self.check))
         """Counts down the bytes that may come until the next count."""
-        self._parts: dict[str, Part] = {}
+        self._parts: dict[str, AccountPart] = {}
         self._reached: dict[Bound, None] = {}
         """The bounds that were exceeded since the last log line."""
         self._unmetered = 0
@@ -152,15 +152,15 @@ class Account:
         """The bytes that a part may take that bounds itself and loses nothing here."""
         return self.bound.limit // RESERVED
 
-    def add(self, name: str, part: Part) -> None:
+    def add(self, name: str, part: AccountPart) -> None:
         """Add a part; several may have one name, under which they are shown together."""
         self._parts[f"{name} {len(self._parts)}"] = part
         if part.bound is not None:
             self.allowance.left = min(self.allowance.left, part.bound.limit)
 
     def add_fixed(self, name: str, measure: Callable[[], int], reserve: int) -> None:
-        """Add a part that bounds itself; arguments as of `Holding` and `Part`."""
-        self.add(name, Part(partial(list, [Holding("", measure)]), reserve=reserve))
+        """Add a part that bounds itself; arguments as of `Holding` and `AccountPart`."""
+        self.add(name, AccountPart(partial(list, [Holding("", measure)]), reserve=reserve))
 
     def grow(self, size: int) -> None:
         """Count bytes that are held from now on."""

@@ -108,7 +108,7 @@ class ClientTotals:
         return counts.received, counts.acknowledged
 
 
-class Recording(Protocol):
+class MeasuredRecording(Protocol):
     """What records topics within the hub."""
 
     @property
@@ -151,7 +151,7 @@ class Metrics:
         probes: Probes,
         watchers: Watchers,
         links: Callable[[], Iterable[Mapping[str, Any]]],
-        recording: Recording | None,
+        recording: MeasuredRecording | None,
         has_unsaved: Callable[[], bool] | None,
         account: Account,
         loop: str,
@@ -316,7 +316,7 @@ class Metrics:
         help_ = "Limit of the bytes that the hub may hold."
         metrics.gauge("fibws_held_bytes_limit", help_, account.bound.limit)
 
-    def _add_recording(self, metrics: Exposition, recording: Recording) -> None:
+    def _add_recording(self, metrics: Exposition, recording: MeasuredRecording) -> None:
         metrics.gauge("fibws_recording", "1 while topics are recorded.", +recording.is_recording)
         help_ = "1 while nothing is recorded because of a fault, such as a full disk."
         metrics.gauge("fibws_recording_failed", help_, +recording.has_failed)

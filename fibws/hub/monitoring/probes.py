@@ -31,7 +31,7 @@ PROXIED = (FOR, FORWARDED, "X-Real-IP", "Via")
 JSON = "application/json"
 
 
-class Refusal(NamedTuple):
+class ProbeRefusal(NamedTuple):
     """Why a request may not read something.
 
     Attributes:
@@ -65,23 +65,23 @@ class Watchers:
         self._audit = audit
         self._host_refusal = host_refusal
 
-    def refusal(self, get: Get) -> Refusal | None:
+    def refusal(self, get: Get) -> ProbeRefusal | None:
         """Return why a request may not read this; None if it may."""
         if self._is_public:
             return None
         if self._authentication is not None:
             return _refusal_of_others(get, self._authentication)
         if not _is_of_this_machine(get):
-            return Refusal(
+            return ProbeRefusal(
                 "right",
                 "a hub without authentication shows this to its own machine only; "
                 "start it with --tokens, or with --public-metrics",
             )
         # A web page on this machine may have given the hub's address a name of its own.
         text = self._host_refusal(get)
-        return Refusal("origin", text) if text is not None else None
+        return ProbeRefusal("origin", text) if text is not None else None
 
-    def refuse(self, get: Get, refusal: Refusal) -> Response:
+    def refuse(self, get: Get, refusal: ProbeRefusal) -> Response:
         """Return the response to a refused request, and record the refusal."""
         reason, text, principal = refusal
         path = get.path.partition("?")[0]
@@ -93,16 +93,16 @@ class Watchers:
         return found
 
 
-def _refusal_of_others(get: Get, authentication: Authentication) -> Refusal | None:
+def _refusal_of_others(get: Get, authentication: Authentication) -> ProbeRefusal | None:
     """Refuse everybody who does not prove to be an admin."""
     try:
         login = authentication.log_in(get.headers, "/", (), get.certificate, get.address)
     except AuthenticationError as error:
-        return Refusal("authentication", str(error))
+        return ProbeRefusal("authentication", str(error))
     if login is None:
-        return Refusal("authentication", "missing token")
+        return ProbeRefusal("authentication", "missing token")
     if not login.principal.rights.admin:
-        return Refusal("right", 'missing right "admin"', login.principal.title)
+        return ProbeRefusal("right", 'missing right "admin"', login.principal.title)
     return None
 
 

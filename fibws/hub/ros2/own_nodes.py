@@ -35,7 +35,7 @@ class OwnEntity:
         self.declared.close()
 
 
-class OwnNodes:
+class Ros2Tokens:
     """The nodes of the graph that are not ROS 2's, as ROS 2 sees them.
 
     The hub's own nodes are left out, but for `HUB`, as are topics and services whose names ROS 2

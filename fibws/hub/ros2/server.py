@@ -3,7 +3,7 @@
     graph ── Ros2Nodes, Ros2Topics, Ros2Services ── Network ── zenoh ── ROS 2 nodes
 
 `Ros2Nodes` learns from tokens who is there. `Ros2Topics` and `Ros2Services` attach what these nodes
-have to the graph, and `OwnNodes` shows them what the graph has.
+have to the graph, and `Ros2Tokens` shows them what the graph has.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from fibws.access.rights import Principal
 from fibws.hub.graph.graph import Graph
 from fibws.hub.ros2.network import Network
 from fibws.hub.ros2.nodes import Ros2Nodes
-from fibws.hub.ros2.own_nodes import OwnNodes
+from fibws.hub.ros2.own_nodes import Ros2Tokens
 from fibws.hub.ros2.services import Ros2Services
 from fibws.hub.ros2.topics import Ros2Topics
 from fibws.hub.ros2.types import Ros2Types
@@ -41,7 +41,7 @@ class Ros2:
             token=lambda text, is_alive: self.nodes.token(text, is_alive),
         )
         self.nodes = Ros2Nodes(graph, lambda: self.network.session_id, principal)
-        own, types = OwnNodes(graph, self.network), Ros2Types()
+        own, types = Ros2Tokens(graph, self.network), Ros2Types()
         self._own = own
         self._topics = self.nodes.topics = Ros2Topics(
             graph, self.network, self.nodes, own, types, loop, settings.max_latched_bytes

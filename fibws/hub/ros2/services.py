@@ -23,7 +23,7 @@ from fibws.hub.log.text import printable
 from fibws.hub.ros2.key_layout import GID_SIZE, NO_HASH, Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
-from fibws.hub.ros2.own_nodes import OwnEntity, OwnNodes
+from fibws.hub.ros2.own_nodes import OwnEntity, Ros2Tokens
 from fibws.hub.ros2.types import Ros2Service, Ros2Types, check_hash
 
 logger = logging.getLogger("fibws.hub")
@@ -170,7 +170,7 @@ class Ros2Services:
         graph: Graph,
         network: Network,
         nodes: Ros2Nodes,
-        own: OwnNodes,
+        own: Ros2Tokens,
         types: Ros2Types,
         loop: Loop,
         timeout: float,

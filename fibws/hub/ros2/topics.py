@@ -34,7 +34,7 @@ from fibws.hub.graph.types import MessageType
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
 from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
-from fibws.hub.ros2.own_nodes import HUB, OwnEntity, OwnNodes
+from fibws.hub.ros2.own_nodes import HUB, OwnEntity, Ros2Tokens
 from fibws.hub.ros2.types import Ros2Message, Ros2Types, check_hash
 from fibws.interfaces.catalogue import Definitions
 
@@ -255,7 +255,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
         graph: Graph,
         network: Network,
         nodes: Ros2Nodes,
-        own: OwnNodes,
+        own: Ros2Tokens,
         types: Ros2Types,
         loop: Loop,
         max_latched: int,

@@ -17,7 +17,7 @@ PERIOD = 0.1
 a list published that is longer than the one before."""
 
 
-class Client(Protocol):
+class ListedClient(Protocol):
     """One client's connection."""
 
     address: str
@@ -68,31 +68,31 @@ class ConnectedClients:
         listing.make_latest = self._list
         self._sources = (listing, count)
         self._clock = clock
-        self._clients: dict[Client, int] = {}
+        self._clients: dict[ListedClient, int] = {}
         """Each with the nanoseconds since 1970 when it connected, the oldest first."""
-        self._by_name: dict[str, Client] = {}
+        self._by_name: dict[str, ListedClient] = {}
         """The newest of each name: a client that was replaced may still be here."""
         self._timer: Timer | None = None
         self._published = -math.inf  # The first need not wait.
 
-    def connected(self, client: Client, since: int) -> None:
+    def connected(self, client: ListedClient, since: int) -> None:
         """Add a client that connected at a time in nanoseconds since 1970."""
         self._clients[client] = since
         self._by_name[client.name] = client
         self._changed()
 
-    def disconnected(self, client: Client) -> None:
+    def disconnected(self, client: ListedClient) -> None:
         """Remove a client; nothing happens if it is not there."""
         if self._clients.pop(client, None) is not None:
             if self._by_name.get(client.name) is client:
                 del self._by_name[client.name]
             self._changed()
 
-    def __iter__(self) -> Iterator[tuple[Client, int]]:
+    def __iter__(self) -> Iterator[tuple[ListedClient, int]]:
         """Iterate over the clients, each with the nanoseconds since 1970 when it connected."""
         return iter(self._clients.items())
 
-    def find(self, node: str) -> Client | None:
+    def find(self, node: str) -> ListedClient | None:
         """Return the client that is a node; None for unknown nodes and the hub's own."""
         return self._by_name.get(node)
 

@@ -21,7 +21,7 @@ from fibws.hub.graph.service import Function
 from fibws.hub.graph.topic import SinkReport, Source
 from fibws.hub.log.audit import Audit
 from fibws.hub.rosapi import loggers
-from fibws.hub.rosapi.clients import Client, ConnectedClients
+from fibws.hub.rosapi.clients import ConnectedClients, ListedClient
 from fibws.hub.rosapi.introspection import Introspection
 from fibws.hub.rosapi.parameters import ParameterServices, set_defaults
 from fibws.hub.rosapi.refusals import Refusals
@@ -299,15 +299,15 @@ class OwnNodes:
         for node in self._nodes:
             graph.enter(node, node.name, internal=True)
 
-    def connected(self, client: Client) -> None:
+    def connected(self, client: ListedClient) -> None:
         """Add a client that has connected."""
         self.clients.connected(client, self._graph.now())
 
-    def ponged(self, client: Client, data: bytes) -> None:
+    def ponged(self, client: ListedClient, data: bytes) -> None:
         """Take note that a client has sent a pong with these data."""
         self._rosnode.ponged(client, data)
 
-    def disconnected(self, client: Client) -> None:
+    def disconnected(self, client: ListedClient) -> None:
         """Remove a client; nothing happens if it had not connected."""
         self.clients.disconnected(client)
         self._rosnode.left(client)

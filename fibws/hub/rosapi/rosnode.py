@@ -17,7 +17,7 @@ from fibws.hub.graph.graph import DistantNode, ExternalNode, Graph
 from fibws.hub.graph.service import Deferred, Function, Response
 from fibws.hub.log.audit import Audit
 from fibws.hub.log.text import shortened
-from fibws.hub.rosapi.clients import Client, ConnectedClients
+from fibws.hub.rosapi.clients import ConnectedClients, ListedClient
 from fibws.hub.rosapi.introspection import global_name
 from fibws.protocol.websocket import KILLED
 
@@ -48,7 +48,7 @@ class Rosnode:
         self._clients = clients
         self._clock = clock
         self._numbers = count(1)
-        self._pings: dict[Client, OrderedDict[bytes, Ping]] = {}
+        self._pings: dict[ListedClient, OrderedDict[bytes, Ping]] = {}
         """Each client's pings by the data of their pongs, the oldest first."""
 
     def services(self) -> dict[str, tuple[str, Function]]:
@@ -133,7 +133,7 @@ class Rosnode:
         external.unregister()
         return {"success": True, "message": f"unregistered {node}"}
 
-    def ponged(self, client: Client, data: bytes) -> None:
+    def ponged(self, client: ListedClient, data: bytes) -> None:
         """Respond to the pings that a client's pong answers."""
         now = self._graph.now()
         # A pong may stand for the pings before as well (RFC 6455, section 5.5.3).
@@ -143,7 +143,7 @@ class Rosnode:
             seconds = max(0, now - ping.sent) / 1_000_000_000
             self._settle(client, first, {"success": True, "message": text, "seconds": seconds})
 
-    def left(self, client: Client) -> None:
+    def left(self, client: ListedClient) -> None:
         """Fail the pings of a client that has disconnected."""
         for data, ping in list(self._pings.get(client, {}).items()):
             self._settle(client, data, _ping_failed(f"{ping.node} has left"))
@@ -173,16 +173,16 @@ class Rosnode:
         if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
             raise self._graph.refused(NotAllowed(caller, "admin", node))
 
-    def _give_up(self, client: Client, data: bytes) -> None:
+    def _give_up(self, client: ListedClient, data: bytes) -> None:
         text = f"{self._pings[client][data].node} did not answer within {PATIENCE:g} s"
         self._settle(client, data, _ping_failed(text))
 
-    def _settle(self, client: Client, data: bytes, answer: dict[str, Any]) -> None:
+    def _settle(self, client: ListedClient, data: bytes, answer: dict[str, Any]) -> None:
         response = self._pings[client][data].response
         self._drop(client, data)
         response.respond(answer)
 
-    def _drop(self, client: Client, data: bytes) -> None:
+    def _drop(self, client: ListedClient, data: bytes) -> None:
         self._pings[client].pop(data).timer.cancel()
         if not self._pings[client]:
             del self._pings[client]

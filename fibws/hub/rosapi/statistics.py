@@ -15,7 +15,7 @@ from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
 from fibws.hub.graph.view import GraphView
 from fibws.hub.rosapi.cache import ResponseCache, Views
-from fibws.hub.rosapi.clients import Client, ConnectedClients
+from fibws.hub.rosapi.clients import ConnectedClients, ListedClient
 
 
 class Statistics:
@@ -63,7 +63,7 @@ class Statistics:
         ]
 
 
-def _client(name: str, client: Client, since: int, *, shown: bool) -> dict[str, Any]:
+def _client(name: str, client: ListedClient, since: int, *, shown: bool) -> dict[str, Any]:
     """Return a client's totals.
 
     Args:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from fibws.errors import FibwsError, InvalidMessage, NotSerialized, OperationError
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_service
 from fibws.hub.graph.body import Body
-from fibws.hub.rosbridge.client import Client, check_room
+from fibws.hub.rosbridge.client import RosbridgeClient, check_room
 from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.frame_queue import Lane
@@ -43,7 +43,7 @@ class SentGoal(NamedTuple):
     serialized: bool
 
 
-class Goals:
+class RosbridgeGoals:
     """One client's goals until they end; each goal ends with a result.
 
     It is an `ActionClient`.
@@ -51,7 +51,7 @@ class Goals:
 
     __slots__ = ("_by_id", "_client", "_ended", "_sent")
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: RosbridgeClient) -> None:
         self._client = client
         self._sent: dict[Goal, SentGoal] = {}
         self._by_id: dict[Id, Goal] = {}
@@ -204,12 +204,12 @@ class ServedAction(NamedTuple):
     md5sum: str | None
 
 
-class Actions:
+class RosbridgeActions:
     """One client's actions, and the goals that it executes; an `ActionServer`."""
 
     __slots__ = ("_client", "_goals", "_goals_of", "_served")
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: RosbridgeClient) -> None:
         self._client = client
         self._served: dict[str, ServedAction] = {}
         """By the action's name."""

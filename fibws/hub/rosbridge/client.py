@@ -15,7 +15,7 @@ from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph
 from fibws.hub.rosbridge.encodings import text_frames
-from fibws.hub.rosbridge.statuses import Statuses
+from fibws.hub.rosbridge.statuses import RosbridgeStatuses
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Registration
@@ -24,7 +24,7 @@ from fibws.protocol.serialized import VALUES, operation_head
 from fibws.protocol.websocket import BINARY, server_frame
 
 if TYPE_CHECKING:
-    from fibws.hub.rosbridge.services import Services
+    from fibws.hub.rosbridge.services import RosbridgeServices
 
 
 def check_room(taken: int, limit: int, what: str) -> None:
@@ -34,7 +34,7 @@ def check_room(taken: int, limit: int, what: str) -> None:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Client:
+class RosbridgeClient:
     """One client: its name, the graph, and the way back to it.
 
     Attributes:
@@ -49,11 +49,11 @@ class Client:
     node: str
     graph: Graph
     groups: Groups
-    servers: dict[str, Services]
+    servers: dict[str, RosbridgeServices]
     queue: SendQueue
     clock: Clock
     settings: Settings
-    statuses: Statuses
+    statuses: RosbridgeStatuses
     serialized: bool
     check_shared: Callable[[Registration], None]
     numbers: Iterator[int] = field(default_factory=lambda: count(1))

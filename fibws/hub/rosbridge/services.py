@@ -16,7 +16,7 @@ from fibws.errors import (
 )
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.service import Call, Service
-from fibws.hub.rosbridge.client import Client, check_room
+from fibws.hub.rosbridge.client import RosbridgeClient, check_room
 from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.interfaces.serialized_values import SerializedValues
 from fibws.protocol.operations import (
@@ -38,7 +38,7 @@ SECRET_BYTES = 8
 """Random bytes in the ids of a server's calls."""
 
 
-class WaitingCall(NamedTuple):
+class RosbridgeCall(NamedTuple):
     """A call until its response, without its arguments, which may be large.
 
     ``headers`` is true if the caller sent headers, and so wants the server's; ``serialized`` if its
@@ -52,14 +52,14 @@ class WaitingCall(NamedTuple):
     serialized: bool = False
 
 
-class Calls:
+class RosbridgeCalls:
     """One client's calls until their responses; each call gets one."""
 
     __slots__ = ("_client", "_waiting")
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: RosbridgeClient) -> None:
         self._client = client
-        self._waiting: dict[Call, WaitingCall] = {}
+        self._waiting: dict[Call, RosbridgeCall] = {}
 
     def call(self, request: CallService) -> None:
         """Call a service.
@@ -75,7 +75,7 @@ class Calls:
             raise OperationError(f"an id behind the # has at most {LONGEST_ID} characters")
         # There may be an id behind the name, as the real server's call_service.py takes it.
         id_ = suffix if hash_ and request.id is None else request.id
-        waiting = WaitingCall(
+        waiting = RosbridgeCall(
             id_,
             request.service,
             request.fragment_size,
@@ -91,7 +91,7 @@ class Calls:
         """Respond with an error to a malformed call_service: its caller may wait all the same."""
         service, id_ = fields.get("service"), legal_id(fields.get("id"))
         if isinstance(service, str) and id_ is not None:
-            self._fail(WaitingCall(id_, service, None), text, code)
+            self._fail(RosbridgeCall(id_, service, None), text, code)
 
     def withdraw_forbidden(self) -> Work:
         """End, one by one, the calls that the client's rights do not allow any more."""
@@ -110,7 +110,7 @@ class Calls:
         if self._waiting.pop(call, None) is not None:  # It may have ended meanwhile.
             call.abandon()
 
-    def _start(self, waiting: WaitingCall, name: str, request: CallService) -> None:
+    def _start(self, waiting: RosbridgeCall, name: str, request: CallService) -> None:
         client = self._client
         check_room(len(self._waiting), client.settings.max_calls, "calls")
         call = client.graph.call(
@@ -143,11 +143,11 @@ class Calls:
     def _failed(self, call: Call, text: str, code: str) -> None:
         self._fail(self._waiting.pop(call), text, code)
 
-    def _fail(self, waiting: WaitingCall, text: str, code: str) -> None:
+    def _fail(self, waiting: RosbridgeCall, text: str, code: str) -> None:
         fields = self._fields(waiting, code)
         self._client.reply(encode_fields(fields, values=json_of(text)), waiting.fragment_size)
 
-    def _fields(self, waiting: WaitingCall, code: str | None) -> dict[str, Any]:
+    def _fields(self, waiting: RosbridgeCall, code: str | None) -> dict[str, Any]:
         """Return the fields of a response, without its values."""
         return {
             "op": "service_response",
@@ -177,7 +177,7 @@ class ServedService(NamedTuple):
     md5sum: str | None
 
 
-class Services:
+class RosbridgeServices:
     """One client's services, and the calls that it is to respond to; a `ServiceServer`.
 
     As with the real server, a response may come on another connection than the call went out on:
@@ -187,7 +187,7 @@ class Services:
 
     __slots__ = ("_calls", "_calls_of", "_client", "_secret", "_served")
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: RosbridgeClient) -> None:
         self._client = client
         self._secret = secrets.token_hex(SECRET_BYTES)
         """Finds the server by the ids of its calls."""
@@ -361,7 +361,7 @@ class Services:
         )
         return True
 
-    def _server_of(self, id_: object) -> Services:
+    def _server_of(self, id_: object) -> RosbridgeServices:
         """Return the server whose call has an id: another client's, or else this one.
 
         Raises:

@@ -1,8 +1,8 @@
 """Rosbridge sessions: the operations of one client.
 
-A session is synchronous and knows no socket: messages come in by `Session.receive_text` and
-`receive_binary`, frames go out by the client's send queue. Each operation is done by the handler it
-belongs to: `topics`, `services` (calls and services), `actions` (goals and actions).
+A session is synchronous and knows no socket: messages come in by `RosbridgeSession.receive_text`
+and `receive_binary`, frames go out by the client's send queue. Each operation is done by the
+handler it belongs to: `topics`, `services` (calls and services), `actions` (goals and actions).
 
 On connections of ``fibws.v1`` binary messages are serialized messages (`protocol.serialized`),
 otherwise CBOR, or JSON as the real server takes it.
@@ -34,12 +34,12 @@ from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log.text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.node_session import NodeSession, RegisteringPart
-from fibws.hub.rosbridge.actions import Actions, Goals
-from fibws.hub.rosbridge.client import Client
-from fibws.hub.rosbridge.services import Calls, Services
-from fibws.hub.rosbridge.statuses import Report, Statuses, ignore
+from fibws.hub.rosbridge.actions import RosbridgeActions, RosbridgeGoals
+from fibws.hub.rosbridge.client import RosbridgeClient
+from fibws.hub.rosbridge.services import RosbridgeCalls, RosbridgeServices
+from fibws.hub.rosbridge.statuses import Report, RosbridgeStatuses, ignore
 from fibws.hub.rosbridge.subscription import Groups
-from fibws.hub.rosbridge.topics import Topics
+from fibws.hub.rosbridge.topics import RosbridgeTopics
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.protocol.decoding import (
@@ -120,10 +120,10 @@ class Rosbridge:
         self.clock = clock
         self.settings = settings
         self.groups = Groups(workers)
-        self.servers: dict[str, Services] = {}
+        self.servers: dict[str, RosbridgeServices] = {}
         """The clients that serve services, by the secrets in the ids of their calls."""
 
-    def open(self, opening: Opening, *, serialized: bool = False) -> Session | TokenWait:
+    def open(self, opening: Opening, *, serialized: bool = False) -> RosbridgeSession | TokenWait:
         """Return a new session, or what precedes it if the client has yet to send its token.
 
         Args:
@@ -134,7 +134,7 @@ class Rosbridge:
         """
         if opening.log_in is not None and opening.principal is None:
             return TokenWait(self, opening, serialized=serialized)
-        return Session(self, opening, serialized=serialized)
+        return RosbridgeSession(self, opening, serialized=serialized)
 
 
 class TokenWait:
@@ -148,7 +148,7 @@ class TokenWait:
         self._rosbridge = rosbridge
         self._opening = opening
         self._serialized = serialized
-        self._statuses = Statuses(
+        self._statuses = RosbridgeStatuses(
             "", opening.queue, codes=serialized, is_logged=False, is_page=opening.is_page
         )
         self._refused = 0
@@ -197,7 +197,7 @@ class TokenWait:
         """Do nothing: the client has registered nothing."""
         return iter(())
 
-    def _session(self, fields: dict[str, Any]) -> Session | None:
+    def _session(self, fields: dict[str, Any]) -> RosbridgeSession | None:
         """Return the session that ``auth`` opens; refuse all other operations."""
         operation = fields.get("op")
         if operation != "auth":
@@ -210,7 +210,7 @@ class TokenWait:
         request = parse_request(fields)
         assert isinstance(request, Auth)
         principal = opening.log_in(token_of(request))
-        session = Session(
+        session = RosbridgeSession(
             self._rosbridge, replace(opening, principal=principal), serialized=self._serialized
         )
         opening.replace(session)
@@ -264,7 +264,7 @@ def token_of(request: Auth) -> str:
     return request.token
 
 
-class Session(NodeSession[Client]):
+class RosbridgeSession(NodeSession[RosbridgeClient]):
     """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
 
     __slots__ = (
@@ -296,14 +296,14 @@ class Session(NodeSession[Client]):
         """Messages dropped because the client sends too much."""
         self._reassembly: Reassembly | None = None
         self.node = graph.enter(self, opening.node, opening.principal)
-        self._statuses = Statuses(
+        self._statuses = RosbridgeStatuses(
             self.node,
             queue,
             rosbridge.report,
             codes=serialized,
             is_page=opening.is_page and not serialized,
         )
-        self._client = Client(
+        self._client = RosbridgeClient(
             self.node,
             graph,
             rosbridge.groups,
@@ -315,40 +315,40 @@ class Session(NodeSession[Client]):
             serialized,
             opening.check_room,
         )
-        self.topics = Topics(self._client)
+        self.topics = RosbridgeTopics(self._client)
         self._sources = self.topics.sources
         # Most clients use topics alone, and there may be thousands of them.
-        self._calls: Calls | None = None
-        self._services: Services | None = None
-        self._goals: Goals | None = None
-        self._actions: Actions | None = None
+        self._calls: RosbridgeCalls | None = None
+        self._services: RosbridgeServices | None = None
+        self._goals: RosbridgeGoals | None = None
+        self._actions: RosbridgeActions | None = None
 
     @property
-    def calls(self) -> Calls:
+    def calls(self) -> RosbridgeCalls:
         """The services that the client calls."""
         if self._calls is None:
-            self._calls = Calls(self._client)
+            self._calls = RosbridgeCalls(self._client)
         return self._calls
 
     @property
-    def services(self) -> Services:
+    def services(self) -> RosbridgeServices:
         """The services that the client serves."""
         if self._services is None:
-            self._services = Services(self._client)
+            self._services = RosbridgeServices(self._client)
         return self._services
 
     @property
-    def goals(self) -> Goals:
+    def goals(self) -> RosbridgeGoals:
         """The goals that the client sends."""
         if self._goals is None:
-            self._goals = Goals(self._client)
+            self._goals = RosbridgeGoals(self._client)
         return self._goals
 
     @property
-    def actions(self) -> Actions:
+    def actions(self) -> RosbridgeActions:
         """The actions that the client serves."""
         if self._actions is None:
-            self._actions = Actions(self._client)
+            self._actions = RosbridgeActions(self._client)
         return self._actions
 
     # As an endpoint.

@@ -29,7 +29,7 @@ def ignore(node: str, text: str) -> None:
     """Report nothing."""
 
 
-class Statuses:
+class RosbridgeStatuses:
     """Sends a client the statuses that it wants: errors, unless it asks for more or for none.
 
     Args:

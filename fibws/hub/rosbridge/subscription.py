@@ -20,7 +20,7 @@ from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import MessageType
 from fibws.hub.log.text import INTERNAL_ERROR, is_power_of_ten
 from fibws.hub.rosbridge.encodings import PLAIN, EncodeFrame, Encoding, text_frame
-from fibws.hub.rosbridge.statuses import Statuses
+from fibws.hub.rosbridge.statuses import RosbridgeStatuses
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.operations import Id, Subscribe, Subscribed, encode
 from fibws.protocol.serialized import ROS1
@@ -33,7 +33,7 @@ SMALL = 100_000
 """Bytes of JSON that `SlowGroup` encodes at once, which takes a few milliseconds at most."""
 
 
-class Group(FanOut[Publication, "Subscription"]):
+class RosbridgeGroup(FanOut[Publication, "RosbridgeSubscription"]):
     """Subscriptions of one topic that get the same frames; the topic delivers to it once.
 
     Args:
@@ -83,7 +83,7 @@ class Group(FanOut[Publication, "Subscription"]):
                 member.answer(type_)
             self._answered[number] = type_
 
-    def fail(self, fault: Exception, members: Iterable[Subscription]) -> None:
+    def fail(self, fault: Exception, members: Iterable[RosbridgeSubscription]) -> None:
         """Report that a message cannot be encoded to its subscribers.
 
         Some asked before the type was known; any other exception is the hub's own failure.
@@ -103,7 +103,7 @@ class Group(FanOut[Publication, "Subscription"]):
             member.refuse(fault)
 
     def receive_alone(
-        self, member: Subscription, publication: Publication, *, latched: bool
+        self, member: RosbridgeSubscription, publication: Publication, *, latched: bool
     ) -> None:
         """Send a message to one subscription; a latched one regardless of its throttle.
 
@@ -113,21 +113,21 @@ class Group(FanOut[Publication, "Subscription"]):
         frame = publication.cached(self, lambda: self.encode(publication))
         self.send_alone(member, frame, latched=latched)
 
-    def add(self, member: Subscription) -> None:
+    def add(self, member: RosbridgeSubscription) -> None:
         """Add a subscription that is in no group."""
         self._others[self._key] = self
         self._type = None
         self._answered.clear()
         super().add(member)
 
-    def remove(self, member: Subscription) -> None:
+    def remove(self, member: RosbridgeSubscription) -> None:
         """Remove a subscription."""
         super().remove(member)
         if not self:
             del self._others[self._key]
 
 
-class SlowGroup(Group):
+class SlowGroup(RosbridgeGroup):
     """A group whose large messages are encoded in a thread, one at a time.
 
     Meanwhile the newest message waits, and takes the place of an older one, which counts as
@@ -169,13 +169,13 @@ class SlowGroup(Group):
         self._add(None, _Job(text, wanting, latched=False))
 
     def receive_alone(
-        self, member: Subscription, publication: Publication, *, latched: bool
+        self, member: RosbridgeSubscription, publication: Publication, *, latched: bool
     ) -> None:
         """Send a message to one subscription, once it is encoded."""
         key = (member, publication.node) if latched else member
         self._add(key, _Job(publication.json(), [member], latched=latched))
 
-    def remove(self, member: Subscription) -> None:
+    def remove(self, member: RosbridgeSubscription) -> None:
         """Remove a subscription, for which nothing waits any more."""
         for job in filter(None, (self._running, *self._jobs.values())):
             if member in job.members:
@@ -227,7 +227,7 @@ class _Job:
 
     __slots__ = ("fault", "frame", "latched", "members", "text")
 
-    def __init__(self, text: bytes, members: list[Subscription], *, latched: bool) -> None:
+    def __init__(self, text: bytes, members: list[RosbridgeSubscription], *, latched: bool) -> None:
         self.text = text
         self.members = members
         self.latched = latched
@@ -254,12 +254,12 @@ class _Job:
         for member in list(self.members):
             self._drop_for(member)
 
-    def give_up(self, member: Subscription) -> None:
+    def give_up(self, member: RosbridgeSubscription) -> None:
         """Count the bytes for one of the members no longer."""
         self.members.remove(member)
         member.queue.throttled_bytes -= len(self.text)
 
-    def _drop_for(self, member: Subscription) -> None:
+    def _drop_for(self, member: RosbridgeSubscription) -> None:
         self.give_up(member)
         member.lane.dropped += 1
         member.queue.dropped += 1
@@ -270,7 +270,7 @@ GroupKey = tuple[Topic, TypeGroup | None, str, Encoding]
 they want messages."""
 
 
-class Groups(dict[GroupKey, Group]):
+class Groups(dict[GroupKey, RosbridgeGroup]):
     """All groups of a hub.
 
     Args:
@@ -282,7 +282,7 @@ class Groups(dict[GroupKey, Group]):
         self.workers = workers
 
 
-class Subscription:
+class RosbridgeSubscription:
     """The requests of one client for one topic, merged; a `Sink` of the topic.
 
     Args:
@@ -329,10 +329,10 @@ class Subscription:
         groups: Groups,
         queue: SendQueue,
         clock: Clock,
-        statuses: Statuses,
+        statuses: RosbridgeStatuses,
         *,
         queue_length: int,
-        follow: Callable[[Subscription], object],
+        follow: Callable[[RosbridgeSubscription], object],
     ) -> None:
         self.node = node
         self.topic = topic
@@ -347,7 +347,7 @@ class Subscription:
         self.encoding = PLAIN
         self._graph = graph
         self._groups = groups
-        self._group: Group | None = None
+        self._group: RosbridgeGroup | None = None
         self._clock = clock
         self._statuses = statuses
         self._complained = False
@@ -518,9 +518,9 @@ class Subscription:
         keeps_type = keeps_type and type_ is not None
         if new is not None and new.type is not None:
             type_ = new.type
-        joined: list[Group] = []
+        joined: list[RosbridgeGroup] = []
 
-        def receiver(type_group: TypeGroup | None) -> Group:
+        def receiver(type_group: TypeGroup | None) -> RosbridgeGroup:
             joined.append(self._group_of(encoding, type_group))
             return joined[0]
 
@@ -547,7 +547,7 @@ class Subscription:
         elif new is not None and self._conflict:
             self._send_conflict(new)
 
-    def _group_of(self, encoding: Encoding, type_: TypeGroup | None) -> Group:
+    def _group_of(self, encoding: Encoding, type_: TypeGroup | None) -> RosbridgeGroup:
         # Frames of `ROS1` do not hold the topic's name.
         spelling = "" if encoding.compression == ROS1 else self.spelling
         key = (self.topic, type_, spelling, encoding)
@@ -559,10 +559,10 @@ class Subscription:
                 group = SlowGroup(key, self._groups, make, flusher, self._clock)
             else:
                 encode_frame = encoding.for_topic(self.topic, self.spelling)
-                group = Group(key, self._groups, encode_frame, flusher, self._clock)
+                group = RosbridgeGroup(key, self._groups, encode_frame, flusher, self._clock)
         return group
 
-    def _join(self, group: Group | None, requests: dict[Id, Subscribe]) -> None:
+    def _join(self, group: RosbridgeGroup | None, requests: dict[Id, Subscribe]) -> None:
         """Move to a group, with the throttle and the limit of all requests together.
 
         The lowest throttle_rate and the highest queue_length count, as rosbridge's specification

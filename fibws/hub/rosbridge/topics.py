@@ -24,10 +24,10 @@ from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.topic import QUEUE_SIZE, Source, Topic
 from fibws.hub.log.text import is_power_of_ten
-from fibws.hub.rosbridge.client import Client
+from fibws.hub.rosbridge.client import RosbridgeClient
 from fibws.hub.rosbridge.encodings import COMPRESSIONS
 from fibws.hub.rosbridge.peers import PeerReports
-from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, RosbridgeSubscription
 from fibws.hub.rosbridge.wills import Wills
 from fibws.hub.websocket.endpoint import Removals, Work
 from fibws.protocol.operations import (
@@ -62,7 +62,7 @@ class RefusedAdvertise:
     dropped: int = 0
 
 
-class Topics:
+class RosbridgeTopics:
     """One client's publishers and subscriptions."""
 
     __slots__ = (
@@ -80,7 +80,7 @@ class Topics:
         "subscriptions",
     )
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: RosbridgeClient) -> None:
         self._client = client
         self._latch_quota: LatchQuota | None = None
         self._grace_ends = client.clock.time() + GRACE
@@ -96,9 +96,9 @@ class Topics:
         self._wills: Wills | None = None
         self._numbered: dict[int, Source] = {}
         """By the number that binary frames name."""
-        self.subscriptions: dict[str, Subscription] = {}
+        self.subscriptions: dict[str, RosbridgeSubscription] = {}
         """By the spelling of the topic's name that the client used."""
-        self._more: dict[str, list[Subscription]] = {}
+        self._more: dict[str, list[RosbridgeSubscription]] = {}
         """By the same: those of further types that it has named."""
 
     @property
@@ -381,14 +381,14 @@ class Topics:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
         topic.replay(subscription)
 
-    def _present(self, spelling: str) -> list[Subscription]:
+    def _present(self, spelling: str) -> list[RosbridgeSubscription]:
         """Return the subscriptions of a topic; several if the client names several types."""
         first = self.subscriptions.get(spelling)
         return [] if first is None else [first, *self._more.get(spelling, ())]
 
     def _request(
-        self, request: Subscribe, topic: Topic, present: list[Subscription]
-    ) -> Subscription:
+        self, request: Subscribe, topic: Topic, present: list[RosbridgeSubscription]
+    ) -> RosbridgeSubscription:
         """Add a request to one of the present subscriptions, or to a new one; return that."""
         for subscription in present:
             try:
@@ -401,7 +401,7 @@ class Topics:
             return subscription
         client = self._client
         client.check_room("subscriptions", self.subscription_count)
-        subscription = Subscription(
+        subscription = RosbridgeSubscription(
             client.node,
             topic,
             request.topic,
@@ -420,7 +420,7 @@ class Topics:
             self.subscriptions[request.topic] = subscription
         return subscription
 
-    def _request_of(self, subscription: Subscription, request: Subscribe) -> None:
+    def _request_of(self, subscription: RosbridgeSubscription, request: Subscribe) -> None:
         """Add a request to a subscription, and have its peers reported."""
         topic = subscription.topic
         watched = topic.watching(subscription)
@@ -432,7 +432,7 @@ class Topics:
         for each in (request,) if watching is watched else subscription.requests.values():
             self._watch(each, topic, watching, subscription)
 
-    def _merge(self, present: list[Subscription]) -> list[Subscription]:
+    def _merge(self, present: list[RosbridgeSubscription]) -> list[RosbridgeSubscription]:
         """Return one subscription for the requests of several, before one for all types comes."""
         first, *others = present
         if sum(len(each.requests) for each in present) >= MAX_REGISTRATIONS:
@@ -456,7 +456,7 @@ class Topics:
         for subscription in self._present(request.topic):
             self._cancel(subscription, request.id)
 
-    def _cancel(self, subscription: Subscription, id_: Id) -> None:
+    def _cancel(self, subscription: RosbridgeSubscription, id_: Id) -> None:
         topic = subscription.topic
         watched = topic.watching(subscription)
         watched.cancel(subscription, id_)
@@ -467,7 +467,7 @@ class Topics:
             for each in subscription.requests.values():
                 self._watch(each, topic, watching, subscription)
 
-    def _remove(self, subscription: Subscription) -> None:
+    def _remove(self, subscription: RosbridgeSubscription) -> None:
         """Forget a subscription that has no requests."""
         spelling = subscription.spelling
         others = [each for each in self._present(spelling) if each is not subscription]
@@ -487,7 +487,7 @@ class Topics:
             subscription.acknowledge(taken)
             count -= taken
 
-    def _follow(self, subscription: Subscription) -> None:
+    def _follow(self, subscription: RosbridgeSubscription) -> None:
         """Subscribe again, since a type that the client names has another definition now."""
         topic, statuses = subscription.topic, self._client.statuses
         try:
@@ -573,7 +573,7 @@ class PendingPublishes:
     again.
     """
 
-    def __init__(self, topics: Topics) -> None:
+    def __init__(self, topics: RosbridgeTopics) -> None:
         self._topics = topics
         self._clock = topics._client.clock
         self._end = topics._grace_ends

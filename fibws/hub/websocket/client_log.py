@@ -33,7 +33,7 @@ INTERVAL = 10.0
 """Seconds between two log lines about one client's dropped messages."""
 
 
-class Client(Protocol):
+class LoggedClient(Protocol):
     """A client's connection, as far as its log uses it."""
 
     endpoint: Endpoint | None
@@ -62,7 +62,7 @@ class ClientLog:
         self._dropped_at = -math.inf
         self._limited = 0
 
-    def connected(self, client: Client, node: str) -> None:
+    def connected(self, client: LoggedClient, node: str) -> None:
         """Log that the client is a node now."""
         principal = f" as {client.principal.title}" if client.principal is not None else ""
         logger.log(
@@ -74,16 +74,16 @@ class ClientLog:
             extra=_event("connected", client),
         )
 
-    def logged_in(self, client: Client, principal: Principal) -> None:
+    def logged_in(self, client: LoggedClient, principal: Principal) -> None:
         """Record a login."""
         self._audit.login(principal=principal.title, ip=client.address)
 
-    def left(self, client: Client) -> None:
+    def left(self, client: LoggedClient) -> None:
         """Log that the client's connection is lost."""
         level, extra = _level(client), _event("left", client)
         logger.log(level, "%s has left.", client.name, extra=extra)
 
-    def closed(self, client: Client, reason: CloseReason, *, level: int) -> None:
+    def closed(self, client: LoggedClient, reason: CloseReason, *, level: int) -> None:
         """Log that the hub closes the connection, or record that as a refusal.
 
         Args:
@@ -100,7 +100,7 @@ class ClientLog:
         text = "%s is closed: %s."
         logger.log(level, text, client.name, reason.reason, extra=_event("closed", client, reason))
 
-    def report_drops(self, client: Client, now: float, reason: str) -> None:
+    def report_drops(self, client: LoggedClient, now: float, reason: str) -> None:
         """Log and record messages that were dropped since the last call.
 
         Args:
@@ -125,7 +125,7 @@ class ClientLog:
             )
 
 
-def _level(client: Client) -> int:
+def _level(client: LoggedClient) -> int:
     """Return the level of the lines that a client has come or left.
 
     It is lower for commands, unless the client has logged in: anybody may take such a name.
@@ -134,15 +134,17 @@ def _level(client: Client) -> int:
     return logging.DEBUG if is_tool else logging.INFO
 
 
-def _node(client: Client) -> str:
+def _node(client: LoggedClient) -> str:
     return client.endpoint.node if client.endpoint is not None else ""
 
 
-def _principal(client: Client) -> str:
+def _principal(client: LoggedClient) -> str:
     return client.principal.title if client.principal is not None else ""
 
 
-def _event(event: str, client: Client, reason: CloseReason | None = None) -> dict[str, object]:
+def _event(
+    event: str, client: LoggedClient, reason: CloseReason | None = None
+) -> dict[str, object]:
     """Return the fields of a line in the log's JSON format."""
     fields: dict[str, object] = {"ip": client.address}
     if client.endpoint is not None:

@@ -91,7 +91,7 @@ DROPPING_PAUSE = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Shared:
+class SharedParts:
     """The state that all connections of one hub share."""
 
     settings: Settings
@@ -167,7 +167,7 @@ class Connection(asyncio.BufferedProtocol):
         "queue",
     )
 
-    def __init__(self, shared: Shared) -> None:
+    def __init__(self, shared: SharedParts) -> None:
         self._shared = shared
         self._protocol: ServerProtocol = HandshakeProtocol(
             shared.endpoints,

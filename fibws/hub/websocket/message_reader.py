@@ -49,7 +49,7 @@ class ReadBuffers:
         self.medium = memoryview(bytearray(256 * KIB))
 
 
-class Client(Protocol):
+class ReadClient(Protocol):
     """A client's connection, as far as its reader uses it."""
 
     @property
@@ -94,7 +94,7 @@ class MessageReader:
 
     def __init__(
         self,
-        client: Client,
+        client: ReadClient,
         quotas: ClientQuotas,
         settings: Settings,
         turns: Turns,

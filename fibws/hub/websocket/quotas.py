@@ -39,7 +39,7 @@ MOST_IDLE = 10_000
 Whose: TypeAlias = Literal["client", "principal", "address"]
 
 
-class Member(Protocol):
+class QuotaMember(Protocol):
     """A client's connection, as far as it counts here."""
 
     @property
@@ -89,7 +89,7 @@ class TokenBucket:
 
 
 @dataclass(frozen=True, slots=True)
-class Rate:
+class ArrivalRate:
     """A limited rate.
 
     Attributes:
@@ -127,7 +127,7 @@ class Quota:
         self.limits = limits
         self.flags = flags
         self.group = group
-        self.members: set[Member] = set()
+        self.members: set[QuotaMember] = set()
         self.messages = self._rate("messages_per_second", LEAST_MESSAGES, now)
         self.bytes = self._rate("bytes_per_second", LEAST_BYTES, now)
 
@@ -160,9 +160,9 @@ class Quota:
         members = chain.from_iterable(quota.members for quota in self.group.values())
         return sum(each.registrations(what) for each in members)
 
-    def _rate(self, name: str, least: int, now: float) -> Rate | None:
+    def _rate(self, name: str, least: int, now: float) -> ArrivalRate | None:
         rate = getattr(self.limits, name)
-        return Rate(TokenBucket(rate, least, now), self._refusal(name)) if rate else None
+        return ArrivalRate(TokenBucket(rate, least, now), self._refusal(name)) if rate else None
 
     def _refusal(self, name: str) -> str:
         what = name.replace("_", " ")
@@ -197,8 +197,8 @@ class Meter:
     )
 
     def __init__(self) -> None:
-        self._messages: tuple[Rate, ...] = ()
-        self._bytes: tuple[Rate, ...] = ()
+        self._messages: tuple[ArrivalRate, ...] = ()
+        self._bytes: tuple[ArrivalRate, ...] = ()
         self._resumes = 0.0
         self._strikes = 0
         self._dropped = 0
@@ -376,7 +376,7 @@ class ClientQuotas:
         """Measures what the client sends; None if its rates are unlimited."""
 
     def join_address(
-        self, member: Member, address: str, now: float, node: str | None = None
+        self, member: QuotaMember, address: str, now: float, node: str | None = None
     ) -> None:
         """Count the client of an address; raises `LimitReached` if there are too many.
 
@@ -390,7 +390,7 @@ class ClientQuotas:
         self._set_meter(member)
 
     def join_principal(
-        self, member: Member, principal: Principal, now: float, node: str | None = None
+        self, member: QuotaMember, principal: Principal, now: float, node: str | None = None
     ) -> None:
         """Count the client of a principal; raises and arguments as in `join_address`."""
         self._join(member, "principal", self._quotas.of_principal(principal, now), node)
@@ -402,13 +402,15 @@ class ClientQuotas:
             if quota.whose != "client":
                 quota.check_room(what)
 
-    def leave(self, member: Member) -> None:
+    def leave(self, member: QuotaMember) -> None:
         """Count the client no more; the second time nothing happens."""
         for quota in self._joined.values():
             quota.members.discard(member)
         self._joined.clear()
 
-    def _join(self, member: Member, whose: Whose, quota: Quota | None, node: str | None) -> None:
+    def _join(
+        self, member: QuotaMember, whose: Whose, quota: Quota | None, node: str | None
+    ) -> None:
         older = self._joined.get(whose)
         if quota is not None and (older is None or older.group is not quota.group):
             quota.check_connections(node)
@@ -419,7 +421,7 @@ class ClientQuotas:
             self._joined[whose] = quota
             quota.members.add(member)
 
-    def _set_meter(self, member: Member) -> None:
+    def _set_meter(self, member: QuotaMember) -> None:
         self._meter.set_quotas(self._joined.values(), member.messages_received)
         self.meter = self._meter if self._meter.is_needed else None
 

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.log.audit import Audit
-from fibws.hub.memory.account import Account, Bound, Holding, Part
+from fibws.hub.memory.account import Account, AccountPart, Bound, Holding
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.quotas import Quotas
 from fibws.protocol.websocket import CloseReason
@@ -108,8 +108,8 @@ class SharedLimits:
             "bytes are kept of incomplete messages of all clients",
             TOO_MUCH_INCOMING,
         )
-        account.add("queues", Part(self._queued, queued, is_metered=True))
-        account.add("incoming", Part(self._incoming, incoming, is_metered=True))
+        account.add("queues", AccountPart(self._queued, queued, is_metered=True))
+        account.add("incoming", AccountPart(self._incoming, incoming, is_metered=True))
 
     # Connections.
 

@@ -29,7 +29,7 @@ MOST_FRAMES = 32
 """Most frames that are handled between two looks at the clock."""
 
 
-class Reader(Protocol):
+class TurnTaker(Protocol):
     """A connection that has more to read than fits its turn."""
 
     def take_turn(self) -> None:
@@ -91,7 +91,7 @@ class Turns:
         self._call_later = call_later
         self._flush = flush
         self.clock = clock
-        self._waiting: deque[Reader] = deque()
+        self._waiting: deque[TurnTaker] = deque()
         self._is_due = False
         """Whether `_run` is running or about to be called."""
         self.began = 0.0
@@ -123,8 +123,8 @@ class Turns:
         """Return whether a connection with more to do must wait for a later iteration."""
         return bool(self._waiting) and self.clock() >= self._spent_at
 
-    def wait(self, reader: Reader) -> None:
-        """Have `Reader.take_turn` called when its time has come."""
+    def wait(self, reader: TurnTaker) -> None:
+        """Have `TurnTaker.take_turn` called when its time has come."""
         self._waiting.append(reader)
         if not self._is_due:
             self._is_due = True

@@ -12,15 +12,15 @@ from fibws.node.actions.operations import OperationActionClient, OperationAction
 from fibws.node.actions.server import ActionServer, Execute
 from fibws.node.actions.topics import GoalIdGenerator, TopicActionClient, TopicActionServer
 from fibws.node.session import Session
-from fibws.node.topics import Topics
-from fibws.node.types import ActionType, Types
+from fibws.node.topics import NodeTopics
+from fibws.node.types import NodeActionType, NodeTypes
 
 Over: TypeAlias = Literal["topics", "operations"]
 """How goals travel: over topics as in ROS 1's actionlib, or over rosbridge's operations for the
 actions of ROS 2."""
 
 
-class Actions:
+class NodeActions:
     """Creates a node's action servers and action clients.
 
     Args:
@@ -34,8 +34,8 @@ class Actions:
         self,
         node: str,
         session: Session,
-        topics: Topics,
-        types: Types,
+        topics: NodeTopics,
+        types: NodeTypes,
         wait_for_service: Callable[[str, float | None], Awaitable[None]],
         now: Callable[[], int],
     ) -> None:
@@ -56,7 +56,7 @@ class Actions:
     ) -> ActionServer[G, R, F]:
         """Serve an action by its global name; see `Node.action_server`."""
         _check(over)
-        type_ = ActionType(self._types, action)
+        type_ = NodeActionType(self._types, action)
         if concurrent is None:
             concurrent = over == "operations"
         if over == "operations":
@@ -77,7 +77,7 @@ class Actions:
     ) -> ActionClient[G, R, F]:
         """Return a client of an action by its global name; see `Node.action_client`."""
         _check(over)
-        type_ = ActionType(self._types, action)
+        type_ = NodeActionType(self._types, action)
         if over == "operations":
             return OperationActionClient(self._session, name, type_, self._wait_for_service)
         return TopicActionClient(

@@ -12,7 +12,7 @@ from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
 from fibws.interfaces.message import F, G, R
 from fibws.node.checks import check_queue_size, check_timeout
 from fibws.node.session import OperationHandler, Session, throw
-from fibws.node.types import ActionType
+from fibws.node.types import NodeActionType
 from fibws.protocol.goals import GoalStatus
 from fibws.public_classes import AsyncContext, Public, made_by
 
@@ -135,7 +135,7 @@ class ActionClient(OperationHandler, AsyncContext, Generic[G, R, F]):
     # session: the node's session.
     # name: the action's global name.
     # type_: the action's type.
-    def __init__(self, session: Session, name: str, type_: ActionType[G, R, F]) -> None:
+    def __init__(self, session: Session, name: str, type_: NodeActionType[G, R, F]) -> None:
         self._session = session
         self._name = name
         self._type = type_

@@ -15,7 +15,7 @@ from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import ActionServer, Execute
 from fibws.node.actions.status import Record
 from fibws.node.session import Session
-from fibws.node.types import ActionType, MessageCodec
+from fibws.node.types import MessageCodec, NodeActionType
 from fibws.protocol.decoding import quoted
 from fibws.protocol.goals import GoalStatus, status_from_ros2
 from fibws.protocol.operations import (
@@ -45,7 +45,7 @@ class OperationActionServer(ActionServer[G, R, F]):
         self,
         session: Session,
         name: str,
-        type_: ActionType[G, R, F],
+        type_: NodeActionType[G, R, F],
         execute: Execute[G, R, F],
         *,
         concurrent: bool,
@@ -165,7 +165,7 @@ class OperationActionClient(ActionClient[G, R, F]):
         self,
         session: Session,
         name: str,
-        type_: ActionType[G, R, F],
+        type_: NodeActionType[G, R, F],
         wait_for_service: Callable[[str, float | None], Awaitable[None]],
     ) -> None:
         super().__init__(session, name, type_)

@@ -14,7 +14,7 @@ from fibws.interfaces.message import F, G, R
 from fibws.node.actions.status import Record, Transition
 from fibws.node.checks import check_timeout, described, without_surrogates
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
-from fibws.node.types import ActionType
+from fibws.node.types import NodeActionType
 from fibws.protocol.goals import GoalStatus
 from fibws.public_classes import Public, made_by
 
@@ -160,7 +160,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
         self,
         session: Session,
         name: str,
-        type_: ActionType[G, R, F],
+        type_: NodeActionType[G, R, F],
         execute: Execute[G, R, F],
         *,
         concurrent: bool,

@@ -25,8 +25,8 @@ from fibws.node.peers import Peers
 from fibws.node.publisher import Publisher
 from fibws.node.session import Session, Tasks
 from fibws.node.subscription import Subscription
-from fibws.node.topics import Topics
-from fibws.node.types import ActionType, MessageCodec, Types
+from fibws.node.topics import NodeTopics
+from fibws.node.types import MessageCodec, NodeActionType, NodeTypes
 from fibws.protocol.goals import (
     CANCEL,
     FEEDBACK,
@@ -77,8 +77,8 @@ class ActionTopics:
 
     def __init__(
         self,
-        topics: Topics,
-        types: Types,
+        topics: NodeTopics,
+        types: NodeTypes,
         name: str,
         type_: str,
         refused: Callable[[NodeError], None],
@@ -173,12 +173,12 @@ class TopicActionServer(ActionServer[G, R, F]):
         self,
         session: Session,
         name: str,
-        type_: ActionType[G, R, F],
+        type_: NodeActionType[G, R, F],
         execute: Execute[G, R, F],
         *,
         concurrent: bool,
-        topics: Topics,
-        types: Types,
+        topics: NodeTopics,
+        types: NodeTypes,
         goal_ids: GoalIdGenerator,
     ) -> None:
         super().__init__(session, name, type_, execute, concurrent=concurrent)
@@ -283,10 +283,10 @@ class TopicActionClient(ActionClient[G, R, F]):
         self,
         session: Session,
         name: str,
-        type_: ActionType[G, R, F],
+        type_: NodeActionType[G, R, F],
         *,
-        topics: Topics,
-        types: Types,
+        topics: NodeTopics,
+        types: NodeTypes,
         goal_ids: GoalIdGenerator,
     ) -> None:
         super().__init__(session, name, type_)

@@ -30,7 +30,7 @@ from fibws.bags import open_reader
 from fibws.client.hub_client import HubClient
 from fibws.hub import Settings
 from fibws.hub.recording import STATE
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.fibws_msgs import RecordingState
 from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.std_msgs import Int32
@@ -592,7 +592,7 @@ def told_as_dropped(recording: Recorder, output: str) -> int:
 async def test_hub_records_all_messages_of_many_topics(tmp_path: Path, clock: str) -> None:
     """500 topics at 200 Hz take more than the CPUs of many machines."""
     options = Settings(port=0, close_timeout=0.1, record=tmp_path, record_min_space=0)
-    async with Hub(options) as hub:
+    async with HubServer(options) as hub:
         await asyncio.to_thread(begin_clock, hub.url, clock)
         watcher = fibws.Node("watcher", hub=hub.url)
         async with watcher:

@@ -22,7 +22,7 @@ from patience import PATIENCE
 
 import fibws.ros1
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.interfaces.serialization import Serializers
 from fibws.msg import default_interfaces
 
@@ -320,7 +320,7 @@ def is_right(what: str, of: str, value: Any) -> bool:
 @pytest.mark.npm
 async def test_every_peer_reaches_every_other(tmp_path: Path) -> None:
     settings = Settings(port=0, ros1=0, ros1_host="127.0.0.1", strict_responses=True)
-    async with Hub(settings) as hub, AsyncExitStack() as stack:
+    async with HubServer(settings) as hub, AsyncExitStack() as stack:
         assert hub.ros1 is not None
         peers = Peers(tmp_path, hub.url, hub.ros1.uri)
         await peers.start(stack)

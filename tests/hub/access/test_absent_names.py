@@ -18,7 +18,7 @@ from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.log.audit import Audit
-from fibws.hub.rosbridge.session import Session
+from fibws.hub.rosbridge.session import RosbridgeSession
 
 from ..fakes import ADD, FIBONACCI, INT32, Client, InlineWorkers
 from ..foxglove.foxglove_client import FoxgloveClient
@@ -197,7 +197,7 @@ def test_peers_of_the_log(op: str, changes: bool) -> None:
     def ask(world: World) -> bytes:
         answer = world.ask(asked)
         if node := world.hub.graph.nodes.get("/hid/arm"):
-            assert isinstance(node, Session)
+            assert isinstance(node, RosbridgeSession)
             node.leave()
         else:
             _add_hidden(world.hub)

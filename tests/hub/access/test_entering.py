@@ -20,7 +20,7 @@ from websockets.typing import Subprotocol
 
 from fibws.access.token_file import digest_of
 from fibws.hub.rosbridge.session import MAX_OBJECTS
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.protocol.serialized import SUBPROTOCOL
 
 INT32 = "std_msgs/Int32"
@@ -43,7 +43,7 @@ class Hubs:
         self._start = start
         self.path = path
 
-    async def __call__(self, text: str = FILE, **settings: Any) -> Hub:
+    async def __call__(self, text: str = FILE, **settings: Any) -> HubServer:
         self.path.write_text(text, "utf-8")
         return await self._start(tokens=self.path, **settings)
 
@@ -54,7 +54,9 @@ def start(start_hub: StartHub, tmp_path: Path) -> Hubs:
 
 
 @asynccontextmanager
-async def entered(hub: Hub, path: str = "", **options: Any) -> AsyncIterator[ClientConnection]:
+async def entered(
+    hub: HubServer, path: str = "", **options: Any
+) -> AsyncIterator[ClientConnection]:
     async with asyncio.timeout(PATIENCE), connect(f"{hub.url}/{path}", **options) as client:
         yield client
 

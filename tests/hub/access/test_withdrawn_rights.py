@@ -17,7 +17,7 @@ import pytest
 from conftest import StartHub
 from websockets.exceptions import ConnectionClosed
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.protocol.websocket import EXPIRED, KILLED
 
 from ..fakes import FIBONACCI, INT32, number
@@ -37,7 +37,7 @@ BEFORE = OTHERS + LESS + OWN
 class Scene:
     """A hub, the client that loses its rights, and one that notices it."""
 
-    hub: Hub
+    hub: HubServer
     tokens: Path
     user: Client
     watcher: Client

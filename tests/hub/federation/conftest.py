@@ -13,7 +13,7 @@ from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from ..zenoh_endpoints import ANY_PORT, listens_at, zenoh_config
 
@@ -27,11 +27,11 @@ class Reachable(Protocol):
 
 
 StartNode = Callable[[str, Reachable], Awaitable[fibws.Node]]
-Join = Callable[..., Awaitable[Hub]]
+Join = Callable[..., Awaitable[HubServer]]
 End = fibws.Publisher[Any, ...] | fibws.Subscription[Any]
 
 
-async def until(condition: Callable[[], object], *hubs: Hub) -> None:
+async def until(condition: Callable[[], object], *hubs: HubServer) -> None:
     """Wait until a condition holds, checked whenever a graph, or the links of a hub, change."""
     changed = asyncio.Event()
     for hub in hubs:
@@ -66,7 +66,7 @@ async def join(start_hub: StartHub, request: pytest.FixtureRequest, tmp_path: Pa
         pytest.importorskip("zenoh")
         return _join_by_zenoh(start_hub, zenoh_config(tmp_path))
 
-    async def start(name: str, *others: Hub, **settings: object) -> Hub:
+    async def start(name: str, *others: HubServer, **settings: object) -> HubServer:
         before = [len(other.federation.peers) for other in others]
         hub = await start_hub(hub_name=name, join=tuple(other.url for other in others), **settings)
         await until(
@@ -86,9 +86,9 @@ async def join(start_hub: StartHub, request: pytest.FixtureRequest, tmp_path: Pa
 
 
 def _join_by_zenoh(start_hub: StartHub, config: Path) -> Join:
-    endpoints: dict[Hub, str] = {}
+    endpoints: dict[HubServer, str] = {}
 
-    async def start(name: str, *others: Hub, **settings: object) -> Hub:
+    async def start(name: str, *others: HubServer, **settings: object) -> HubServer:
         hub = await start_hub(
             hub_name=name,
             zenoh_listen=(ANY_PORT,),

@@ -18,7 +18,7 @@ from fibws.access.token_file import TokenFile
 from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.records import Announcement, Reply, Request
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger
@@ -34,7 +34,9 @@ class Robots:
         announced: all that the other hub was told, as text.
     """
 
-    def __init__(self, cloud: Hub, robot: Hub, admin: str, announced: list[str]) -> None:
+    def __init__(
+        self, cloud: HubServer, robot: HubServer, admin: str, announced: list[str]
+    ) -> None:
         self.cloud = cloud
         self.robot = robot
         self.admin = admin

@@ -18,7 +18,7 @@ from fibws.hub.federation.records import Kind
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.publication import Publication
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.websocket.turns import Turns
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, String
@@ -52,7 +52,7 @@ async def peers(end: fibws.Publisher[Any, ...] | fibws.Subscription[Any], count:
                 return
 
 
-def remote_nodes(hub: Hub) -> dict[str, str]:
+def remote_nodes(hub: HubServer) -> dict[str, str]:
     """Return the nodes of other hubs, with the names of their hubs."""
     nodes = hub.graph.nodes.items()
     return {name: node.hub.name for name, node in nodes if isinstance(node, RemoteNode)}
@@ -387,7 +387,7 @@ async def test_messages_of_each_type_pass_between_hubs_in_a_conflict(
         assert (await asyncio.wait_for(anext(received), PATIENCE)).data == values[other_type]
 
 
-def _conflicts(hub: Hub) -> list[str]:
+def _conflicts(hub: HubServer) -> list[str]:
     topic = hub.graph.topics.get("/data")
     return [each.node for each in hub.graph.view("/x").conflicts(topic)] if topic else []
 

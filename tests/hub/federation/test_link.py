@@ -20,7 +20,7 @@ from websockets.typing import Subprotocol
 
 import fibws
 from fibws.hub.federation import link as links
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import MIB
 from fibws.interfaces import Interfaces
 from fibws.msg.std_msgs import Int32
@@ -87,7 +87,7 @@ class OtherHub:
 
 
 @asynccontextmanager
-async def other_hub(hub: Hub) -> AsyncIterator[OtherHub]:
+async def other_hub(hub: HubServer) -> AsyncIterator[OtherHub]:
     protocol = Subprotocol(links.SUBPROTOCOL)
     # Tests that send much do not read the answers: the last of them is the close frame.
     async with connect(
@@ -97,7 +97,7 @@ async def other_hub(hub: Hub) -> AsyncIterator[OtherHub]:
 
 
 @asynccontextmanager
-async def bystanders(hub: Hub) -> AsyncIterator[Callable[[], Any]]:
+async def bystanders(hub: HubServer) -> AsyncIterator[Callable[[], Any]]:
     """Two nodes of a hub; yields a function that fails if a message between them is lost."""
     async with fibws.Node("one", hub=hub.url) as one, fibws.Node("two", hub=hub.url) as two:
         numbers = two.subscribe("numbers", Int32)

@@ -18,7 +18,7 @@ from fibws import tls
 from fibws.access.rights import Right, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub.federation.connections import Join as Joining
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger
 
@@ -32,7 +32,7 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "tokens.toml"
 
 
-async def start_cloud(start_hub: StartHub, path: Path) -> tuple[Hub, str]:
+async def start_cloud(start_hub: StartHub, path: Path) -> tuple[HubServer, str]:
     """Return a hub with a token for its operator, and one for a robot's hub."""
     admin = TokenFile(path).add("operator", Rights(admin=True))
     globs = ["/robot7/**"]
@@ -58,7 +58,7 @@ async def test_robot_with_a_token_joins_below_its_prefix(start_hub: StartHub, pa
         assert remote_nodes(cloud) == {"/robot7/talker": "robot"}
 
 
-async def fault_of(robot: Hub, url: str) -> str:
+async def fault_of(robot: HubServer, url: str) -> str:
     """Return why a hub cannot join another one."""
     faults: asyncio.Queue[str] = asyncio.Queue()
     join = Joining(url, robot.federation, robot.settings)

@@ -14,19 +14,19 @@ import pytest
 from random_inputs import times
 
 from fibws.hub.federation.records import ParameterRecord
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .conftest import Join, StartNode, until
 
 BOTH = pytest.mark.parametrize("join", ["websocket", "zenoh"], indirect=True)
 
 
-def value(hub: Hub, name: str) -> Any:
+def value(hub: HubServer, name: str) -> Any:
     """Return a parameter's value, or None."""
     return hub.graph.parameters.get(name) if hub.graph.parameters.has(name) else None
 
 
-def text(hub: Hub) -> bytes | None:
+def text(hub: HubServer) -> bytes | None:
     """Return the shared parameters as JSON, with sorted names."""
     found = value(hub, "/fleet")
     return None if found is None else json.dumps(found, sort_keys=True).encode()
@@ -52,13 +52,13 @@ async def test_change_of_a_shared_parameter_reaches_all_hubs(
     assert value(second, "/run_id") != value(first, "/run_id")
 
 
-async def all_have(hubs: Iterable[Hub], condition: Callable[[Hub], object]) -> None:
+async def all_have(hubs: Iterable[HubServer], condition: Callable[[HubServer], object]) -> None:
     """Wait until a condition holds for each hub."""
     for hub in hubs:
         await until(partial(condition, hub), hub)
 
 
-def is_same(one: Hub, other: Hub) -> bool:
+def is_same(one: HubServer, other: HubServer) -> bool:
     """Return whether two hubs have the same shared parameters."""
     return text(one) == text(other)
 

@@ -17,7 +17,7 @@ from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 from fibws.srv.diagnostic_msgs import AddDiagnostics
 
@@ -47,7 +47,7 @@ class Hubs:
         lost: the nodes of the third one that the source has lost.
     """
 
-    def __init__(self, source: Hub, reading: Hub, process: Process, url: str) -> None:
+    def __init__(self, source: HubServer, reading: HubServer, process: Process, url: str) -> None:
         self.source, self.reading = source, reading
         self.process, self.url = process, url
         self.lost: list[str] = []

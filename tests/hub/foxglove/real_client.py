@@ -13,7 +13,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from fibws.hub.foxglove import SUBPROTOCOLS
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
 class Foxglove:
@@ -81,7 +81,7 @@ class Foxglove:
 
 @asynccontextmanager
 async def foxglove(
-    hub: Hub, query: str = "?node=/studio", *subprotocols: str
+    hub: HubServer, query: str = "?node=/studio", *subprotocols: str
 ) -> AsyncIterator[Foxglove]:
     """Connect as the applications do."""
     offered = [Subprotocol(each) for each in subprotocols or SUBPROTOCOLS]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fibws.access.rights import Right
-from fibws.hub.foxglove.turns import ITERATION, TURN, Turns
+from fibws.hub.foxglove.turns import ITERATION, TURN, FeedTurns
 from fibws.hub.graph.policy import AllowAll
 
 from ..fakes import ADD, INT32, FakeClock
@@ -53,7 +53,7 @@ def iterate_all(clock: SlowClock) -> float:
 
 def test_functions_are_called_in_turns_and_once() -> None:
     clock, called = SlowClock(), list[str]()
-    turns = Turns(clock)
+    turns = FeedTurns(clock)
 
     def send(name: str) -> None:
         called.append(name)
@@ -70,7 +70,7 @@ def test_functions_are_called_in_turns_and_once() -> None:
 
 def test_fault_of_one_keeps_no_other_waiting() -> None:
     clock, called = SlowClock(), list[int]()
-    turns = Turns(clock)
+    turns = FeedTurns(clock)
 
     def fail() -> None:
         raise ZeroDivisionError

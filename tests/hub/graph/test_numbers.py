@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fibws.errors import NotAllowed, OperationError, UnknownType
-from fibws.hub.foxglove.feeds import Services
+from fibws.hub.foxglove.feeds import ServiceFeeds
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.policy import AllowAll
@@ -111,7 +111,7 @@ def test_topics_can_be_used_once_all_numbers_have_been_given_out() -> None:
 
 def test_services_can_be_described_once_all_numbers_have_been_given_out() -> None:
     graph = new_graph()
-    services = Services(graph)
+    services = ServiceFeeds(graph)
     services._numbers = Numbers(last=2)
     for _ in range(5):
         service = graph.serve("/add", ADD, None, Displaceable())

@@ -15,14 +15,14 @@ from patience import PATIENCE
 from fibws.bags import open_reader
 from fibws.hub.http.recording_downloads import HELD
 from fibws.hub.http.requests import PIECE
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from ..raw_client import Gone, dialled, longest_turn
 from ..token_clients import entry
 from .test_robot_assets import get
 
 
-async def record(hub: Hub) -> Path:
+async def record(hub: HubServer) -> Path:
     """Make a recording, and return its file."""
     recording = hub.recording
     assert recording is not None
@@ -33,7 +33,7 @@ async def record(hub: Hub) -> Path:
     return Path(state.file)
 
 
-def _start(hub: Hub, done: Callable[[], None]) -> None:
+def _start(hub: HubServer, done: Callable[[], None]) -> None:
     assert hub.recording is not None
     hub.recording._starting.append(done)
     hub.recording.start()
@@ -47,17 +47,17 @@ async def called(begin: Callable[[Callable[[], None]], object]) -> None:
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub, tmp_path: Path) -> Hub:
+async def hub(start_hub: StartHub, tmp_path: Path) -> HubServer:
     return await recorder(start_hub, tmp_path)
 
 
-async def recorder(start_hub: StartHub, folder: Path, **settings: Any) -> Hub:
+async def recorder(start_hub: StartHub, folder: Path, **settings: Any) -> HubServer:
     return await start_hub(
         record=folder / "bags", record_at_start=False, record_min_space=0, **settings
     )
 
 
-async def test_recording_is_downloaded_as_it_is(hub: Hub, tmp_path: Path) -> None:
+async def test_recording_is_downloaded_as_it_is(hub: HubServer, tmp_path: Path) -> None:
     file = await record(hub)
     status, headers, body = await get(hub, f"/recordings/{file.name}")
     assert (status, body) == (200, file.read_bytes())
@@ -71,7 +71,7 @@ async def test_recording_is_downloaded_as_it_is(hub: Hub, tmp_path: Path) -> Non
         pass
 
 
-async def test_head_has_no_body(hub: Hub) -> None:
+async def test_head_has_no_body(hub: HubServer) -> None:
     file = await record(hub)
     status, headers, body = await get(hub, f"/recordings/{file.name}", method="HEAD")
     assert (status, body) == (200, b"")
@@ -89,7 +89,7 @@ async def test_head_has_no_body(hub: Hub) -> None:
         ("bytes=-999999999999", slice(0, None)),
     ],
 )
-async def test_range_of_a_recording_is_sent(hub: Hub, asked: str, part: slice) -> None:
+async def test_range_of_a_recording_is_sent(hub: HubServer, asked: str, part: slice) -> None:
     file = await record(hub)
     data = file.read_bytes()
     start, end, _ = part.indices(len(data))
@@ -100,7 +100,7 @@ async def test_range_of_a_recording_is_sent(hub: Hub, asked: str, part: slice) -
 
 
 @pytest.mark.parametrize("asked", ["bytes=9-2", "bytes=0-1,3-4", "lines=1-2", "bytes=", "bytes=a-"])
-async def test_other_ranges_are_the_whole_recording(hub: Hub, asked: str) -> None:
+async def test_other_ranges_are_the_whole_recording(hub: HubServer, asked: str) -> None:
     file = await record(hub)
     status, headers, body = await get(hub, f"/recordings/{file.name}", Range=asked)
     assert (status, body) == (200, file.read_bytes())
@@ -108,7 +108,7 @@ async def test_other_ranges_are_the_whole_recording(hub: Hub, asked: str) -> Non
 
 
 @pytest.mark.parametrize("asked", ["bytes=999999999-", "bytes=-0"])
-async def test_range_after_the_end_is_refused(hub: Hub, asked: str) -> None:
+async def test_range_after_the_end_is_refused(hub: HubServer, asked: str) -> None:
     file = await record(hub)
     size = file.stat().st_size
     status, headers, _ = await get(hub, f"/recordings/{file.name}", Range=asked)
@@ -116,7 +116,7 @@ async def test_range_after_the_end_is_refused(hub: Hub, asked: str) -> None:
 
 
 @pytest.mark.both_loops
-async def test_large_recording_arrives_whole_in_pieces(hub: Hub) -> None:
+async def test_large_recording_arrives_whole_in_pieces(hub: HubServer) -> None:
     file = await record(hub)
     data = os.urandom(40 * PIECE + 1)  # More than sockets buffer.
     file.write_bytes(data)
@@ -129,7 +129,7 @@ async def test_large_recording_arrives_whole_in_pieces(hub: Hub) -> None:
     assert hub._asset_room.held == 0
 
 
-async def test_memory_of_a_client_that_does_not_read_is_bounded(hub: Hub) -> None:
+async def test_memory_of_a_client_that_does_not_read_is_bounded(hub: HubServer) -> None:
     file = await record(hub)
     file.write_bytes(bytes(200 * PIECE))
     async with dialled(hub.port) as client:
@@ -141,7 +141,7 @@ async def test_memory_of_a_client_that_does_not_read_is_bounded(hub: Hub) -> Non
         assert len(connection._rest) <= PIECE
 
 
-async def test_file_that_becomes_shorter_ends_the_connection(hub: Hub) -> None:
+async def test_file_that_becomes_shorter_ends_the_connection(hub: HubServer) -> None:
     file = await record(hub)
     file.write_bytes(bytes(200 * PIECE))
     async with dialled(hub.port) as client:
@@ -158,7 +158,9 @@ async def test_file_that_becomes_shorter_ends_the_connection(hub: Hub) -> None:
     "name",
     ["", "other.bag", "../secret", "..%2Fsecret", "%2e%2e/secret", "/etc/passwd", "a\0b", "bags"],
 )
-async def test_only_what_the_hub_has_recorded_is_sent(hub: Hub, tmp_path: Path, name: str) -> None:
+async def test_only_what_the_hub_has_recorded_is_sent(
+    hub: HubServer, tmp_path: Path, name: str
+) -> None:
     file = await record(hub)
     (tmp_path / "secret").write_text("secret")
     (file.parent / "other.bag").write_text("of another recorder")
@@ -167,7 +169,7 @@ async def test_only_what_the_hub_has_recorded_is_sent(hub: Hub, tmp_path: Path, 
     assert b"secret" not in body and b"another" not in body
 
 
-async def test_file_that_is_being_written_is_not_sent(hub: Hub) -> None:
+async def test_file_that_is_being_written_is_not_sent(hub: HubServer) -> None:
     await called(lambda done: _start(hub, done))
     assert hub.recording is not None
     state = hub.recording.state()
@@ -176,7 +178,7 @@ async def test_file_that_is_being_written_is_not_sent(hub: Hub) -> None:
     assert (status, b"not complete" in body) == (404, True)
 
 
-async def test_link_in_place_of_a_recording_is_not_followed(hub: Hub, tmp_path: Path) -> None:
+async def test_link_in_place_of_a_recording_is_not_followed(hub: HubServer, tmp_path: Path) -> None:
     file = await record(hub)
     secret = tmp_path / "secret"
     secret.write_text("secret")
@@ -204,14 +206,14 @@ async def test_download_needs_the_right_admin(start_hub: StartHub, tmp_path: Pat
     assert (status, body) == (200, file.read_bytes())
 
 
-async def test_pages_of_other_origins_get_nothing(hub: Hub) -> None:
+async def test_pages_of_other_origins_get_nothing(hub: HubServer) -> None:
     file = await record(hub)
     path = f"/recordings/{file.name}"
     assert (await get(hub, path, Origin="http://evil.example"))[0] == 403
     assert (await get(hub, path, Host="evil.example"))[0] == 403
 
 
-async def test_downloads_are_bounded(hub: Hub) -> None:
+async def test_downloads_are_bounded(hub: HubServer) -> None:
     file = await record(hub)
     room = hub._asset_room
     assert room.take(room.size - HELD + 1)

@@ -16,7 +16,7 @@ from fibws.errors import AssetRefused
 from fibws.hub.graph.graph import Graph
 from fibws.hub.http import robot_assets
 from fibws.hub.http.robot_assets import CONTENT_TYPES, RobotAssets
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.interfaces import Interfaces
 
 from ..raw_client import dialled, longest_turn
@@ -64,7 +64,7 @@ def assets(graph: Graph, workspace: Path) -> RobotAssets:
 
 
 @pytest.fixture
-async def robot(start_hub: StartHub, workspace: Path) -> Hub:
+async def robot(start_hub: StartHub, workspace: Path) -> HubServer:
     """A hub with the robot's description as a parameter."""
     hub = await start_hub()
     hub.graph.parameters.set("/robot_description", URDF)
@@ -72,7 +72,7 @@ async def robot(start_hub: StartHub, workspace: Path) -> Hub:
 
 
 async def get(
-    hub: Hub, path: str, method: str = "GET", more: bytes = b"", **headers: str
+    hub: HubServer, path: str, method: str = "GET", more: bytes = b"", **headers: str
 ) -> Answer:
     """Send a request; underscores in header names become hyphens."""
     named = {name.replace("_", "-"): value for name, value in headers.items()}
@@ -90,7 +90,7 @@ def reason(answer: Answer) -> str:
     return text
 
 
-async def test_mesh_of_the_loaded_robot_is_served(robot: Hub) -> None:
+async def test_mesh_of_the_loaded_robot_is_served(robot: HubServer) -> None:
     status, headers, body = await get(robot, "/assets/package/arm/meshes/a.stl")
     assert (status, body) == (200, MESH)
     assert headers["content-type"] == "model/stl"
@@ -99,7 +99,7 @@ async def test_mesh_of_the_loaded_robot_is_served(robot: Hub) -> None:
     assert headers["cross-origin-resource-policy"] == "same-origin"
 
 
-async def test_mesh_is_compressed_and_pictures_are_not(robot: Hub, workspace: Path) -> None:
+async def test_mesh_is_compressed_and_pictures_are_not(robot: HubServer, workspace: Path) -> None:
     write(workspace, "arm", "skin.PNG", MESH)
     status, headers, body = await get(
         robot, "/assets/package/arm/meshes/a.stl", Accept_Encoding="gzip"
@@ -112,7 +112,7 @@ async def test_mesh_is_compressed_and_pictures_are_not(robot: Hub, workspace: Pa
     assert (body, headers["content-type"]) == (MESH, "image/png")
 
 
-async def test_file_that_a_browser_has_is_not_sent_again(robot: Hub, workspace: Path) -> None:
+async def test_file_that_a_browser_has_is_not_sent_again(robot: HubServer, workspace: Path) -> None:
     path = "/assets/package/arm/meshes/a.stl"
     _, headers, _ = await get(robot, path)
     assert (await get(robot, path, If_None_Match=headers["etag"]))[0] == 304
@@ -121,7 +121,7 @@ async def test_file_that_a_browser_has_is_not_sent_again(robot: Hub, workspace: 
     assert (status, body) == (200, b"solid other\n")
 
 
-async def test_head_has_no_body(robot: Hub) -> None:
+async def test_head_has_no_body(robot: HubServer) -> None:
     status, headers, body = await get(robot, "/assets/package/arm/meshes/a.stl", method="HEAD")
     assert (status, body) == (200, b"") and int(headers["content-length"]) == len(MESH)
 
@@ -134,7 +134,9 @@ async def test_hub_below_a_path_serves_files_there(start_hub: StartHub, workspac
 
 
 @pytest.mark.both_loops
-async def test_large_file_arrives_whole_and_delays_nobody(robot: Hub, workspace: Path) -> None:
+async def test_large_file_arrives_whole_and_delays_nobody(
+    robot: HubServer, workspace: Path
+) -> None:
     data = os.urandom(24 * 2**20)  # More than sockets buffer.
     write(workspace, "arm", "big.stl", data)
     async with longest_turn() as longest:
@@ -143,7 +145,7 @@ async def test_large_file_arrives_whole_and_delays_nobody(robot: Hub, workspace:
     assert longest() < 0.25
 
 
-async def test_bytes_behind_a_request_are_ignored(robot: Hub) -> None:
+async def test_bytes_behind_a_request_are_ignored(robot: HubServer) -> None:
     ping = b"\x89\x80\x00\x00\x00\x00" * 100
     second = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
     for more in (ping, second, b"\xff" * 1000):
@@ -197,7 +199,7 @@ def test_path_that_leads_elsewhere_is_refused(assets: RobotAssets, path: str) ->
         assets.resolve(f"package://{path}", {"arm", "secret"})
 
 
-async def test_traversal_is_refused_over_http(robot: Hub) -> None:
+async def test_traversal_is_refused_over_http(robot: HubServer) -> None:
     for path in ("arm/../secret/meshes/a.stl", "arm/%2e%2e/secret/meshes/a.stl"):
         assert (await get(robot, f"/assets/package/{path}"))[0] == 404
 
@@ -217,7 +219,7 @@ def test_suffixes_may_be_in_upper_case(assets: RobotAssets, workspace: Path, suf
         assert assets.resolve(f"package://arm/{name}{suffix.upper()}", {"arm"}) == file
 
 
-async def test_package_that_no_description_names_is_refused(robot: Hub) -> None:
+async def test_package_that_no_description_names_is_refused(robot: HubServer) -> None:
     text = reason(await get(robot, "/assets/package/secret/meshes/a.stl"))
     assert "secret" in text and "arm" in text
     robot.graph.parameters.delete("/robot_description")
@@ -225,7 +227,7 @@ async def test_package_that_no_description_names_is_refused(robot: Hub) -> None:
     assert "robot_description" in text
 
 
-async def test_missing_files_and_packages_are_named(robot: Hub) -> None:
+async def test_missing_files_and_packages_are_named(robot: HubServer) -> None:
     assert "meshes/b.stl" in reason(await get(robot, "/assets/package/arm/meshes/b.stl"))
     other = URDF.replace("package://arm", "package://nowhere")
     robot.graph.parameters.set("/a/robot_description", other)
@@ -369,7 +371,7 @@ async def test_pages_of_other_origins_read_files_only_if_allowed(
 
 
 async def test_fault_of_the_hub_is_reported(
-    robot: Hub, faults: Any, monkeypatch: pytest.MonkeyPatch
+    robot: HubServer, faults: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(*arguments: object) -> None:
         raise RuntimeError("broken")

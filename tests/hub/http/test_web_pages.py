@@ -21,7 +21,7 @@ from conftest import StartHub
 
 import fibws
 from fibws import web_video_server
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 CALL = xmlrpc.client.dumps(("/page", "/x", "evil"), "setParam")
 UPGRADE = {
@@ -59,7 +59,7 @@ async def status(port: Port, **headers: str) -> tuple[int, str]:
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub) -> Hub:
+async def hub(start_hub: StartHub) -> HubServer:
     return await start_hub(ros1=0, ros1_host="robot.lab.example")
 
 
@@ -67,7 +67,7 @@ Find = Callable[[str], Awaitable[Port]]
 
 
 @pytest.fixture
-async def find(hub: Hub) -> AsyncIterator[Find]:
+async def find(hub: HubServer) -> AsyncIterator[Find]:
     """Returns one of the ports by its name."""
     hub.graph.parameters.set("/video/port", 0)
     log = logging.getLogger("test.video")
@@ -131,7 +131,7 @@ REBOUND = {"Host": "evil.example:1", "Origin": "http://evil.example:1"}
 )
 @pytest.mark.parametrize("name", ["websocket", "metrics", "ros1", "video"])
 async def test_strangers_pages_are_refused(
-    hub: Hub, find: Find, name: str, headers: dict[str, str], allowed: str
+    hub: HubServer, find: Find, name: str, headers: dict[str, str], allowed: str
 ) -> None:
     code, text = await status(await find(name), **headers)
     assert code == (403 if name not in allowed.split() else 101 if name == "websocket" else 200)
@@ -144,12 +144,12 @@ async def test_strangers_pages_are_refused(
 
 
 @pytest.mark.parametrize("name", ["websocket", "metrics", "ros1"])
-async def test_programs_need_no_host_header(hub: Hub, find: Find, name: str) -> None:
+async def test_programs_need_no_host_header(hub: HubServer, find: Find, name: str) -> None:
     assert (await status(await find(name)))[0] in (101, 200)
 
 
 async def test_refused_page_is_logged_once(
-    hub: Hub, find: Find, caplog: pytest.LogCaptureFixture
+    hub: HubServer, find: Find, caplog: pytest.LogCaptureFixture
 ) -> None:
     for name in ("ros1", "video"):
         caplog.clear()
@@ -158,7 +158,7 @@ async def test_refused_page_is_logged_once(
         assert caplog.text.count("https://evil.example") == 1
 
 
-async def test_requests_of_ros1_pages_do_not_end_the_hub(hub: Hub, find: Find) -> None:
+async def test_requests_of_ros1_pages_do_not_end_the_hub(hub: HubServer, find: Find) -> None:
     reasons: list[str] = []
     hub.stop_requested = reasons.append
     call = xmlrpc.client.dumps(("/page", "bye"), "shutdown")
@@ -168,14 +168,14 @@ async def test_requests_of_ros1_pages_do_not_end_the_hub(hub: Hub, find: Find) -
 
 
 @pytest.mark.parametrize("name", ["Host", "Origin"])
-async def test_repeated_header_is_refused(hub: Hub, find: Find, name: str) -> None:
+async def test_repeated_header_is_refused(hub: HubServer, find: Find, name: str) -> None:
     port = await find("ros1")
     twice = port._replace(headers={f"{name}: localhost\r\n{name}": "localhost"})
     assert (await status(twice))[0] == 400
 
 
 async def test_connections_that_the_video_server_refuses_are_logged_once(
-    hub: Hub, find: Find, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, find: Find, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(web_video_server, "MOST_CONNECTIONS", 0)
     port = await find("video")

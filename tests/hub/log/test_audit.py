@@ -15,7 +15,7 @@ from conftest import StartHub
 from fibws.access.token_file import digest_of
 from fibws.hub.log.audit import Audit, Identity
 from fibws.hub.log.text import MAX_LINES, REPEAT_AFTER
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from ..raw_client import Client, connected, dialled, handshake
 
@@ -192,7 +192,7 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
     @pytest.fixture
     async def guarded(
         self, start_hub: StartHub, tmp_path: Path, caplog: pytest.LogCaptureFixture
-    ) -> Hub:
+    ) -> HubServer:
         caplog.set_level(logging.INFO, "fibws.hub.audit")
         path = tmp_path / "tokens.toml"
         path.write_text(self.FILE, "utf-8")
@@ -204,7 +204,9 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
         while (await client.receive())["op"] != "service_response":
             pass
 
-    async def test_login_is_recorded(self, guarded: Hub, caplog: pytest.LogCaptureFixture) -> None:
+    async def test_login_is_recorded(
+        self, guarded: HubServer, caplog: pytest.LogCaptureFixture
+    ) -> None:
         async with connected(guarded.port, Authorization="Bearer one") as client:
             await client.is_processed()
         assert events(caplog) == [{"event": "login", "principal": "operator", "ip": "127.0.0.1"}]
@@ -215,7 +217,7 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
     )
     async def test_client_that_may_not_enter_is_recorded(
         self,
-        guarded: Hub,
+        guarded: HubServer,
         caplog: pytest.LogCaptureFixture,
         token: str,
         path: str,
@@ -228,7 +230,7 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
         assert found.get("principal") == (None if reason == "authentication" else "guest")
 
     async def test_operations_without_a_token_are_recorded_once(
-        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+        self, guarded: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         async with connected(guarded.port) as client:
             for _ in range(3):
@@ -280,7 +282,7 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
         assert found == {"event": "refused", "reason": "authentication", "ip": "127.0.0.1"}
 
     async def test_missing_right_is_recorded_whatever_needs_it(
-        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+        self, guarded: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         async with connected(guarded.port, "/?node=/guest", Authorization="Bearer two") as client:
             for op in ("subscribe", "advertise"):
@@ -295,7 +297,7 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
         assert guarded.audit.refusals["right"] == len(texts) == 4
 
     async def test_parameters_and_kills_are_recorded_with_their_author(
-        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+        self, guarded: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         async with (
             connected(guarded.port, "/?node=/boss", Authorization="Bearer one") as boss,
@@ -314,7 +316,7 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
         ]
 
     async def test_client_that_loses_its_name_is_recorded(
-        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+        self, guarded: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         async with connected(guarded.port, "/?node=/page", Authorization="Bearer two") as older:
             await older.is_processed()
@@ -324,7 +326,7 @@ allow = {{call = ["/**"], node = ["/guest", "/page"]}}
         assert {"event": "name_taken", **client} in events(caplog)
 
     async def test_page_of_another_origin_is_recorded(
-        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+        self, guarded: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         async with dialled(guarded.port) as client:
             await client.send(handshake(Origin="https://evil.example"))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from fibws.hub.memory.account import RESERVED, Account, Bound, Holding, Part
+from fibws.hub.memory.account import RESERVED, Account, AccountPart, Bound, Holding
 from fibws.protocol.websocket import CloseReason
 
 LIMIT = 16_000
@@ -71,8 +71,8 @@ class Hub:
         return bool(due)
 
 
-def part(held: list[Held]) -> Part:
-    return Part(lambda: [each.holding for each in held if each.size])
+def part(held: list[Held]) -> AccountPart:
+    return AccountPart(lambda: [each.holding for each in held if each.size])
 
 
 def test_nothing_goes_while_all_fits() -> None:
@@ -134,7 +134,7 @@ def test_bound_of_a_part_counts_for_that_part_alone() -> None:
     bound = Bound(1000, "--most", "bytes", CloseReason(1013, "too many"))
     queue, latched = Held("robot", *[100] * 20), Held("robot", *[100] * 20)
     hub = Hub(latched=[latched])
-    hub.account.add("queues", Part(lambda: [queue.holding], bound))
+    hub.account.add("queues", AccountPart(lambda: [queue.holding], bound))
     hub.account.check()
     assert (queue.size, latched.size) == (900, 2000)
     assert queue.bounds == [bound]
@@ -166,7 +166,7 @@ def test_sum_never_exceeds_the_limit() -> None:
 def test_parts_that_are_not_metered_are_counted_each_second() -> None:
     quiet, other = Held("robot"), Held("robot", 100)
     hub = Hub(queues=[quiet])
-    hub.account.add("latched", Part(lambda: [other.holding], is_metered=True))
+    hub.account.add("latched", AccountPart(lambda: [other.holding], is_metered=True))
     hub.account.check()
     quiet.messages = [100] * 1000
     hub.account.sweep()

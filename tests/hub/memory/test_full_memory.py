@@ -11,7 +11,7 @@ import pytest
 from conftest import StartHub
 
 from fibws.hub.federation.records import Message
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.endpoint import STRANGER_BYTES
 from fibws.protocol.websocket import BINARY, client_header
@@ -38,7 +38,7 @@ STRING = "std_msgs/String"
 class Crowd:
     """Clients of one principal that fill a hub's memory, and the most that its parts held."""
 
-    def __init__(self, hub: Hub, stack: AsyncExitStack, robot: Client) -> None:
+    def __init__(self, hub: HubServer, stack: AsyncExitStack, robot: Client) -> None:
         self.hub = hub
         self.most: Counter[str] = Counter()
         self._stack = stack

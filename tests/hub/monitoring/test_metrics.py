@@ -22,7 +22,7 @@ from websockets.http11 import Request, Response
 
 from fibws.access.token_file import digest_of
 from fibws.hub.graph.totals import OTHER, CallTotals, TopicTotals
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.protocol.websocket import BINARY, client_header
 
 from ..raw_client import Client, connected, dialled, handshake, publish, until
@@ -42,7 +42,7 @@ allow = {{subscribe = ["/**"]}}
 """
 
 
-def scrape(hub: Hub, address: str = "127.0.0.1", **headers: str) -> Response:
+def scrape(hub: HubServer, address: str = "127.0.0.1", **headers: str) -> Response:
     fields = Headers({name.replace("_", "-"): value for name, value in headers.items()})
     response = hub._requests.respond(Request("/metrics", fields), address)
     assert response is not None
@@ -55,13 +55,13 @@ def strict_families(text: str) -> Iterator[Metric]:
     yield from parse(text)
 
 
-def families(hub: Hub, **headers: str) -> dict[str, Metric]:
+def families(hub: HubServer, **headers: str) -> dict[str, Metric]:
     """Return all metrics by name."""
     body = bytes(scrape(hub, **headers).body).decode()
     return {family.name: family for family in text_string_to_metric_families(body)}
 
 
-def value(hub: Hub, name: str, /, **labels: str) -> float:
+def value(hub: HubServer, name: str, /, **labels: str) -> float:
     """Return one number; 0 if there is none with these labels."""
     for family in families(hub).values():
         for sample in family.samples:
@@ -71,7 +71,7 @@ def value(hub: Hub, name: str, /, **labels: str) -> float:
 
 
 @asynccontextmanager
-async def publisher(hub: Hub, topic: str, count: int) -> AsyncIterator[Client]:
+async def publisher(hub: HubServer, topic: str, count: int) -> AsyncIterator[Client]:
     """A client that has published some messages."""
     async with connected(hub.port) as client:
         await client.advertises(topic)
@@ -80,7 +80,7 @@ async def publisher(hub: Hub, topic: str, count: int) -> AsyncIterator[Client]:
         yield client
 
 
-async def left(hub: Hub, client: Client) -> None:
+async def left(hub: HubServer, client: Client) -> None:
     """End a client, and wait until the hub knows."""
     count = hub._limits.clients
     client.leave()
@@ -97,34 +97,36 @@ class TestFormat:
         ],
     )
     async def test_scraper_gets_the_format_that_it_accepts(
-        self, hub: Hub, accept: str, content_type: str
+        self, hub: HubServer, accept: str, content_type: str
     ) -> None:
         response = scrape(hub, Accept=accept)
         assert response.status_code == 200
         assert response.headers["Content-Type"] == content_type
 
-    async def test_both_formats_hold_the_same(self, hub: Hub) -> None:
+    async def test_both_formats_hold_the_same(self, hub: HubServer) -> None:
         async with publisher(hub, "/t", 3):
             plain = families(hub)
             body = bytes(scrape(hub, Accept=OPENMETRICS).body).decode()
         found = {family.name: family.type for family in strict_families(body)}
         assert found == {name: family.type for name, family in plain.items()}
 
-    async def test_all_names_follow_the_conventions(self, hub: Hub) -> None:
+    async def test_all_names_follow_the_conventions(self, hub: HubServer) -> None:
         for family in families(hub).values():
             assert family.name.startswith(("fibws_", "process_"))
             assert family.documentation.endswith(".")
             assert family.type in ("counter", "gauge", "histogram")
 
     @pytest.mark.parametrize("accept", ["", OPENMETRICS])
-    async def test_body_is_compressed_for_those_who_accept_it(self, hub: Hub, accept: str) -> None:
+    async def test_body_is_compressed_for_those_who_accept_it(
+        self, hub: HubServer, accept: str
+    ) -> None:
         response = scrape(hub, Accept=accept, Accept_Encoding="gzip")
         assert response.headers["Content-Encoding"] == "gzip"
         assert b"fibws_clients" in gzip.decompress(bytes(response.body))
         assert "Content-Encoding" not in scrape(hub, Accept=accept).headers
 
     @pytest.mark.parametrize("topic", ['/a"b', "/a\\b", "/ä中", "/a{b}", "/a\\nb"])
-    async def test_name_of_a_topic_may_hold_anything(self, hub: Hub, topic: str) -> None:
+    async def test_name_of_a_topic_may_hold_anything(self, hub: HubServer, topic: str) -> None:
         async with publisher(hub, topic, 2):
             assert value(hub, "fibws_topic_messages_total", topic=topic) == 2
             assert list(strict_families(bytes(scrape(hub, Accept=OPENMETRICS).body).decode()))
@@ -144,7 +146,7 @@ class TestFormat:
 
 
 class TestCounters:
-    async def test_messages_are_counted_by_topic(self, hub: Hub) -> None:
+    async def test_messages_are_counted_by_topic(self, hub: HubServer) -> None:
         async with connected(hub.port) as listener:
             await listener.subscribes("/t")
             async with publisher(hub, "/t", 5):
@@ -154,7 +156,7 @@ class TestCounters:
                 assert value(hub, "fibws_topic_bytes_total", topic="/t") > 100
                 assert value(hub, "fibws_messages_total") >= 5
 
-    async def test_counters_do_not_go_back_when_clients_leave(self, hub: Hub) -> None:
+    async def test_counters_do_not_go_back_when_clients_leave(self, hub: HubServer) -> None:
         async with connected(hub.port) as listener:
             await listener.subscribes("/t", throttle_rate=3_600_000)
             async with publisher(hub, "/t", 5) as talker:
@@ -169,7 +171,7 @@ class TestCounters:
         async with publisher(hub, "/t", 2):
             assert value(hub, "fibws_topic_messages_total", topic="/t") == 7
 
-    async def test_subscription_that_is_changed_is_counted_once(self, hub: Hub) -> None:
+    async def test_subscription_that_is_changed_is_counted_once(self, hub: HubServer) -> None:
         changes: list[dict[str, Any]] = [{}, {"compression": "cbor"}, {"throttle_rate": 1}]
         async with connected(hub.port) as listener, publisher(hub, "/t", 0) as talker:
             for fields in changes:
@@ -181,7 +183,7 @@ class TestCounters:
             await listener.receive_data(1)
             assert value(hub, "fibws_topic_sent_messages_total", topic="/t") == 1
 
-    async def test_bytes_on_sockets_are_counted(self, hub: Hub) -> None:
+    async def test_bytes_on_sockets_are_counted(self, hub: HubServer) -> None:
         before = value(hub, "fibws_received_bytes_total")
         async with publisher(hub, "/t", 100) as client:
             received = value(hub, "fibws_received_bytes_total")
@@ -224,7 +226,7 @@ class TestCounters:
                 break
         assert status == 429
 
-    async def test_calls_are_counted_by_service_and_outcome(self, hub: Hub) -> None:
+    async def test_calls_are_counted_by_service_and_outcome(self, hub: HubServer) -> None:
         async with connected(hub.port) as client:
             for service in ("/rosapi/get_time", "/rosapi/get_time", "/nothing"):
                 await client.send_operation("call_service", service=service, id="1", args={})
@@ -238,7 +240,7 @@ class TestCounters:
             assert 0 < value(hub, "fibws_service_call_seconds_sum") < 60
 
 
-def counters(hub: Hub) -> dict[tuple[str, str], float]:
+def counters(hub: HubServer) -> dict[tuple[str, str], float]:
     """Return all counters by name and topic."""
     return {
         (sample.name, sample.labels.get("topic", "")): sample.value
@@ -278,13 +280,13 @@ class TestReaders:
         [("192.0.2.7", {}), ("127.0.0.1", {"X_Forwarded_For": "192.0.2.7"})],
     )
     async def test_open_hub_shows_them_to_its_own_machine(
-        self, hub: Hub, address: str, headers: dict[str, str]
+        self, hub: HubServer, address: str, headers: dict[str, str]
     ) -> None:
         response = scrape(hub, address, **headers)
         assert response.status_code == 403
         assert b"--public-metrics" in bytes(response.body)
 
-    async def test_page_of_another_name_may_not_read_them(self, hub: Hub) -> None:
+    async def test_page_of_another_name_may_not_read_them(self, hub: HubServer) -> None:
         assert scrape(hub, Host="rebound.example").status_code == 403
         assert hub.audit.refusals["origin"] == 1
 

@@ -14,7 +14,7 @@ from websockets.http11 import Request, Response
 
 from fibws import __version__
 from fibws.access.token_file import digest_of
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from ..raw_client import connected, dialled, handshake
 
@@ -31,7 +31,7 @@ HERE, OTHER = "127.0.0.1", "192.0.2.7"
 GUARDED = ["/healthz"]
 
 
-def get(hub: Hub, path: str, address: str = HERE, **headers: str) -> Response:
+def get(hub: HubServer, path: str, address: str = HERE, **headers: str) -> Response:
     """Return the response to a request from an address."""
     fields = Headers({name.replace("_", "-"): value for name, value in headers.items()})
     response = hub._requests.respond(Request(path, fields), address)
@@ -39,7 +39,9 @@ def get(hub: Hub, path: str, address: str = HERE, **headers: str) -> Response:
     return response
 
 
-def health(hub: Hub, address: str = HERE, path: str = "/healthz", **headers: str) -> dict[str, Any]:
+def health(
+    hub: HubServer, address: str = HERE, path: str = "/healthz", **headers: str
+) -> dict[str, Any]:
     response = get(hub, path, address, **headers)
     assert response.status_code == 200
     found: dict[str, Any] = json.loads(bytes(response.body))
@@ -47,7 +49,7 @@ def health(hub: Hub, address: str = HERE, path: str = "/healthz", **headers: str
 
 
 @pytest.fixture
-async def guarded(start_hub: StartHub, tmp_path: Path) -> Hub:
+async def guarded(start_hub: StartHub, tmp_path: Path) -> HubServer:
     """A hub with tokens."""
     path = tmp_path / "tokens.toml"
     path.write_text(FILE, "utf-8")
@@ -57,13 +59,15 @@ async def guarded(start_hub: StartHub, tmp_path: Path) -> Hub:
 class TestLiveAndReady:
     @pytest.mark.parametrize("address", [HERE, OTHER])
     @pytest.mark.parametrize("path", ["/livez", "/readyz"])
-    async def test_everybody_may_ask(self, guarded: Hub, path: str, address: str) -> None:
+    async def test_everybody_may_ask(self, guarded: HubServer, path: str, address: str) -> None:
         response = get(guarded, path, address, Host="10.0.0.3:9090")
         assert response.status_code == 200
         assert response.headers["Cache-Control"] == "no-store"
         assert get(guarded, path, address, Host="any.name.example").status_code == 200
 
-    async def test_late_loop_is_not_alive(self, hub: Hub, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def test_late_loop_is_not_alive(
+        self, hub: HubServer, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         now = hub._lag._now() + 5.0
         monkeypatch.setattr(hub._lag, "_now", lambda: now)
         response = get(hub, "/livez")
@@ -71,7 +75,7 @@ class TestLiveAndReady:
         assert json.loads(bytes(response.body))["lag_seconds"] > 4.0
         monkeypatch.undo()
 
-    async def test_draining_hub_is_alive_but_not_ready(self, hub: Hub) -> None:
+    async def test_draining_hub_is_alive_but_not_ready(self, hub: HubServer) -> None:
         async with connected(hub.port) as client:
             draining = asyncio.create_task(hub.drain(600))
             assert await client.is_closed() == (1012, "service restart")
@@ -84,7 +88,7 @@ class TestLiveAndReady:
             client.leave()
             await draining
 
-    async def test_draining_hub_opens_no_websocket(self, hub: Hub) -> None:
+    async def test_draining_hub_opens_no_websocket(self, hub: HubServer) -> None:
         async with connected(hub.port) as client:
             draining = asyncio.create_task(hub.drain(600))
             await client.is_closed()
@@ -96,7 +100,7 @@ class TestLiveAndReady:
 
 
 class TestHealth:
-    async def test_open_hub_shows_all_to_its_own_machine(self, hub: Hub) -> None:
+    async def test_open_hub_shows_all_to_its_own_machine(self, hub: HubServer) -> None:
         for address in (HERE, "::1"):
             found = health(hub, address)
             assert found["status"] == "ok"
@@ -115,17 +119,17 @@ class TestHealth:
         ],
     )
     async def test_open_hub_shows_others_little(
-        self, hub: Hub, address: str, headers: dict[str, str]
+        self, hub: HubServer, address: str, headers: dict[str, str]
     ) -> None:
         assert health(hub, address, **headers) == {"status": "ok", "version": __version__}
 
     @pytest.mark.parametrize("address", [HERE, OTHER])
-    async def test_admin_may_see_all(self, guarded: Hub, address: str) -> None:
+    async def test_admin_may_see_all(self, guarded: HubServer, address: str) -> None:
         assert "clients" in health(guarded, address, Authorization="Bearer one", Host="any.example")
         assert "clients" not in health(guarded, address, "/healthz?token=one")
 
     @pytest.mark.parametrize("token", ["two", "wrong", ""])
-    async def test_others_see_only_the_status(self, guarded: Hub, token: str) -> None:
+    async def test_others_see_only_the_status(self, guarded: HubServer, token: str) -> None:
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         assert health(guarded, HERE, **headers) == {"status": "ok"}
 

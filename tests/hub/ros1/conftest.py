@@ -9,7 +9,7 @@ import pytest
 from conftest import StartHub
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .peer import Peer
 
@@ -17,12 +17,12 @@ StartPeer = Callable[..., Awaitable[Peer]]
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub) -> Hub:
+async def hub(start_hub: StartHub) -> HubServer:
     return await start_hub(ros1=0)
 
 
 @pytest.fixture
-async def start_peer(hub: Hub) -> AsyncIterator[StartPeer]:
+async def start_peer(hub: HubServer) -> AsyncIterator[StartPeer]:
     assert hub.ros1 is not None
     master = hub.ros1.uri
     async with AsyncExitStack() as stack:
@@ -34,6 +34,6 @@ async def start_peer(hub: Hub) -> AsyncIterator[StartPeer]:
 
 
 @pytest.fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("client", hub=hub.url) as node:
         yield node

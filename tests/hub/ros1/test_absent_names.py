@@ -18,7 +18,7 @@ from hub_reload import reloaded
 import fibws
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32
 from fibws.srv.example_interfaces import AddTwoInts
@@ -70,7 +70,7 @@ async def peer_of(start_hub: StartHub, path: Path, *, is_there: bool) -> AsyncIt
 
 
 @asynccontextmanager
-async def hidden_node(hub: Hub, path: Path) -> AsyncIterator[None]:
+async def hidden_node(hub: HubServer, path: Path) -> AsyncIterator[None]:
     """Add a node of another principal, and what it uses."""
     token = TokenFile(path).add("owner", Rights(admin=True))
     await reloaded(hub)

@@ -21,7 +21,7 @@ from fibws.hub.graph.topic import Source
 from fibws.hub.ros1 import inlet
 from fibws.hub.ros1.inlet import AHEAD, SCRATCH, InletConnection
 from fibws.hub.ros1.tcpros import MOST_HEADER, MOST_MESSAGE, encode_header
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 
 from .conftest import StartPeer
@@ -198,7 +198,7 @@ async def test_link_ends_when_its_publisher_unregisters(
 
 
 async def test_publisher_may_come_back_with_another_type(
-    start_peer: StartPeer, node: fibws.Node, hub: Hub
+    start_peer: StartPeer, node: fibws.Node, hub: HubServer
 ) -> None:
     observer = Observer()
     hub.graph.subscribe(hub.graph.topic("/t"), observer)
@@ -219,7 +219,7 @@ async def test_publisher_may_come_back_with_another_type(
 
 
 async def test_publisher_may_come_back_with_another_definition_of_its_type(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     observer = Observer()
     hub.graph.subscribe(hub.graph.topic("/t"), observer)
@@ -256,7 +256,7 @@ async def test_header_may_say_less_than_usual(
     assert (await anext(messages)).data == 1
 
 
-async def test_type_without_fields_is_learned(hub: Hub, start_peer: StartPeer) -> None:
+async def test_type_without_fields_is_learned(hub: HubServer, start_peer: StartPeer) -> None:
     observer = Observer()
     hub.graph.subscribe(hub.graph.topic("/t"), observer)
     talker = await start_peer("/talker")
@@ -293,7 +293,7 @@ async def test_publisher_without_a_type_is_logged_and_tried_again(
     ],
 )
 async def test_publisher_whose_type_cannot_be_known_is_a_conflict(
-    hub: Hub, start_peer: StartPeer, fields: dict[str, str]
+    hub: HubServer, start_peer: StartPeer, fields: dict[str, str]
 ) -> None:
     observer = Observer()
     hub.graph.subscribe(hub.graph.topic("/t"), observer)
@@ -317,7 +317,7 @@ async def test_publisher_whose_type_cannot_be_known_is_a_conflict(
 
 
 async def test_messages_of_an_unknown_type_are_dropped_until_it_is_known(
-    hub: Hub, start_peer: StartPeer, caplog: pytest.LogCaptureFixture
+    hub: HubServer, start_peer: StartPeer, caplog: pytest.LogCaptureFixture
 ) -> None:
     observer = Observer()
     hub.graph.subscribe(hub.graph.topic("/t"), observer)
@@ -335,7 +335,7 @@ async def test_messages_of_an_unknown_type_are_dropped_until_it_is_known(
 
 
 async def test_publisher_with_another_definition_does_not_disturb_the_first(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     observer = Observer()
     hub.graph.subscribe(hub.graph.topic("/t"), observer)
@@ -362,7 +362,7 @@ async def test_publisher_with_another_definition_does_not_disturb_the_first(
 
 
 async def test_latched_message_is_forgotten_with_the_latching(
-    start_peer: StartPeer, node: fibws.Node, hub: Hub
+    start_peer: StartPeer, node: fibws.Node, hub: HubServer
 ) -> None:
     talker = await start_peer("/talker")
     await talker.advertise("/count", latching=True)
@@ -502,7 +502,7 @@ async def test_publisher_that_closes_at_once_is_tried_ever_less_often(
 
 
 async def test_many_links_are_opened_and_closed(
-    start_peer: StartPeer, node: fibws.Node, hub: Hub
+    start_peer: StartPeer, node: fibws.Node, hub: HubServer
 ) -> None:
     assert hub.ros1 is not None
     talkers = [await start_peer(f"/talker{number}") for number in range(20)]
@@ -526,7 +526,7 @@ async def test_many_links_are_opened_and_closed(
     }
 
 
-async def test_hub_that_closes_leaves_no_task(hub: Hub, start_peer: StartPeer) -> None:
+async def test_hub_that_closes_leaves_no_task(hub: HubServer, start_peer: StartPeer) -> None:
     assert hub.ros1 is not None
     observers = {f"/t{number}": Observer() for number in range(3)}
     silent, sound = await start_peer("/silent"), await start_peer("/sound")
@@ -546,7 +546,7 @@ async def test_hub_that_closes_leaves_no_task(hub: Hub, start_peer: StartPeer) -
 
 
 async def test_publisher_that_has_unregistered_gets_no_source(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     assert hub.ros1 is not None
     talker = await start_peer("/talker")
@@ -560,7 +560,7 @@ async def test_publisher_that_has_unregistered_gets_no_source(
 
 
 async def test_changes_of_many_topics_leave_others_their_turn(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert hub.ros1 is not None
     nodes, turns = hub.ros1.nodes, []

@@ -17,7 +17,7 @@ from recorded_answers import Answers, shortened
 from ros_masters import roscore
 
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 from .peer import Peer, request
 
@@ -199,7 +199,7 @@ class Node(Peer):
 
 @asynccontextmanager
 async def hub() -> AsyncIterator[str]:
-    async with Hub(Settings(port=0, ros1=0, ros1_host="127.0.0.1")) as hub:
+    async with HubServer(Settings(port=0, ros1=0, ros1_host="127.0.0.1")) as hub:
         assert hub.ros1 is not None
         yield hub.ros1.uri
 

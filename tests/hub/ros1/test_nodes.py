@@ -20,7 +20,7 @@ from fibws.hub import kept_file
 from fibws.hub.foreign import worklist
 from fibws.hub.ros1 import nodes as module
 from fibws.hub.ros1 import state
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 
 from .conftest import StartPeer
@@ -34,7 +34,7 @@ async def until(condition: Callable[[], object]) -> None:
             await asyncio.sleep(0.001)
 
 
-def known(hub: Hub) -> dict[str, module.Ros1Node]:
+def known(hub: HubServer) -> dict[str, module.Ros1Node]:
     assert hub.ros1 is not None
     return hub.ros1.nodes.by_name
 
@@ -42,7 +42,9 @@ def known(hub: Hub) -> dict[str, module.Ros1Node]:
 # Names.
 
 
-async def test_newer_node_of_a_name_ends_the_older_one(hub: Hub, start_peer: StartPeer) -> None:
+async def test_newer_node_of_a_name_ends_the_older_one(
+    hub: HubServer, start_peer: StartPeer
+) -> None:
     older, newer = await start_peer("/talker"), await start_peer("/talker")
     await older.advertise("/old")
     await newer.advertise("/new")
@@ -53,7 +55,7 @@ async def test_newer_node_of_a_name_ends_the_older_one(hub: Hub, start_peer: Sta
 
 
 async def test_process_that_has_taken_an_address_is_not_ended(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     older = await start_peer("/talker", pid=1)
     await older.advertise("/old")
@@ -67,7 +69,7 @@ async def test_process_that_has_taken_an_address_is_not_ended(
     assert older.calls_of("shutdown") == 0
 
 
-async def test_ros1_node_takes_the_name_of_a_client(hub: Hub, start_peer: StartPeer) -> None:
+async def test_ros1_node_takes_the_name_of_a_client(hub: HubServer, start_peer: StartPeer) -> None:
     async with fibws.Node("talker", hub=hub.url) as client:
         talker = await start_peer("/talker")
         await talker.advertise("/count")
@@ -76,7 +78,7 @@ async def test_ros1_node_takes_the_name_of_a_client(hub: Hub, start_peer: StartP
     assert known(hub)["/talker"].api == talker.api
 
 
-async def test_client_takes_the_name_of_a_ros1_node(hub: Hub, start_peer: StartPeer) -> None:
+async def test_client_takes_the_name_of_a_ros1_node(hub: HubServer, start_peer: StartPeer) -> None:
     talker = await start_peer("/talker")
     await talker.advertise("/count")
     async with fibws.Node("talker", hub=hub.url) as client:
@@ -89,7 +91,7 @@ async def test_client_takes_the_name_of_a_ros1_node(hub: Hub, start_peer: StartP
             await client.spin()
 
 
-async def test_names_of_the_hub_are_not_taken(hub: Hub, start_peer: StartPeer) -> None:
+async def test_names_of_the_hub_are_not_taken(hub: HubServer, start_peer: StartPeer) -> None:
     peer = await start_peer("/rosapi")
     await peer.advertise("/count")
     assert known(hub) == {}
@@ -100,7 +102,7 @@ async def test_names_of_the_hub_are_not_taken(hub: Hub, start_peer: StartPeer) -
 
 
 async def test_what_a_node_has_left_is_removed_in_slices(
-    hub: Hub, start_peer: StartPeer, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, start_peer: StartPeer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     peer, reader = await start_peer("/peer"), await start_peer("/reader")
     topics = [f"/topic_{each}" for each in range(5)]
@@ -127,7 +129,9 @@ async def test_what_a_node_has_left_is_removed_in_slices(
     assert [each.node.name for each in nodes.topics.publishers(topics[-1])] == ["/peer"]
 
 
-async def test_node_leaves_with_its_last_registration(hub: Hub, start_peer: StartPeer) -> None:
+async def test_node_leaves_with_its_last_registration(
+    hub: HubServer, start_peer: StartPeer
+) -> None:
     peer = await start_peer("/peer")
     await peer.advertise("/a")
     await peer.subscribe("/b")
@@ -162,7 +166,7 @@ def quick_checks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_unreachable_node_keeps_its_registrations(
-    quick_checks: None, hub: Hub, start_peer: StartPeer
+    quick_checks: None, hub: HubServer, start_peer: StartPeer
 ) -> None:
     peer = await start_peer("/peer", pid=os.getpid())
     await peer.advertise("/a")
@@ -176,7 +180,7 @@ async def test_unreachable_node_keeps_its_registrations(
 
 
 async def test_node_whose_process_has_ended_is_removed(
-    quick_checks: None, hub: Hub, start_peer: StartPeer
+    quick_checks: None, hub: HubServer, start_peer: StartPeer
 ) -> None:
     ended = await asyncio.create_subprocess_exec("true")
     await ended.wait()
@@ -189,7 +193,7 @@ async def test_node_whose_process_has_ended_is_removed(
 
 
 async def test_invalid_process_ids_do_not_end_the_checks(
-    quick_checks: None, hub: Hub, start_peer: StartPeer
+    quick_checks: None, hub: HubServer, start_peer: StartPeer
 ) -> None:
     odd = await start_peer("/odd")
     odd.answers["getPid"] = [1, "", "text"]
@@ -207,7 +211,7 @@ async def test_invalid_process_ids_do_not_end_the_checks(
 
 
 async def test_changes_of_parameters_are_forgotten_with_their_node(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     peer, other = await start_peer("/peer"), await start_peer("/other")
     await peer.advertise("/a")

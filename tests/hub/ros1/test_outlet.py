@@ -18,7 +18,7 @@ from fibws.hub.ros1.connection import TcprosConnection
 from fibws.hub.ros1.outlet import JOINED, Outlet, OutletLink
 from fibws.hub.ros1.tcpros import decode_header
 from fibws.hub.ros1.topic_registrations import Ros1Subscriber
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Point, PointStamped
 from fibws.msg.std_msgs import Int32
 
@@ -239,7 +239,7 @@ async def test_latched_message_that_cannot_be_sent_is_logged(
 # With a hub.
 
 
-async def test_values_of_all_sorts_pass_bit_by_bit(hub: Hub, start_peer: StartPeer) -> None:
+async def test_values_of_all_sorts_pass_bit_by_bit(hub: HubServer, start_peer: StartPeer) -> None:
     talker, listener = await start_peer("/talker"), await start_peer("/listener")
     await talker.advertise("/in", EVERYTHING)
     observer = Observer()
@@ -265,7 +265,7 @@ async def test_values_of_all_sorts_pass_bit_by_bit(hub: Hub, start_peer: StartPe
 
 
 async def test_header_of_messages_is_numbered_for_each_publisher(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     async with fibws.Node("second", hub=hub.url) as second:
         publishers = [
@@ -317,7 +317,7 @@ async def test_aggregated_log_holds_what_ros1_nodes_log(start_peer: StartPeer) -
 
 
 async def test_subscriber_of_an_unknown_type_leaves_the_hub_idle(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     listener = await start_peer("/listener")
     await listener.subscribe("/t", "std_msgs/Nonsense")
@@ -345,7 +345,7 @@ async def test_bus_info_is_what_rosnode_parses(start_peer: StartPeer, node: fibw
 
 
 async def test_bus_info_of_a_client_lists_its_own_links_alone(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     peer = await start_peer("/peer")
     await peer.advertise("/in")

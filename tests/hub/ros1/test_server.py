@@ -20,19 +20,19 @@ from fibws.access.token_file import TokenFile
 from fibws.errors import HubError
 from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1 import server as module
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import Settings
 
 from .conftest import StartPeer
 from .peer import Peer, header, request
 
 
-def uri(hub: Hub) -> str:
+def uri(hub: HubServer) -> str:
     assert hub.ros1 is not None
     return hub.ros1.uri
 
 
-async def sent(hub: Hub, data: bytes) -> bytes:
+async def sent(hub: HubServer, data: bytes) -> bytes:
     """Send bytes and then the end; return what comes back."""
     assert hub.ros1 is not None
     reader, writer = await asyncio.open_connection("127.0.0.1", hub.ros1.port)
@@ -87,7 +87,7 @@ async def test_taken_port_is_reported(start_hub: StartHub) -> None:
 
 @pytest.mark.parametrize("host", ["10.1.2.3", "::ffff:10.1.2.3"])
 async def test_other_machines_may_not_end_the_hub(
-    hub: Hub, host: str, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, host: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     reasons: list[str] = []
     hub.stop_requested = reasons.append
@@ -132,7 +132,7 @@ async def test_rights_of_ros1_nodes_are_those_of_the_file_of_tokens(
 async def test_tokens_need_a_list_of_the_machines_beyond_this_one(tmp_path: Path) -> None:
     (tmp_path / "tokens.toml").touch()
     settings = Settings(port=0, host="0.0.0.0", ros1=0, tokens=tmp_path / "tokens.toml")
-    async with Hub(settings) as hub:
+    async with HubServer(settings) as hub:
         assert hub.ros1 is not None
         assert not hub.ros1.admit("10.0.0.1")
 
@@ -141,7 +141,7 @@ async def test_tokens_need_a_list_of_the_machines_beyond_this_one(tmp_path: Path
 
 
 async def test_calls_and_connections_for_topics_share_the_port(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     peer = await start_peer("/peer")
     await peer.subscribe("/none")
@@ -171,13 +171,13 @@ async def test_calls_and_connections_for_topics_share_the_port(
         b"\x16\x03\x01\x02\x00",
     ],
 )
-async def test_nonsense_ends_its_own_connection_alone(hub: Hub, data: bytes) -> None:
+async def test_nonsense_ends_its_own_connection_alone(hub: HubServer, data: bytes) -> None:
     await sent(hub, data)
     assert (await request(uri(hub), "getPid", "/peer"))[0] == 1
     await _forgotten(hub)
 
 
-async def test_texts_of_registrations_have_a_bounded_length(hub: Hub) -> None:
+async def test_texts_of_registrations_have_a_bounded_length(hub: HubServer) -> None:
     """They are kept, and logged."""
     api, type_ = "http://127.0.0.1:1/", "std_msgs/String"
     long = "x" * 2000
@@ -204,7 +204,7 @@ async def test_answers_of_many_calls_are_limited(start_hub: StartHub) -> None:
 
 
 @pytest.mark.parametrize("seed", range(times(0.5)))
-async def test_random_bytes_harm_nobody(hub: Hub, seed: int) -> None:
+async def test_random_bytes_harm_nobody(hub: HubServer, seed: int) -> None:
     chance = random.Random(seed)
     call = (
         b"POST / HTTP/1.1\r\nHost: h\r\nContent-Length: 90\r\n\r\n<methodCall><methodName>getPid</"
@@ -240,7 +240,7 @@ def test_state_file_is_in_the_users_state(tmp_path: Path, monkeypatch: pytest.Mo
     assert module.default_state_file(1) == Path("/var/lib/fibws/ros1-1.json")
 
 
-async def _forgotten(hub: Hub) -> None:
+async def _forgotten(hub: HubServer) -> None:
     """Wait until the hub has no connection left."""
     server: Any = hub.ros1
     async with asyncio.timeout(60):

@@ -16,7 +16,7 @@ from conftest import StartHub
 import fibws
 from fibws.hub.graph.publication import Publication
 from fibws.hub.ros1 import inlet, topics
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_msgs import GoalStatusArray
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Int32, String
@@ -67,7 +67,7 @@ async def test_message_reaches_a_client(start_peer: StartPeer, node: fibws.Node)
 
 
 async def test_no_link_is_opened_for_a_topic_that_no_client_subscribes_to(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     talker, listener = await start_peer("/talker"), await start_peer("/listener")
     await talker.advertise("/count")
@@ -79,7 +79,7 @@ async def test_no_link_is_opened_for_a_topic_that_no_client_subscribes_to(
 
 
 async def test_foxglove_is_offered_a_type_that_only_the_publisher_knows(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     talker = await start_peer("/talker")
     await talker.advertise("/mine", VALUES)
@@ -115,7 +115,7 @@ async def test_link_is_named_after_the_only_subscriber(
 
 
 async def test_link_for_goals_is_named_after_the_actions_server(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     caller = await start_peer("/caller")
     await caller.advertise("/act/goal")
@@ -163,7 +163,7 @@ class Observer(Recorder):
 
 
 @pytest.fixture
-async def observe(hub: Hub) -> AsyncIterator[Callable[[str], Observer]]:
+async def observe(hub: HubServer) -> AsyncIterator[Callable[[str], Observer]]:
     """Let an observer subscribe to a topic."""
     with ExitStack() as stack:
 
@@ -248,7 +248,7 @@ async def test_invalid_messages_end_the_link_alone(
 
 
 async def test_publisher_of_another_type_is_listed_as_a_conflict(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     publisher = await node.advertise("/count", String, peers=True)
     talker = await start_peer("/talker")
@@ -307,7 +307,7 @@ async def test_message_of_a_client_reaches_a_ros1_node(
 
 
 async def test_subscriber_is_told_of_publishers_once_for_all_clients(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     listener = await start_peer("/listener")
     assert await listener.subscribe("/count") == []
@@ -323,7 +323,7 @@ async def test_subscriber_is_told_of_publishers_once_for_all_clients(
 
 
 async def test_latched_messages_of_all_clients_are_sent_first(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     async with fibws.Node("second", hub=hub.url) as second:
         for number, each in enumerate((node, second)):
@@ -396,7 +396,7 @@ async def test_message_for_one_node_reaches_only_its_link(
 
 
 async def test_slow_subscriber_loses_its_oldest_messages_and_nobody_elses(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     publisher = await node.advertise("/image", Image, peers=True)
     slow, quick = await start_peer("/slow"), await start_peer("/quick")

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32, String
 
 from .conftest import StartPeer
@@ -23,7 +23,7 @@ def int32(number: int) -> bytes:
 
 @pytest.mark.parametrize("wrong", ["advertise", "subscribe"])
 async def test_ros1_publisher_reaches_the_clients_of_its_type(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node, wrong: str
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node, wrong: str
 ) -> None:
     made: Any = getattr(node, wrong)("/count", String)
     if wrong == "advertise":
@@ -51,7 +51,7 @@ async def test_no_link_is_opened_for_subscribers_of_another_type(
 
 
 async def test_ros1_subscriber_is_told_of_the_publishers_of_its_type(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     wrong = await node.advertise("/count", String)
     listener = await start_peer("/listener")
@@ -69,7 +69,7 @@ async def test_ros1_subscriber_is_told_of_the_publishers_of_its_type(
 
 
 async def test_ros1_nodes_of_two_types_are_shown_and_both_are_registered(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     talker, other = await start_peer("/talker"), await start_peer("/other")
     await talker.advertise("/count")

@@ -11,7 +11,7 @@ import pytest
 from conftest import StartHub
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 pytest.importorskip("zenoh")
 pytest.importorskip("xxhash")
@@ -19,7 +19,7 @@ pytest.importorskip("xxhash")
 from ..zenoh_endpoints import ANY_PORT, listens_at, zenoh_config
 from .peer import Peer
 
-StartRos2Hub = Callable[..., Awaitable[tuple[Hub, str]]]
+StartRos2Hub = Callable[..., Awaitable[tuple[HubServer, str]]]
 StartPeer = Callable[[], Awaitable[Peer]]
 
 
@@ -27,7 +27,7 @@ StartPeer = Callable[[], Awaitable[Peer]]
 def start_ros2_hub(start_hub: StartHub, tmp_path: Path) -> StartRos2Hub:
     """Starts a hub that ROS 2 nodes can join; returns it and their endpoint."""
 
-    async def start(**settings: Any) -> tuple[Hub, str]:
+    async def start(**settings: Any) -> tuple[HubServer, str]:
         config = zenoh_config(tmp_path)
         hub = await start_hub(ros2=(ANY_PORT,), zenoh_config=config, **settings)
         assert hub.ros2 is not None
@@ -37,23 +37,23 @@ def start_ros2_hub(start_hub: StartHub, tmp_path: Path) -> StartRos2Hub:
 
 
 @pytest.fixture
-async def started(start_ros2_hub: StartRos2Hub) -> tuple[Hub, str]:
+async def started(start_ros2_hub: StartRos2Hub) -> tuple[HubServer, str]:
     return await start_ros2_hub()
 
 
 @pytest.fixture
-def hub(started: tuple[Hub, str]) -> Hub:
+def hub(started: tuple[HubServer, str]) -> HubServer:
     return started[0]
 
 
 @pytest.fixture
-def endpoint(started: tuple[Hub, str]) -> str:
+def endpoint(started: tuple[HubServer, str]) -> str:
     """Where ROS 2 nodes join the hub."""
     return started[1]
 
 
 @pytest.fixture
-async def start_peer(hub: Hub, endpoint: str) -> AsyncIterator[StartPeer]:
+async def start_peer(hub: HubServer, endpoint: str) -> AsyncIterator[StartPeer]:
     async with AsyncExitStack() as stack:
 
         async def start() -> Peer:
@@ -68,6 +68,6 @@ async def peer(start_peer: StartPeer) -> Peer:
 
 
 @pytest.fixture
-async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("ours", hub=hub.url) as node:
         yield node

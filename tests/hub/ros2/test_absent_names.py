@@ -7,7 +7,7 @@ from contextlib import AsyncExitStack
 from pathlib import Path
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 from fibws.srv.example_interfaces import AddTwoInts
 
@@ -51,7 +51,7 @@ async def seen(
     return [str(reply), *sorted(tokens)]
 
 
-async def tokens_with_ids(peer: Peer, hub: Hub) -> tuple[set[str], asyncio.Event]:
+async def tokens_with_ids(peer: Peer, hub: HubServer) -> tuple[set[str], asyncio.Event]:
     """Return the tokens of a hub, without that of the session, and what is set when they change."""
     tokens: set[str] = set()
     changed = asyncio.Event()

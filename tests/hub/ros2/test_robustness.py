@@ -19,7 +19,7 @@ import fibws
 from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
 from fibws.errors import HubError, ServiceError
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Float64MultiArray, String
 from fibws.srv.example_interfaces import AddTwoInts
 
@@ -45,7 +45,7 @@ NONSENSE = [
 
 
 async def test_invalid_messages_are_counted_and_the_next_ones_arrive(
-    hub: Hub, peer: Peer, node: fibws.Node, caplog: pytest.LogCaptureFixture
+    hub: HubServer, peer: Peer, node: fibws.Node, caplog: pytest.LogCaptureFixture
 ) -> None:
     talker = await peer.publisher("/talker", "/chatter")
     async with node.subscribe("/chatter", String) as messages, asyncio.timeout(PATIENCE):
@@ -61,7 +61,7 @@ async def test_invalid_messages_are_counted_and_the_next_ones_arrive(
 
 
 async def test_invalid_tokens_are_counted_and_the_next_ones_are_read(
-    hub: Hub, peer: Peer, caplog: pytest.LogCaptureFixture
+    hub: HubServer, peer: Peer, caplog: pytest.LogCaptureFixture
 ) -> None:
     declare = peer.session.liveliness().declare_token
     texts = [
@@ -86,7 +86,7 @@ async def test_invalid_tokens_are_counted_and_the_next_ones_are_read(
 
 
 async def test_actions_and_service_introspection_are_left_out_and_faults_are_warned_of(
-    hub: Hub, peer: Peer, caplog: pytest.LogCaptureFixture
+    hub: HubServer, peer: Peer, caplog: pytest.LogCaptureFixture
 ) -> None:
     fibonacci = "example_interfaces::action::dds_::Fibonacci_"
     for kind, name, type_ in (
@@ -112,7 +112,7 @@ async def test_actions_and_service_introspection_are_left_out_and_faults_are_war
 
 
 async def test_tokens_beyond_the_limit_are_left_out(
-    hub: Hub, peer: Peer, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, peer: Peer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fibws.hub.ros2.nodes.MOST_TOKENS", 3)
     for number in range(5):
@@ -131,7 +131,7 @@ async def test_messages_that_are_too_large_are_left_out(start_ros2_hub: StartRos
             assert (await anext(messages)).data == "small"
 
 
-async def test_burst_arrives_in_order(hub: Hub, peer: Peer, node: fibws.Node) -> None:
+async def test_burst_arrives_in_order(hub: HubServer, peer: Peer, node: fibws.Node) -> None:
     _, queue = await peer.subscriber("/listener", "/chatter")
     publisher = await node.advertise("/chatter", String, queue_size=1000, peers=True)
     await reaching(publisher, "/listener")
@@ -145,7 +145,7 @@ async def test_burst_arrives_in_order(hub: Hub, peer: Peer, node: fibws.Node) ->
 
 
 async def test_large_and_small_messages_of_one_publisher_stay_in_order(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     type_ = "std_msgs::msg::dds_::Float64MultiArray_"
     from rosbags.typesys import Stores, get_typestore
@@ -178,7 +178,7 @@ async def test_hub_needs_an_endpoint_that_it_can_use(start_hub: StartHub) -> Non
 
 async def start_with_rights(
     start_ros2_hub: StartRos2Hub, path: Path, allow: str
-) -> tuple[Hub, str, str]:
+) -> tuple[HubServer, str, str]:
     """Return a hub whose ROS 2 nodes have rights, their endpoint, and its operator's token."""
     admin = TokenFile(path).add("operator", Rights(admin=True))
     with path.open("a") as file:
@@ -280,7 +280,7 @@ async def test_calls_end_with_the_right_to_them(
 
 
 async def test_ros_2_nodes_cannot_be_ended_from_here(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     await peer.declare("NN", "/theirs")
     await until(lambda: ros2_nodes(hub), hub)

@@ -12,7 +12,7 @@ from patience import PATIENCE
 from websockets.asyncio.client import connect
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Point, Pose
 from fibws.msg.std_msgs import String
 from fibws.srv.example_interfaces import AddTwoInts
@@ -43,7 +43,7 @@ class Sdk(NamedTuple):
 
 
 @pytest.fixture
-async def robotis(hub: Hub, endpoint: str) -> AsyncIterator[Sdk]:
+async def robotis(hub: HubServer, endpoint: str) -> AsyncIterator[Sdk]:
     from zenoh_ros2_sdk.session import ZenohSession
 
     address = {"router_ip": "127.0.0.1", "router_port": int(endpoint.rpartition(":")[2])}
@@ -73,7 +73,9 @@ async def matched(declared: Any) -> None:
     await asyncio.to_thread(listener.undeclare)
 
 
-async def test_topics_pass_in_both_directions(hub: Hub, robotis: Sdk, node: fibws.Node) -> None:
+async def test_topics_pass_in_both_directions(
+    hub: HubServer, robotis: Sdk, node: fibws.Node
+) -> None:
     loop = asyncio.get_running_loop()
     received: asyncio.Queue[str] = asyncio.Queue()
     talker = await robotis.start(
@@ -109,7 +111,9 @@ async def test_topics_pass_in_both_directions(hub: Hub, robotis: Sdk, node: fibw
                 assert await received.get() == f"{text} to you"
 
 
-async def test_services_pass_in_both_directions(hub: Hub, robotis: Sdk, node: fibws.Node) -> None:
+async def test_services_pass_in_both_directions(
+    hub: HubServer, robotis: Sdk, node: fibws.Node
+) -> None:
     server: Any = await robotis.start(
         "ROS2ServiceServer",
         service_name="/theirs",
@@ -133,7 +137,7 @@ async def test_services_pass_in_both_directions(hub: Hub, robotis: Sdk, node: fi
     assert found.sum == 38
 
 
-async def test_nested_messages_pass(hub: Hub, robotis: Sdk, node: fibws.Node) -> None:
+async def test_nested_messages_pass(hub: HubServer, robotis: Sdk, node: fibws.Node) -> None:
     loop = asyncio.get_running_loop()
     received: asyncio.Queue[Any] = asyncio.Queue()
     definition = """geometry_msgs/Point position

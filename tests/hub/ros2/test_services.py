@@ -12,7 +12,7 @@ from patience import PATIENCE
 
 import fibws
 from fibws.errors import ServiceError
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.srv.example_interfaces import AddTwoInts
 
 from ..federation.conftest import until
@@ -43,11 +43,11 @@ def adder(key: str, **options: bool) -> Callable[[zenoh.Query], None]:
     return answer
 
 
-def has_service(hub: Hub, name: str) -> bool:
+def has_service(hub: HubServer, name: str) -> bool:
     return name in hub.graph.services
 
 
-async def test_nodes_call_services_of_ros_2(hub: Hub, peer: Peer, node: fibws.Node) -> None:
+async def test_nodes_call_services_of_ros_2(hub: HubServer, peer: Peer, node: fibws.Node) -> None:
     server = await peer.server("/adder", "/add", adder(peer.key("/add", ADD, ADD_HASH)))
     await until(lambda: has_service(hub, "/add"), hub)
     assert hub.graph.services["/add"].node == "/adder"
@@ -58,7 +58,9 @@ async def test_nodes_call_services_of_ros_2(hub: Hub, peer: Peer, node: fibws.No
     await until(lambda: not has_service(hub, "/add"), hub)
 
 
-async def test_caller_is_shown_to_ros_2_as_a_client(hub: Hub, peer: Peer, node: fibws.Node) -> None:
+async def test_caller_is_shown_to_ros_2_as_a_client(
+    hub: HubServer, peer: Peer, node: fibws.Node
+) -> None:
     tokens, changed = await tokens_of(peer, hub)
     await peer.server("/adder", "/add", adder(peer.key("/add", ADD, ADD_HASH)))
     await until(lambda: has_service(hub, "/add"), hub)
@@ -68,7 +70,7 @@ async def test_caller_is_shown_to_ros_2_as_a_client(hub: Hub, peer: Peer, node: 
 
 
 async def test_error_of_a_ros_2_service_is_that_of_the_call(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     def answer(query: zenoh.Query) -> None:
         query.reply_err(b"no sums today")
@@ -89,7 +91,7 @@ async def test_error_of_a_ros_2_service_is_that_of_the_call(
     ],
 )
 async def test_invalid_response_of_ros_2_fails_the_call(
-    hub: Hub, peer: Peer, node: fibws.Node, data: bytes, attachment: bytes
+    hub: HubServer, peer: Peer, node: fibws.Node, data: bytes, attachment: bytes
 ) -> None:
     def answer(query: zenoh.Query) -> None:
         query.reply(peer.key("/add", ADD, ADD_HASH), data, attachment=attachment)
@@ -102,7 +104,7 @@ async def test_invalid_response_of_ros_2_fails_the_call(
 
 
 async def test_call_fails_when_the_ros_2_server_leaves(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     peer = await start_peer()
     asked = asyncio.Event()
@@ -125,7 +127,7 @@ async def test_call_fails_when_the_ros_2_server_leaves(
 
 
 async def test_call_ends_after_the_time_that_the_caller_gives(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     queries: list[zenoh.Query] = []
     await peer.server("/adder", "/add", queries.append)
@@ -136,7 +138,7 @@ async def test_call_ends_after_the_time_that_the_caller_gives(
 
 
 async def test_ros_2_clients_call_services_of_the_hub(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     tokens, changed = await tokens_of(peer, hub)
 
@@ -170,7 +172,7 @@ async def test_ros_2_clients_call_services_of_the_hub(
     ],
 )
 async def test_invalid_request_gets_an_error_and_does_no_harm(
-    hub: Hub,
+    hub: HubServer,
     peer: Peer,
     node: fibws.Node,
     data: bytes | None,
@@ -213,7 +215,7 @@ async def test_service_that_fails_or_is_too_slow_gives_ros_2_an_error(
 
 
 async def test_service_with_other_fields_is_not_attached(
-    hub: Hub, peer: Peer, caplog: pytest.LogCaptureFixture
+    hub: HubServer, peer: Peer, caplog: pytest.LogCaptureFixture
 ) -> None:
     wrong = f"RIHS01_{'0' * 64}"
     await peer.server("/adder", "/add", lambda query: None, type_hash=wrong)
@@ -224,7 +226,7 @@ async def test_service_with_other_fields_is_not_attached(
 
 
 async def test_newer_server_of_the_hub_is_called_until_it_leaves(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     await peer.server("/adder", "/add", adder(peer.key("/add", ADD, ADD_HASH)))
     await until(lambda: has_service(hub, "/add"), hub)
@@ -237,7 +239,7 @@ async def test_newer_server_of_the_hub_is_called_until_it_leaves(
     assert (await node.call("/add", AddTwoInts, {"a": 1}, timeout=PATIENCE)).sum == 1
 
 
-async def test_parts_of_actions_are_left_out(hub: Hub, peer: Peer) -> None:
+async def test_parts_of_actions_are_left_out(hub: HubServer, peer: Peer) -> None:
     await peer.server("/robot", "/walk/_action/send_goal", lambda query: None)
     await peer.publisher("/robot", "/walk/_action/feedback")
     await peer.publisher("/robot", "/name")

@@ -14,7 +14,7 @@ import pytest
 from patience import PATIENCE
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 
 from .peer import reaching
@@ -62,7 +62,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes canno
 
 
 async def test_subscriber_that_is_stopped_costs_another_one_no_message(
-    hub: Hub, node: fibws.Node, start_reader: StartReader
+    hub: HubServer, node: fibws.Node, start_reader: StartReader
 ) -> None:
     stopped = await start_reader("/stopped", "/large")
     reading = await start_reader("/reading", "/small")
@@ -94,7 +94,7 @@ async def test_subscriber_that_is_stopped_costs_another_one_no_message(
 
 @pytest.mark.long
 async def test_hub_ends_while_a_subscriber_is_stopped(
-    hub: Hub, node: fibws.Node, start_reader: StartReader, caplog: pytest.LogCaptureFixture
+    hub: HubServer, node: fibws.Node, start_reader: StartReader, caplog: pytest.LogCaptureFixture
 ) -> None:
     stopped = await start_reader("/stopped", "/large")
     large = await node.advertise("/large", String, queue_size=5, peers=True)

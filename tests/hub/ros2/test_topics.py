@@ -14,7 +14,7 @@ from patience import PATIENCE
 import fibws
 from fibws.hub.graph.graph import DistantNode
 from fibws.hub.graph.topic import SinkReport
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Header, Int32, String
 
@@ -23,21 +23,21 @@ from .conftest import StartPeer, StartRos2Hub
 from .peer import STRING, STRING_HASH, Entity, Peer, cdr_string, reaching, text_of
 
 
-def sources(hub: Hub, topic: str) -> set[str]:
+def sources(hub: HubServer, topic: str) -> set[str]:
     found = hub.graph.topics.get(topic)
     return set(found.sources) if found is not None else set()
 
 
-def subscribers(hub: Hub, topic: str) -> set[str]:
+def subscribers(hub: HubServer, topic: str) -> set[str]:
     found = hub.graph.topics.get(topic)
     return set(found.subscribers()) if found is not None else set()
 
 
-def ros2_nodes(hub: Hub) -> set[str]:
+def ros2_nodes(hub: HubServer) -> set[str]:
     return {name for name, node in hub.graph.nodes.items() if isinstance(node, DistantNode)}
 
 
-async def tokens_of(peer: Peer, hub: Hub) -> tuple[set[str], asyncio.Event]:
+async def tokens_of(peer: Peer, hub: HubServer) -> tuple[set[str], asyncio.Event]:
     """Return the tokens of a hub, without the ids, and what is set when they change."""
     tokens: set[str] = set()
     changed = asyncio.Event()
@@ -62,7 +62,7 @@ async def until_tokens(changed: asyncio.Event, condition: Any) -> None:
 
 
 async def test_nodes_with_tokens_are_nodes_of_the_graph_until_they_leave(
-    hub: Hub, start_peer: StartPeer
+    hub: HubServer, start_peer: StartPeer
 ) -> None:
     peer = await start_peer()
     await peer.declare("NN", "/robot/camera")
@@ -79,7 +79,7 @@ async def test_nodes_with_tokens_are_nodes_of_the_graph_until_they_leave(
 
 
 async def test_node_without_tokens_leaves_and_other_nodes_of_the_session_stay(
-    hub: Hub, peer: Peer
+    hub: HubServer, peer: Peer
 ) -> None:
     first = await peer.declare("NN", "/first")
     await peer.declare("NN", "/second")
@@ -91,7 +91,9 @@ async def test_node_without_tokens_leaves_and_other_nodes_of_the_session_stay(
     await until(lambda: not sources(hub, "/name"), hub)
 
 
-async def test_messages_pass_in_both_directions(hub: Hub, peer: Peer, node: fibws.Node) -> None:
+async def test_messages_pass_in_both_directions(
+    hub: HubServer, peer: Peer, node: fibws.Node
+) -> None:
     talker = await peer.publisher("/talker", "/chatter")
     _, queue = await peer.subscriber("/listener", "/replies")
     replies = await node.advertise("/replies", String, peers=True)
@@ -117,7 +119,7 @@ async def flowing(*publishers: Entity) -> None:
 
 
 async def test_messages_are_those_of_the_node_whose_gid_they_have(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     publishers = {name: await peer.publisher(name, "/name") for name in ("/a", "/b", "/c")}
     seen: asyncio.Queue[tuple[str, str]] = asyncio.Queue()
@@ -161,7 +163,7 @@ async def test_messages_are_those_of_the_node_whose_gid_they_have(
 
 
 async def test_what_comes_from_ros_2_does_not_go_back(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     talker = await peer.publisher("/talker", "/chatter")
     ours = await node.advertise("/chatter", String, peers=True)
@@ -181,7 +183,7 @@ async def test_what_comes_from_ros_2_does_not_go_back(
 
 
 async def test_hub_subscribes_at_ros_2_only_while_somebody_needs_the_messages(
-    hub: Hub, peer: Peer, node: fibws.Node, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, peer: Peer, node: fibws.Node, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fibws.hub.ros2.topics.LINGER", 0.05)
     talker = await peer.publisher("/talker", "/chatter")
@@ -194,7 +196,7 @@ async def test_hub_subscribes_at_ros_2_only_while_somebody_needs_the_messages(
 
 
 async def test_hub_publishes_at_ros_2_only_while_a_node_there_subscribes(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     peer = await start_peer()
     _, everything = await peer.subscriber("/spy", "/unrelated", key="0/chatter/**")
@@ -217,7 +219,7 @@ async def test_hub_publishes_at_ros_2_only_while_a_node_there_subscribes(
 
 
 async def test_late_ros_2_subscribers_get_latched_messages(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     publisher = await node.advertise("/map", String, latch=True)
     await publisher.publish(data="old")
@@ -236,7 +238,7 @@ async def test_late_ros_2_subscribers_get_latched_messages(
 
 
 async def test_late_nodes_get_latched_messages_of_ros_2(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     talker = await peer.publisher("/server", "/map", latched=True)
     await talker.publish(cdr_string("old"))
@@ -248,7 +250,7 @@ async def test_late_nodes_get_latched_messages_of_ros_2(
 
 
 async def test_late_publisher_with_latched_messages_reaches_waiting_nodes(
-    hub: Hub, start_peer: StartPeer, node: fibws.Node
+    hub: HubServer, start_peer: StartPeer, node: fibws.Node
 ) -> None:
     async with node.subscribe("/map", String) as messages, asyncio.timeout(PATIENCE):
         peer = await start_peer()
@@ -258,7 +260,7 @@ async def test_late_publisher_with_latched_messages_reaches_waiting_nodes(
             assert (await anext(messages)).data == "the map"
 
 
-async def until_conflicts(hub: Hub, topic: str, nodes: dict[str, bool]) -> None:
+async def until_conflicts(hub: HubServer, topic: str, nodes: dict[str, bool]) -> None:
     """Wait for conflicts of nodes, each with whether it publishes."""
     changed = asyncio.Event()
     add = hub.graph.add_conflict
@@ -278,7 +280,7 @@ async def until_conflicts(hub: Hub, topic: str, nodes: dict[str, bool]) -> None:
 
 
 async def test_type_with_other_fields_is_a_conflict_of_the_topic(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     wrong = f"RIHS01_{'0' * 64}"
     await peer.publisher("/talker", "/name", STRING, wrong)
@@ -293,7 +295,7 @@ async def test_type_with_other_fields_is_a_conflict_of_the_topic(
 
 
 async def test_node_of_another_type_is_a_conflict_until_the_topic_is_free(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     publisher = await node.advertise("/name", Int32)
     talker = await peer.publisher("/talker", "/name")
@@ -310,7 +312,7 @@ async def test_node_of_another_type_is_a_conflict_until_the_topic_is_free(
 
 
 async def test_ros_2_subscriber_gets_messages_of_its_type_of_a_topic_with_two(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     wrong = await node.advertise("/name", Int32)
     _, queue = await peer.subscriber("/listener", "/name")
@@ -325,7 +327,7 @@ async def test_ros_2_subscriber_gets_messages_of_its_type_of_a_topic_with_two(
     assert queue.empty()
 
 
-async def test_topic_of_an_unknown_type_is_shown(hub: Hub, peer: Peer) -> None:
+async def test_topic_of_an_unknown_type_is_shown(hub: HubServer, peer: Peer) -> None:
     await peer.publisher("/talker", "/events", "unknown_msgs::msg::dds_::Event_", STRING_HASH)
     await until(lambda: sources(hub, "/events"), hub)
     type_ = hub.graph.topics["/events"].type
@@ -333,7 +335,7 @@ async def test_topic_of_an_unknown_type_is_shown(hub: Hub, peer: Peer) -> None:
     assert type_.name == "unknown_msgs/Event"
 
 
-async def test_nodes_of_humble_have_no_hashes(hub: Hub, peer: Peer, node: fibws.Node) -> None:
+async def test_nodes_of_humble_have_no_hashes(hub: HubServer, peer: Peer, node: fibws.Node) -> None:
     none = "TypeHashNotSupported"
     talker = await peer.publisher("/talker", "/chatter", STRING, none)
     _, queue = await peer.subscriber("/listener", "/replies", STRING, none)
@@ -348,7 +350,7 @@ async def test_nodes_of_humble_have_no_hashes(hub: Hub, peer: Peer, node: fibws.
             assert text_of((await queue.get()).data) == "reply"
 
 
-async def test_images_pass_unchanged(hub: Hub, peer: Peer, node: fibws.Node) -> None:
+async def test_images_pass_unchanged(hub: HubServer, peer: Peer, node: fibws.Node) -> None:
     from rosbags.typesys import Stores, get_typestore
 
     type_ = "sensor_msgs::msg::dds_::Image_"
@@ -378,7 +380,7 @@ async def test_images_pass_unchanged(hub: Hub, peer: Peer, node: fibws.Node) -> 
         assert (found.data, found.encoding, found.header.frame_id) == (image.data, "rgb8", "camera")
 
 
-async def test_ros_2_sees_the_nodes_of_the_hub(hub: Hub, peer: Peer) -> None:
+async def test_ros_2_sees_the_nodes_of_the_hub(hub: HubServer, peer: Peer) -> None:
     tokens, changed = await tokens_of(peer, hub)
     chatter = f"%chatter/{STRING}/{STRING_HASH}"
     async with fibws.Node("ours", namespace="/robot", hub=hub.url) as node:
@@ -435,7 +437,7 @@ async def test_nodes_of_other_domains_are_not_seen(
         assert ros2_nodes(hub) == {"/same"}
 
 
-async def test_name_of_a_node_of_the_hub_is_not_taken_away(hub: Hub, peer: Peer) -> None:
+async def test_name_of_a_node_of_the_hub_is_not_taken_away(hub: HubServer, peer: Peer) -> None:
     async with fibws.Node("twin", hub=hub.url):
         await peer.publisher("/twin", "/a")
         await peer.publisher("/other", "/a")
@@ -447,7 +449,7 @@ async def test_name_of_a_node_of_the_hub_is_not_taken_away(hub: Hub, peer: Peer)
     await until(lambda: sources(hub, "/a") == {"/other", "/twin"}, hub)
 
 
-async def test_hub_connects_to_a_router(start_hub: StartHub, hub: Hub, endpoint: str) -> None:
+async def test_hub_connects_to_a_router(start_hub: StartHub, hub: HubServer, endpoint: str) -> None:
     other = await start_hub(ros2_connect=(endpoint,))
     async with fibws.Node("here", hub=hub.url) as here, fibws.Node("there", hub=other.url) as there:
         publisher = await here.advertise("/chatter", String, latch=True)
@@ -458,7 +460,7 @@ async def test_hub_connects_to_a_router(start_hub: StartHub, hub: Hub, endpoint:
 
 
 async def test_types_with_other_names_and_the_same_fields_pass(
-    hub: Hub, peer: Peer, node: fibws.Node
+    hub: HubServer, peer: Peer, node: fibws.Node
 ) -> None:
     from rosbags.typesys import Stores, get_typestore
 
@@ -483,7 +485,7 @@ async def test_types_with_other_names_and_the_same_fields_pass(
 
 
 async def test_node_whose_name_ros_2_does_not_allow_is_shown_with_another_one(
-    hub: Hub, peer: Peer
+    hub: HubServer, peer: Peer
 ) -> None:
     tokens, changed = await tokens_of(peer, hub)
 

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from conftest import Faults
 
-from fibws.hub.rosbridge.session import Session
-from fibws.hub.server import Hub
+from fibws.hub.rosbridge.session import RosbridgeSession
+from fibws.hub.server import HubServer
 
 from ..raw_client import CLOSE, connected, frame, publish, until
 
@@ -34,7 +34,7 @@ class TestSession:
         ids=lambda fields: " ".join(f"{name}={float(str(x)):.0e}" for name, x in fields.items()),
     )
     async def test_huge_numbers_in_a_subscribe_are_accepted(
-        self, hub: Hub, fields: dict[str, Any]
+        self, hub: HubServer, fields: dict[str, Any]
     ) -> None:
         fields = {"throttle_rate": 10, **fields}
         async with connected(hub.port, "/?node=/odd") as client, connected(hub.port) as talker:
@@ -49,7 +49,7 @@ class TestSession:
         await until(lambda: not hub._connections)
 
     async def test_client_whose_leaving_fails_is_forgotten(
-        self, hub: Hub, faults: Faults, monkeypatch: pytest.MonkeyPatch
+        self, hub: HubServer, faults: Faults, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         def fail(*_: Any) -> None:
             raise KeyError("injected")
@@ -58,14 +58,14 @@ class TestSession:
             with monkeypatch.context() as broken:
                 async with connected(hub.port, "/?node=/broken") as client:
                     await client.is_processed()
-                    broken.setattr(Session, "leave", fail)
+                    broken.setattr(RosbridgeSession, "leave", fail)
                 await until(lambda: len(hub._connections) == 1)
             await other.is_processed()
             hub.graph.nodes.pop("/broken", None)
         faults.seen.clear()
 
     async def test_newer_client_is_not_harmed_when_replacing_the_older_fails(
-        self, hub: Hub, faults: Faults, monkeypatch: pytest.MonkeyPatch
+        self, hub: HubServer, faults: Faults, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         def fail(*_: Any) -> None:
             raise KeyError("injected")
@@ -73,7 +73,7 @@ class TestSession:
         async with connected(hub.port, "/?node=/a") as older:
             await older.is_processed()
             with monkeypatch.context() as broken:
-                broken.setattr(Session, "replaced", fail)
+                broken.setattr(RosbridgeSession, "replaced", fail)
                 async with connected(hub.port, "/?node=/a") as newer:
                     await newer.is_processed()
         faults.seen.clear()

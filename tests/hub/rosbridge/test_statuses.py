@@ -11,7 +11,7 @@ import pytest
 from fibws.errors import InvalidUtf8
 from fibws.hub.delivery.send_queue import Bytes, Flusher, SendQueue
 from fibws.hub.log.text import MOST_DIFFERENT
-from fibws.hub.rosbridge.statuses import Statuses
+from fibws.hub.rosbridge.statuses import RosbridgeStatuses
 from fibws.protocol.decoding import REQUESTS
 from fibws.protocol.operations import Level
 
@@ -284,7 +284,7 @@ class RecordedStatuses:
         self._clock, self._writes = FakeClock(), list[Bytes]()
         flusher = Flusher(self._clock.call_soon)
         queue = SendQueue(self._writes.append, print, flusher, max_bytes=10**6)
-        self.statuses = Statuses("/node", queue, codes=False)
+        self.statuses = RosbridgeStatuses("/node", queue, codes=False)
 
     def sent(self) -> list[dict[str, Any]]:
         self._clock.turn()

@@ -23,7 +23,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 
 import fibws
 from fibws.errors import HubError
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 
 from ..raw_client import frame, handshake
@@ -33,7 +33,7 @@ pytestmark = pytest.mark.both_loops
 
 
 @pytest.fixture
-async def hub(start_hub: StartHub, authority: Authority) -> Hub:
+async def hub(start_hub: StartHub, authority: Authority) -> HubServer:
     """A hub with TLS."""
     certificate, key = authority.issue()
     return await start_hub(cert=certificate, key=key)
@@ -55,7 +55,7 @@ def common_name(client: ClientConnection) -> str:
     return str({key: value for part in certificate["subject"] for key, value in part}["commonName"])
 
 
-async def get(hub: Hub, head: str, context: ssl.SSLContext | None) -> bytes:
+async def get(hub: HubServer, head: str, context: ssl.SSLContext | None) -> bytes:
     """Send an HTTP request and return everything up to the end."""
     async with asyncio.timeout(PATIENCE):
         reader, writer = await asyncio.open_connection("127.0.0.1", hub.port, ssl=context)
@@ -67,7 +67,7 @@ async def get(hub: Hub, head: str, context: ssl.SSLContext | None) -> bytes:
         return answer
 
 
-async def test_messages_of_any_size_arrive_in_order(hub: Hub, authority: Authority) -> None:
+async def test_messages_of_any_size_arrive_in_order(hub: HubServer, authority: Authority) -> None:
     assert hub.url.startswith("wss://127.0.0.1:")
     trusted = authority.client()
     async with connect(hub.url, ssl=trusted, max_size=None) as listener:
@@ -104,14 +104,14 @@ async def test_url_has_a_name_of_the_certificate(
     assert hub.url == f"wss://{host}:{hub.port}/robot"
 
 
-async def test_http_response_ends(hub: Hub, authority: Authority) -> None:
+async def test_http_response_ends(hub: HubServer, authority: Authority) -> None:
     answer = await get(hub, "GET /healthz HTTP/1.1\nHost: 127.0.0.1", authority.client())
     head, _, body = answer.partition(b"\r\n\r\n")
     assert head.startswith(b"HTTP/1.1 200")
     assert json.loads(body)["status"] == "ok"
 
 
-async def test_close_and_cut_end_a_client(hub: Hub, authority: Authority) -> None:
+async def test_close_and_cut_end_a_client(hub: HubServer, authority: Authority) -> None:
     trusted = authority.client()
     async with connect(hub.url, ssl=trusted) as closed, connect(hub.url, ssl=trusted) as cut:
         await closed.close(1000)
@@ -233,7 +233,7 @@ async def slow_network(port: int) -> AsyncIterator[int]:
 
 
 @pytest.mark.parametrize("path", ["", "x?y=1"])
-async def test_browser_without_tls_is_redirected(hub: Hub, path: str) -> None:
+async def test_browser_without_tls_is_redirected(hub: HubServer, path: str) -> None:
     answer = await get(hub, f"GET /{path} HTTP/1.1\nHost: lab.example:9090", None)
     assert answer.startswith(b"HTTP/1.1 307")
     assert f"\r\nLocation: https://lab.example:9090/{path}\r\n".encode() in answer
@@ -248,20 +248,20 @@ async def test_browser_without_tls_is_redirected(hub: Hub, path: str) -> None:
         "GET / HTTP/1.1\nHost: lab\x01Set-Cookie: x",
     ],
 )
-async def test_other_clients_without_tls_are_refused(hub: Hub, head: str) -> None:
+async def test_other_clients_without_tls_are_refused(hub: HubServer, head: str) -> None:
     answer = await get(hub, head, None)
     assert answer.startswith(b"HTTP/1.1 400")
     assert b"Location" not in answer
 
 
-async def test_node_without_tls_says_what_to_do(hub: Hub) -> None:
+async def test_node_without_tls_says_what_to_do(hub: HubServer) -> None:
     with pytest.raises(fibws.HubUnreachable, match="wss://"):
         async with fibws.Node("node", hub=hub.url.replace("wss:", "ws:")):
             pytest.fail("the hub expects TLS")
 
 
 async def test_old_versions_of_tls_are_refused_with_a_reason(
-    hub: Hub, authority: Authority
+    hub: HubServer, authority: Authority
 ) -> None:
     context = authority.client()
     context.set_ciphers("ALL:@SECLEVEL=0")
@@ -277,7 +277,7 @@ async def test_old_versions_of_tls_are_refused_with_a_reason(
 
 class TestReload:
     async def test_new_connections_get_the_new_certificate_and_nothing_is_lost(
-        self, hub: Hub, authority: Authority
+        self, hub: HubServer, authority: Authority
     ) -> None:
         trusted = authority.client()
         async with connect(hub.url, ssl=trusted) as listener, connect(hub.url, ssl=trusted) as old:
@@ -299,7 +299,7 @@ class TestReload:
             assert common_name(old) == "hub"
 
     async def test_old_certificate_stays_if_the_new_file_is_broken(
-        self, hub: Hub, authority: Authority, tmp_path: Path
+        self, hub: HubServer, authority: Authority, tmp_path: Path
     ) -> None:
         (tmp_path / "hub.key").write_text("nonsense")
         with pytest.raises(HubError, match=r"hub\.key"):
@@ -308,7 +308,7 @@ class TestReload:
             assert common_name(client) == "hub"
 
     async def test_reload_names_the_last_day_of_a_new_certificate(
-        self, hub: Hub, authority: Authority
+        self, hub: HubServer, authority: Authority
     ) -> None:
         assert hub.reload() == []
         authority.issue(expires=datetime.now(UTC) + timedelta(days=100))
@@ -316,7 +316,7 @@ class TestReload:
         assert hub.reload() == [f"certificate replaced, valid until {last}"]
 
     async def test_expired_certificate_is_logged(
-        self, hub: Hub, authority: Authority, caplog: pytest.LogCaptureFixture
+        self, hub: HubServer, authority: Authority, caplog: pytest.LogCaptureFixture
     ) -> None:
         authority.issue(expires=datetime.now(UTC) - timedelta(days=1))
         await reloaded(hub)
@@ -343,14 +343,14 @@ class TestReload:
 
 class TestClientCertificates:
     @pytest.fixture
-    async def hub(self, start_hub: StartHub, authority: Authority) -> Hub:
+    async def hub(self, start_hub: StartHub, authority: Authority) -> HubServer:
         """A hub that accepts the certificates of an authority."""
         certificate, key = authority.issue()
         return await start_hub(cert=certificate, key=key, client_ca=authority.file)
 
     @pytest.mark.parametrize("version", [ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3])
     async def test_connection_knows_the_common_name(
-        self, hub: Hub, authority: Authority, version: ssl.TLSVersion
+        self, hub: HubServer, authority: Authority, version: ssl.TLSVersion
     ) -> None:
         context = authority.client(authority.issue(common_name="robot", file="client"))
         context.maximum_version = version
@@ -361,7 +361,7 @@ class TestClientCertificates:
     @pytest.mark.parametrize("version", [ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3])
     async def test_certificate_of_another_authority_is_refused(
         self,
-        hub: Hub,
+        hub: HubServer,
         authority: Authority,
         tmp_path: Path,
         version: ssl.TLSVersion,
@@ -405,7 +405,7 @@ class TestClientCertificates:
             await processed(client)
 
     async def test_certificate_that_ends_closes_its_connection(
-        self, hub: Hub, authority: Authority
+        self, hub: HubServer, authority: Authority
     ) -> None:
         end = datetime.now(UTC) + timedelta(days=30)
         certificate = authority.issue(common_name="robot", file="client", expires=end)
@@ -454,7 +454,7 @@ class TestFiles:
 
 
 async def test_client_that_sends_the_request_with_its_handshake_is_answered(
-    hub: Hub, authority: Authority
+    hub: HubServer, authority: Authority
 ) -> None:
     """With TLS 1.3 the request may arrive together with the end of the handshake."""
     incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
@@ -483,7 +483,7 @@ async def test_client_that_sends_the_request_with_its_handshake_is_answered(
 
 
 async def test_node_publishes_over_tls(
-    hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SSL_CERT_FILE", str(authority.file))
     async with fibws.Node("a", hub=hub.url) as a, fibws.Node("b", hub=hub.url) as b:

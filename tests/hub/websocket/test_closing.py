@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from conftest import Faults, StartHub
 
-from fibws.hub.rosbridge.session import Session
-from fibws.hub.server import Hub
+from fibws.hub.rosbridge.session import RosbridgeSession
+from fibws.hub.server import HubServer
 from fibws.hub.settings import MIB
 
 from ..raw_client import (
@@ -64,7 +64,7 @@ class TestViolations:
         ids=repr,
     )
     async def test_connection_is_closed_with_the_right_code(
-        self, any_hub: Hub, sent: bytes, code: int
+        self, any_hub: HubServer, sent: bytes, code: int
     ) -> None:
         async with connected(any_hub.port) as client:
             await client.send(sent)
@@ -72,7 +72,7 @@ class TestViolations:
             assert closed == code
             assert await client.to_the_end() == b""
 
-    async def test_operations_before_a_violation_are_performed(self, any_hub: Hub) -> None:
+    async def test_operations_before_a_violation_are_performed(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as listener, connected(any_hub.port) as client:
             await listener.subscribes("/t")
             await client.advertises("/t")
@@ -80,7 +80,7 @@ class TestViolations:
             assert await listener.receive_data(1) == [1]
             assert (await client.is_closed())[0] == 1002
 
-    async def test_nothing_is_sent_after_the_close_frame(self, any_hub: Hub) -> None:
+    async def test_nothing_is_sent_after_the_close_frame(self, any_hub: HubServer) -> None:
         """Though others go on publishing, the client can read why it was closed."""
         async with connected(any_hub.port) as client, connected(any_hub.port) as publisher:
             await client.subscribes("/t")
@@ -95,13 +95,13 @@ class TestViolations:
             assert await client.to_the_end() == b""
 
     async def test_failing_operation_is_logged_and_the_connection_stays(
-        self, any_hub: Hub, faults: Faults, monkeypatch: pytest.MonkeyPatch
+        self, any_hub: HubServer, faults: Faults, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         # R4: an exception in the callback would be fatal to the connection.
         def fail(*_: Any) -> None:
             raise RuntimeError("injected")
 
-        monkeypatch.setattr(Session, "receive_text", fail)
+        monkeypatch.setattr(RosbridgeSession, "receive_text", fail)
         async with connected(any_hub.port) as client:
             await client.send(publish("/t", 1), *fragmented(publish("/t", 1), 9))
             await client.is_processed()
@@ -114,13 +114,17 @@ class TestClosing:
         "payload",
         [b"", struct.pack("!H", 1000), struct.pack("!H", 1001) + b"bye", struct.pack("!H", 4321)],
     )
-    async def test_close_is_echoed_and_the_hub_hangs_up(self, any_hub: Hub, payload: bytes) -> None:
+    async def test_close_is_echoed_and_the_hub_hangs_up(
+        self, any_hub: HubServer, payload: bytes
+    ) -> None:
         async with connected(any_hub.port) as client:
             await client.send(frame(CLOSE, payload))
             assert await client.frame() == (CLOSE, payload)
             assert await client.to_the_end() == b""
 
-    async def test_messages_published_before_the_close_are_delivered(self, any_hub: Hub) -> None:
+    async def test_messages_published_before_the_close_are_delivered(
+        self, any_hub: HubServer
+    ) -> None:
         async with connected(any_hub.port) as listener, connected(any_hub.port) as client:
             await listener.subscribes("/t")
             await client.advertises("/t")
@@ -128,7 +132,7 @@ class TestClosing:
             await client.send(*(publish("/t", n) for n in numbers), frame(CLOSE))
             assert await listener.receive_data(10) == numbers
 
-    async def test_frames_after_the_close_are_ignored(self, any_hub: Hub) -> None:
+    async def test_frames_after_the_close_are_ignored(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as listener, connected(any_hub.port) as client:
             await listener.subscribes("/t")
             await client.advertises("/t")
@@ -137,7 +141,9 @@ class TestClosing:
             assert await client.to_the_end() == b""
             await listener.is_processed()
 
-    async def test_closing_client_is_forgotten_before_it_disconnects(self, any_hub: Hub) -> None:
+    async def test_closing_client_is_forgotten_before_it_disconnects(
+        self, any_hub: HubServer
+    ) -> None:
         async with connected(any_hub.port, "/?node=/a") as client:
             await client.subscribes("/t")
             await client.send(frame(CLOSE))
@@ -145,7 +151,7 @@ class TestClosing:
             assert (nodes(any_hub), topics(any_hub)) == ([], [])
 
     async def test_client_closed_by_the_hub_is_forgotten_before_it_disconnects(
-        self, any_hub: Hub
+        self, any_hub: HubServer
     ) -> None:
         async with connected(any_hub.port, "/?node=/a") as client:
             await client.subscribes("/t")
@@ -155,7 +161,7 @@ class TestClosing:
 
     @pytest.mark.parametrize("rest", [b"", b"\x81", publish("/t", 1)[:9], frame(TEXT, fin=False)])
     async def test_client_that_half_closes_within_a_frame_is_disconnected(
-        self, any_hub: Hub, rest: bytes
+        self, any_hub: HubServer, rest: bytes
     ) -> None:
         async with connected(any_hub.port) as client:
             await client.send(publish("/t", 1), rest)
@@ -165,7 +171,7 @@ class TestClosing:
 
     @pytest.mark.parametrize("sent", [b"", b"GET / HT", handshake()[:-2]])
     async def test_client_that_leaves_during_the_handshake_is_forgotten(
-        self, hub: Hub, sent: bytes
+        self, hub: HubServer, sent: bytes
     ) -> None:
         async with dialled(hub.port) as client:
             await client.send(sent)
@@ -180,7 +186,7 @@ class TestClosing:
             await until(lambda: not hub._connections)
 
 
-async def let_time_pass(hub: Hub, monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
+async def let_time_pass(hub: HubServer, monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
     """Advance the event loop's clock, as if the hub were busy meanwhile, and await its sweep."""
     loop = asyncio.get_running_loop()
     now, sweeper = loop.time, hub._sweeper
@@ -189,7 +195,7 @@ async def let_time_pass(hub: Hub, monkeypatch: pytest.MonkeyPatch, seconds: floa
 
 
 class TestPings:
-    async def test_ping_is_answered_with_its_text(self, any_hub: Hub) -> None:
+    async def test_ping_is_answered_with_its_text(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as client:
             await client.send(frame(PING, b"x" * 125))
             assert await client.frame() == (PONG, b"x" * 125)
@@ -237,7 +243,7 @@ class TestPings:
             await client.is_processed()
             assert len(nodes(hub)) == 1
 
-    async def test_unsolicited_pong_is_ignored(self, any_hub: Hub) -> None:
+    async def test_unsolicited_pong_is_ignored(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as client:
             await client.send(frame(PONG, b"hi"))
             await client.is_processed()

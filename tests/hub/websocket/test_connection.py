@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import KIB, MIB
 
 from ..raw_client import (
@@ -34,7 +34,7 @@ from ..raw_client import (
 pytestmark = pytest.mark.both_loops
 
 
-async def test_headers_of_the_handshake_are_not_kept(hub: Hub) -> None:
+async def test_headers_of_the_handshake_are_not_kept(hub: HubServer) -> None:
     """A thousand connections would keep a thousand tokens and cookies in memory."""
     async with connected(hub.port, X_Secret="secret") as client:
         await client.is_processed()
@@ -44,7 +44,7 @@ async def test_headers_of_the_handshake_are_not_kept(hub: Hub) -> None:
 
 class TestMessages:
     @pytest.mark.parametrize("size", [0, 1, 125, 126, 65535, 65536, MIB, 4 * MIB])
-    async def test_text_of_any_size_passes(self, any_hub: Hub, size: int) -> None:
+    async def test_text_of_any_size_passes(self, any_hub: HubServer, size: int) -> None:
         text = "x" * size
         async with connected(any_hub.port) as client:
             await client.subscribes("/t", "std_msgs/String")
@@ -56,7 +56,7 @@ class TestMessages:
         "payload", [b"", b" ", b"null", b"[]", b"1", b'"x"', b"{", b"\xef\xbb\xbf{}"]
     )
     async def test_text_that_is_not_an_operation_gets_an_error(
-        self, any_hub: Hub, payload: bytes
+        self, any_hub: HubServer, payload: bytes
     ) -> None:
         async with connected(any_hub.port) as client:
             await client.send(frame(TEXT, payload))
@@ -64,7 +64,7 @@ class TestMessages:
             await client.is_processed()
         assert received is None or (received["op"], received["level"]) == ("status", "error")
 
-    async def test_message_of_the_maximum_size_is_read_fast(self, hub: Hub) -> None:
+    async def test_message_of_the_maximum_size_is_read_fast(self, hub: HubServer) -> None:
         # R6: half a minute if the tail grew by copying; see tests/protocol, too.
         async with connected(hub.port) as client:
             await client.advertises("/t", "std_msgs/String")
@@ -75,7 +75,7 @@ class TestMessages:
             assert time.thread_time() - began < 10
 
     @pytest.mark.parametrize("size", [1, 7, 1000, 16 * KIB, 300 * KIB])
-    async def test_socket_may_cut_frames_anywhere(self, any_hub: Hub, size: int) -> None:
+    async def test_socket_may_cut_frames_anywhere(self, any_hub: HubServer, size: int) -> None:
         texts = ["", "a" * 130, "b" * (2000 if size < 1000 else 400_000), "c"]
         sent = b"".join(
             [
@@ -93,7 +93,7 @@ class TestMessages:
                 await client.send(sent[start : start + size])
             assert await listener.receive_data(4) == texts
 
-    async def test_fragmented_messages_may_have_pings_in_between(self, any_hub: Hub) -> None:
+    async def test_fragmented_messages_may_have_pings_in_between(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as client:
             await client.subscribes("/t")
             for number in range(3):
@@ -106,7 +106,7 @@ class TestMessages:
                     (TEXT, b'{"op":"publish","topic":"/t","msg":{"data":%d}}' % number),
                 }
 
-    async def test_json_in_binary_frames_is_accepted(self, any_hub: Hub) -> None:
+    async def test_json_in_binary_frames_is_accepted(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as client:
             await client.subscribes("/t")
             message = json.dumps({"op": "publish", "topic": "/t", "msg": {"data": 5}}).encode()
@@ -114,13 +114,15 @@ class TestMessages:
             await client.send(frame(BINARY, message[:9], fin=False), frame(CONT, message[9:]))
             assert await client.receive_data(2) == [5, 5]
 
-    async def test_binary_that_is_neither_json_nor_cbor_gets_an_error(self, any_hub: Hub) -> None:
+    async def test_binary_that_is_neither_json_nor_cbor_gets_an_error(
+        self, any_hub: HubServer
+    ) -> None:
         async with connected(any_hub.port) as client:
             await client.send(frame(BINARY, b"\xff\xfe"))
             assert (await client.receive())["level"] == "error"
             await client.is_processed()
 
-    async def test_4096_fragments_are_accepted(self, any_hub: Hub) -> None:
+    async def test_4096_fragments_are_accepted(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as client:
             await client.subscribes("/t")
             (whole,) = fragmented(publish("/t", 1), 1000)
@@ -128,14 +130,14 @@ class TestMessages:
             await client.send(frame(TEXT, fin=False), empty, frame(CONT, whole[6:]))
             assert await client.receive_data(1) == [1]
 
-    async def test_4097_fragments_are_refused(self, any_hub: Hub) -> None:
+    async def test_4097_fragments_are_refused(self, any_hub: HubServer) -> None:
         # R5: empty fragments do not count towards the size, and the library does not count them.
         async with connected(any_hub.port) as client:
             await client.send(frame(TEXT, fin=False), frame(CONT, fin=False) * 4096)
             assert await client.is_closed() == (1009, "too many fragments in one message")
             assert await client.to_the_end() == b""
 
-    async def test_one_frame_may_hold_several_operations(self, any_hub: Hub) -> None:
+    async def test_one_frame_may_hold_several_operations(self, any_hub: HubServer) -> None:
         async with connected(any_hub.port) as client:
             await client.subscribes("/t")
             one, other = publish("/t", 1)[6:], publish("/t", 2)[6:]
@@ -143,7 +145,7 @@ class TestMessages:
             assert await client.receive_data(2) == [1, 2]
 
     async def test_frame_of_many_objects_does_not_block_the_hub(
-        self, hub: Hub, caplog: pytest.LogCaptureFixture
+        self, hub: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         """Two bytes for which the hub writes three hundred, a hundred thousand times."""
         async with connected(hub.port) as flooder:
@@ -156,7 +158,7 @@ class TestMessages:
 
 class TestRealClient:
     @pytest.mark.parametrize("size", [0, 125, 126, 65535, 65536, MIB])
-    async def test_texts_of_any_size_go_both_ways(self, hub: Hub, size: int) -> None:
+    async def test_texts_of_any_size_go_both_ways(self, hub: HubServer, size: int) -> None:
         text = "ü" * (size // 2)
         async with connect(hub.url, max_size=None) as websocket:
             for fields in (
@@ -178,7 +180,7 @@ class TestRealClient:
             assert json.loads(await websocket.recv())["msg"] == {"data": 7}
             await (await websocket.ping())
 
-    async def test_close_is_clean(self, hub: Hub) -> None:
+    async def test_close_is_clean(self, hub: HubServer) -> None:
         async with connect(hub.url) as websocket:
             await websocket.close(4000, "enough")
             with pytest.raises(ConnectionClosed) as closed:
@@ -189,7 +191,7 @@ class TestRealClient:
 
 class TestLogging:
     async def test_connection_is_logged_with_its_name_and_address(
-        self, hub: Hub, caplog: pytest.LogCaptureFixture
+        self, hub: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         caplog.set_level(logging.INFO)
         async with connected(hub.port, "/?node=/talker") as client:
@@ -197,7 +199,7 @@ class TestLogging:
             assert f"/talker has connected from 127.0.0.1:{client.port}." in caplog.text
 
     async def test_connections_of_commands_are_logged_at_level_debug(
-        self, hub: Hub, caplog: pytest.LogCaptureFixture
+        self, hub: HubServer, caplog: pytest.LogCaptureFixture
     ) -> None:
         caplog.set_level(logging.DEBUG, "fibws.hub")
         nodes = ["/fibws_tool_12_345", "/lab/fibws_echo_1_2", "/fibws_robot", "/fibws_tool_1_2x"]
@@ -222,7 +224,7 @@ class TestLogging:
         ids=lambda fields: " ".join(fields.values()) if "num" not in fields else "fragment",
     )
     async def test_control_characters_of_clients_are_escaped_in_the_log(
-        self, hub: Hub, caplog: pytest.LogCaptureFixture, fields: dict[str, Any]
+        self, hub: HubServer, caplog: pytest.LogCaptureFixture, fields: dict[str, Any]
     ) -> None:
         """Clients cannot add lines, terminal escape codes or megabytes."""
         bad = "\n\x1b[2J" + "x" * 5000

@@ -10,7 +10,7 @@ from websockets.asyncio.client import connect
 
 from fibws.access.rights import Principal
 from fibws.hub.rosbridge.encodings import text_frame
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import BINARY, KILLED, Payload, server_frame
@@ -28,7 +28,7 @@ class Echo:
     incomplete_bytes = 0
     protocol = "test"
 
-    def __init__(self, hub: Hub, opening: Opening) -> None:
+    def __init__(self, hub: HubServer, opening: Opening) -> None:
         self._hub = hub
         self._opening = opening
         self.node = hub.graph.enter(self, opening.node)
@@ -68,13 +68,13 @@ class Echo:
 
 
 @pytest.fixture
-def echo_hub(hub: Hub) -> Hub:
+def echo_hub(hub: HubServer) -> HubServer:
     """A hub that echoes for clients of the subprotocol ``echo`` and of the path ``/echo``."""
     hub.endpoints.add(lambda opening: Echo(hub, opening), subprotocol="echo", path="/echo")
     return hub
 
 
-async def selected(hub: Hub, offered: str | None, path: str = "/") -> str | None:
+async def selected(hub: HubServer, offered: str | None, path: str = "/") -> str | None:
     """Return the subprotocol with which the hub answers a handshake."""
     headers = {} if offered is None else {"Sec_WebSocket_Protocol": offered}
     async with dialled(hub.port) as client:
@@ -94,7 +94,7 @@ async def selected(hub: Hub, offered: str | None, path: str = "/") -> str | None
     ids=["subprotocol", "path", "path and unknown subprotocol"],
 )
 async def test_second_endpoint_serves_its_clients_while_rosbridge_goes_on(
-    echo_hub: Hub, path: str, headers: dict[str, Any]
+    echo_hub: HubServer, path: str, headers: dict[str, Any]
 ) -> None:
     async with (
         connected(echo_hub.port, path, **headers) as client,
@@ -115,14 +115,16 @@ async def test_second_endpoint_serves_its_clients_while_rosbridge_goes_on(
     await until(lambda: not nodes(echo_hub))
 
 
-async def test_endpoint_can_close_its_connection(echo_hub: Hub) -> None:
+async def test_endpoint_can_close_its_connection(echo_hub: HubServer) -> None:
     async with connected(echo_hub.port, "/echo") as client:
         await client.send(frame(TEXT_OPCODE, b"close"), frame(TEXT_OPCODE, b"not read"))
         assert await client.is_closed() == (KILLED.code, KILLED.reason)
         assert nodes(echo_hub) == []
 
 
-async def test_newer_rosbridge_client_replaces_an_echo_client_of_its_name(echo_hub: Hub) -> None:
+async def test_newer_rosbridge_client_replaces_an_echo_client_of_its_name(
+    echo_hub: HubServer,
+) -> None:
     async with connected(echo_hub.port, "/echo?node=/x") as older:
         async with connected(echo_hub.port, "/?node=/x") as newer:
             assert (await older.is_closed())[0] == KILLED.code
@@ -130,7 +132,7 @@ async def test_newer_rosbridge_client_replaces_an_echo_client_of_its_name(echo_h
             assert nodes(echo_hub) == ["/x"]
 
 
-async def test_subprotocol_decides_before_the_path(echo_hub: Hub) -> None:
+async def test_subprotocol_decides_before_the_path(echo_hub: HubServer) -> None:
     async with connected(echo_hub.port, "/echo", Sec_WebSocket_Protocol=SUBPROTOCOL) as client:
         await client.send_operation(
             "subscribe", topic="/t", type="std_msgs/Int32", compression="ros1"
@@ -140,7 +142,7 @@ async def test_subprotocol_decides_before_the_path(echo_hub: Hub) -> None:
 
 @pytest.mark.parametrize("offered", [None, "unknown", "fibws.v2, rosbridge_v2"])
 async def test_unknown_subprotocols_get_plain_rosbridge_and_no_header(
-    echo_hub: Hub, offered: str | None
+    echo_hub: HubServer, offered: str | None
 ) -> None:
     assert await selected(echo_hub, offered) is None
     headers: dict[str, Any] = {} if offered is None else {"Sec_WebSocket_Protocol": offered}
@@ -166,12 +168,12 @@ async def test_unknown_subprotocols_get_plain_rosbridge_and_no_header(
     ],
 )
 async def test_first_known_subprotocol_is_selected(
-    echo_hub: Hub, offered: str, expected: str | None
+    echo_hub: HubServer, offered: str, expected: str | None
 ) -> None:
     assert await selected(echo_hub, offered) == expected
 
 
-async def test_real_client_negotiates_fibws_v1(hub: Hub) -> None:
+async def test_real_client_negotiates_fibws_v1(hub: HubServer) -> None:
     async with connect(hub.url, subprotocols=[SUBPROTOCOL]) as websocket:  # type: ignore[list-item]
         assert websocket.subprotocol == SUBPROTOCOL
         await websocket.send('{"op":"nonsense"}')

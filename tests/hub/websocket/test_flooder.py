@@ -14,7 +14,7 @@ import pytest
 from conftest import Faults, StartHub
 
 from fibws.hub.graph.topic import Source
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import MIB
 
 from ..raw_client import Client, connected, dialled, longest_turn, publish, until
@@ -70,7 +70,7 @@ class TestFlooder:
                 for _ in range(20):
                     await one.is_processed()
 
-    async def test_turns_of_the_event_loop_are_short(self, hub: Hub) -> None:
+    async def test_turns_of_the_event_loop_are_short(self, hub: HubServer) -> None:
         async with connected(hub.port) as client:
             await client.advertises("/t", "std_msgs/String")
             async with longest_turn() as longest:
@@ -82,7 +82,7 @@ class TestFlooder:
 class TestDeadSubscriber:
     """R4: failures of a subscriber do not harm the publisher."""
 
-    async def test_publisher_survives_the_resets_of_its_subscribers(self, hub: Hub) -> None:
+    async def test_publisher_survives_the_resets_of_its_subscribers(self, hub: HubServer) -> None:
         async with connected(hub.port) as talker, connected(hub.port) as listener:
             await talker.advertises("/t")
             await listener.subscribes("/t")
@@ -96,7 +96,7 @@ class TestDeadSubscriber:
             await until(lambda: len(hub._connections) == 2)
 
     async def test_publisher_survives_a_subscribers_socket_closing_in_the_same_turn(
-        self, hub: Hub
+        self, hub: HubServer
     ) -> None:
         async with (
             connected(hub.port) as talker,
@@ -114,7 +114,7 @@ class TestDeadSubscriber:
             assert await listener.receive_data(1) == [1]
 
     async def test_write_that_raises_ends_only_its_own_connection(
-        self, hub: Hub, monkeypatch: pytest.MonkeyPatch
+        self, hub: HubServer, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         async with (
             connected(hub.port) as talker,
@@ -135,7 +135,7 @@ class TestDeadSubscriber:
             await until(lambda: len(hub._connections) == 2)
 
     async def test_operation_that_fails_ends_no_connection(
-        self, hub: Hub, faults: Faults, monkeypatch: pytest.MonkeyPatch
+        self, hub: HubServer, faults: Faults, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         def fail(*_: Any) -> None:
             raise ZeroDivisionError("injected")

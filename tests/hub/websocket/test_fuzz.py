@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_inputs import times
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.protocol.serialized import SUBPROTOCOL, publish_head, read_delivery
 
 from ..raw_client import (
@@ -51,7 +51,9 @@ class TestFuzz:
         suppress_health_check=_HEALTHY,
     )
     @given(st.lists(st.binary(max_size=200), max_size=5))
-    async def test_random_bytes_after_the_handshake(self, hub: Hub, chunks: list[bytes]) -> None:
+    async def test_random_bytes_after_the_handshake(
+        self, hub: HubServer, chunks: list[bytes]
+    ) -> None:
         async with _bystanders(hub) as check:
             async with connected(hub.port) as client:
                 try:
@@ -68,7 +70,9 @@ class TestFuzz:
         suppress_health_check=_HEALTHY,
     )
     @given(st.binary(max_size=100), st.integers(0, len(handshake())))
-    async def test_random_bytes_in_the_handshake(self, hub: Hub, junk: bytes, at: int) -> None:
+    async def test_random_bytes_in_the_handshake(
+        self, hub: HubServer, junk: bytes, at: int
+    ) -> None:
         async with _bystanders(hub) as check:
             async with dialled(hub.port) as client:
                 await client.send(handshake()[:at], junk, handshake()[at:])
@@ -79,7 +83,7 @@ class TestFuzz:
                     pass
             await check()
 
-    async def test_random_operations(self, hub: Hub) -> None:
+    async def test_random_operations(self, hub: HubServer) -> None:
         chance = random.Random(0)
         async with _bystanders(hub) as check:
             for _ in range(times(0.2)):
@@ -92,7 +96,7 @@ class TestFuzz:
                         await client.to_the_end()
             await check()
 
-    async def test_random_serialized_frames(self, hub: Hub) -> None:
+    async def test_random_serialized_frames(self, hub: HubServer) -> None:
         chance = random.Random(200)
         async with _bystanders(hub) as check:
             for _ in range(times(0.1)):
@@ -121,7 +125,7 @@ class TestFuzz:
 
     @pytest.mark.slow
     @pytest.mark.timeout(900)
-    async def test_many_serialized_frames(self, hub: Hub) -> None:
+    async def test_many_serialized_frames(self, hub: HubServer) -> None:
         chance = random.Random(300)
         async with _bystanders(hub) as check:
             for _ in range(ROUNDS):
@@ -137,7 +141,7 @@ class TestFuzz:
                     assert received.endswith(b"\x88\x00")  # It has read all, up to the close.
                 await check()
 
-    async def test_random_frames_and_resets(self, hub: Hub) -> None:
+    async def test_random_frames_and_resets(self, hub: HubServer) -> None:
         chance = random.Random(100)
         async with _bystanders(hub) as check:
             for _ in range(times(1)):
@@ -161,7 +165,7 @@ class _bystanders:
     One listener gets JSON, one serialized messages; afterwards only these three must be left.
     """
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: HubServer) -> None:
         self._hub = hub
         self._numbers = itertools.count()
 

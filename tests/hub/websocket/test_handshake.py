@@ -12,7 +12,7 @@ from websockets.asyncio.client import connect
 from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFactory
 
 from fibws.hub.http.requests import response
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.connection import Connection
 
@@ -36,17 +36,17 @@ pytestmark = pytest.mark.both_loops
 
 class TestHandshake:
     @pytest.mark.parametrize("path", ["/", "/a/b", "/?token=1&x", "//", "/a?b?c#d", "*", "/%FF"])
-    async def test_any_path_and_query_are_accepted(self, hub: Hub, path: str) -> None:
+    async def test_any_path_and_query_are_accepted(self, hub: HubServer, path: str) -> None:
         async with connected(hub.port, path) as client:
             await client.is_processed()
 
-    async def test_path_that_is_not_a_url_breaks_nothing(self, hub: Hub) -> None:
+    async def test_path_that_is_not_a_url_breaks_nothing(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake("//["))
             status, _, _ = await client.response()
         assert status in (101, 400)
 
-    async def test_request_may_arrive_byte_by_byte(self, hub: Hub) -> None:
+    async def test_request_may_arrive_byte_by_byte(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             for byte in handshake("/?node=/slow"):
                 await client.send(bytes((byte,)))
@@ -54,7 +54,7 @@ class TestHandshake:
             await client.is_processed()
             assert nodes(hub) == ["/slow"]
 
-    async def test_frames_behind_the_request_are_answered_after_it(self, hub: Hub) -> None:
+    async def test_frames_behind_the_request_are_answered_after_it(self, hub: HubServer) -> None:
         # R7: the library alone would send its PONG before the 101.
         async with dialled(hub.port) as client:
             await client.send(handshake(), frame(PING, b"early"), operation("nope"))
@@ -62,7 +62,7 @@ class TestHandshake:
             assert await client.frame() == (PONG, b"early")
             assert (await client.receive())["op"] == "status"
 
-    async def test_socket_may_cut_request_and_frames_anywhere(self, hub: Hub) -> None:
+    async def test_socket_may_cut_request_and_frames_anywhere(self, hub: HubServer) -> None:
         everything = handshake() + frame(PING, b"1") + frame(PING, b"2")
         for cut in range(len(handshake()) - 6, len(everything)):
             async with dialled(hub.port) as client:
@@ -72,7 +72,7 @@ class TestHandshake:
                 assert await client.frame() == (PONG, b"1")
                 assert await client.frame() == (PONG, b"2")
 
-    async def test_only_the_first_of_two_requests_is_answered(self, hub: Hub) -> None:
+    async def test_only_the_first_of_two_requests_is_answered(self, hub: HubServer) -> None:
         get = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
         async with dialled(hub.port) as client:
             await client.send(get + get)
@@ -80,7 +80,7 @@ class TestHandshake:
         assert status == 200
         assert body.count(b'"status"') == 1
 
-    async def test_frames_behind_a_refused_request_are_not_read(self, hub: Hub) -> None:
+    async def test_frames_behind_a_refused_request_are_not_read(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake(Origin="http://evil.example"), frame(PING, b"early"))
             status, _, body = await client.response()
@@ -95,7 +95,7 @@ class TestHandshake:
             assert await _fate(silent) == b""
             assert await _fate(slow) == b""
 
-    async def test_client_with_tls_is_told_that_there_is_none(self, hub: Hub) -> None:
+    async def test_client_with_tls_is_told_that_there_is_none(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             await client.send(b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)))
             status, _, body = await client.response()
@@ -112,7 +112,7 @@ class TestHandshake:
         ],
         ids=lambda garbage: repr(garbage[:12]),
     )
-    async def test_invalid_request_is_answered(self, hub: Hub, garbage: bytes) -> None:
+    async def test_invalid_request_is_answered(self, hub: HubServer, garbage: bytes) -> None:
         async with dialled(hub.port) as client:
             await client.send(garbage)
             status, headers, body = await client.response()
@@ -127,7 +127,7 @@ class TestHandshake:
         ],
         ids=["TLS of another version", "lines without returns"],
     )
-    async def test_other_protocols_end_the_connection(self, hub: Hub, garbage: bytes) -> None:
+    async def test_other_protocols_end_the_connection(self, hub: HubServer, garbage: bytes) -> None:
         async with dialled(hub.port) as client:
             await client.send(garbage)
             assert await client.to_the_end() == b""
@@ -140,7 +140,7 @@ class TestHandshake:
         ],
     )
     async def test_request_with_a_body_is_refused_with_the_reason(
-        self, hub: Hub, request_: bytes
+        self, hub: HubServer, request_: bytes
     ) -> None:
         async with dialled(hub.port) as client:
             await client.send(request_)
@@ -148,7 +148,9 @@ class TestHandshake:
         assert status == 400
         assert b"without a body" in body
 
-    async def test_client_that_leaves_before_its_request_gets_no_response(self, hub: Hub) -> None:
+    async def test_client_that_leaves_before_its_request_gets_no_response(
+        self, hub: HubServer
+    ) -> None:
         async with dialled(hub.port) as client:
             await client.send(b"GET / HTTP/1.1\r\nX: ")
             client.socket.shutdown(socket.SHUT_WR)
@@ -183,7 +185,7 @@ class TestHandshake:
                 body = (await client.response())[2]
             assert b"--max-request-head" in body
 
-    async def test_many_cookies_of_other_servers_do_no_harm(self, hub: Hub) -> None:
+    async def test_many_cookies_of_other_servers_do_no_harm(self, hub: HubServer) -> None:
         cookies = "; ".join(f"session{each}={'x' * 3500}" for each in range(16))
         async with connected(hub.port, f"/?token={'t' * 4000}", Cookie=cookies) as client:
             await client.is_processed()
@@ -212,21 +214,21 @@ class TestHandshake:
         ],
     )
     async def test_invalid_upgrade_is_answered(
-        self, hub: Hub, headers: dict[str, str], status: int
+        self, hub: HubServer, headers: dict[str, str], status: int
     ) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake("/healthz", **headers))
             assert (await client.response())[0] == status
 
     @pytest.mark.parametrize("name", ["", " ", "\t"])
-    async def test_empty_subprotocol_is_none(self, hub: Hub, name: str) -> None:
+    async def test_empty_subprotocol_is_none(self, hub: HubServer, name: str) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake(Sec_WebSocket_Protocol=name))
             status, headers, _ = await client.response()
         assert status == 101
         assert "sec-websocket-protocol" not in headers
 
-    async def test_proxy_that_drops_upgrade_is_named(self, hub: Hub) -> None:
+    async def test_proxy_that_drops_upgrade_is_named(self, hub: HubServer) -> None:
         request_ = handshake().replace(b"Upgrade: websocket\r\n", b"")
         async with dialled(hub.port) as client:
             await client.send(request_.replace(b"Connection: Upgrade", b"Connection: close"))
@@ -234,7 +236,7 @@ class TestHandshake:
         assert (status, headers["upgrade"]) == (426, "websocket")
         assert b"proxy" in body
 
-    async def test_unknown_origin_is_refused_with_the_remedy(self, hub: Hub) -> None:
+    async def test_unknown_origin_is_refused_with_the_remedy(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake(Origin="http://evil.example"))
             status, headers, body = await client.response()
@@ -243,12 +245,12 @@ class TestHandshake:
         assert headers["content-length"] == str(len(body))
         assert headers["connection"] == "close"
 
-    async def test_origin_that_is_not_ascii_is_refused(self, hub: Hub) -> None:
+    async def test_origin_that_is_not_ascii_is_refused(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake(Origin="http://\xff\xfe"))
             assert (await client.response())[0] == 403
 
-    async def test_page_of_this_machine_may_connect(self, hub: Hub) -> None:
+    async def test_page_of_this_machine_may_connect(self, hub: HubServer) -> None:
         async with connected(hub.port, Origin="http://localhost:3000") as client:
             await client.is_processed()
 
@@ -258,7 +260,7 @@ class TestHandshake:
             await client.is_processed()
 
     @pytest.mark.parametrize("header", ["Upgrade: websocket", "Origin: x", "Host: y"])
-    async def test_header_given_twice_is_refused(self, hub: Hub, header: str) -> None:
+    async def test_header_given_twice_is_refused(self, hub: HubServer, header: str) -> None:
         twice = handshake(Origin="http://localhost").replace(
             b"\r\n\r\n", f"\r\n{header}\r\n\r\n".encode()
         )
@@ -267,27 +269,29 @@ class TestHandshake:
             assert (await client.response())[0] == 400
 
     @pytest.mark.parametrize("name", ["", "/", "~x", "/a%00", "/%E4", "x" * 2000])
-    async def test_bad_node_name_is_refused_with_the_reason(self, hub: Hub, name: str) -> None:
+    async def test_bad_node_name_is_refused_with_the_reason(
+        self, hub: HubServer, name: str
+    ) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake(f"/?node={name}"))
             status, _, body = await client.response()
         assert status == 400
         assert b"The query's node: " in body
 
-    async def test_deflate_is_declined(self, hub: Hub) -> None:
+    async def test_deflate_is_declined(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             await client.send(handshake(Sec_WebSocket_Extensions="permessage-deflate"))
             status, headers, _ = await client.response()
         assert status == 101
         assert "sec-websocket-extensions" not in headers
 
-    async def test_real_client_works_without_the_deflate_it_offers(self, hub: Hub) -> None:
+    async def test_real_client_works_without_the_deflate_it_offers(self, hub: HubServer) -> None:
         async with connect(hub.url, extensions=[ClientPerMessageDeflateFactory()]) as websocket:
             assert websocket.protocol.extensions == []
             await websocket.send("{}")
             assert json.loads(await websocket.recv())["op"] == "status"
 
-    async def test_hub_gives_an_unused_name(self, hub: Hub) -> None:
+    async def test_hub_gives_an_unused_name(self, hub: HubServer) -> None:
         async with (
             connected(hub.port, "/?node=/client_2") as known,
             connected(hub.port) as nameless,
@@ -299,28 +303,28 @@ class TestHandshake:
 
 
 class TestPlainHttp:
-    async def test_get_returns_the_resource(self, hub: Hub) -> None:
+    async def test_get_returns_the_resource(self, hub: HubServer) -> None:
         status, headers, body = await _http(hub, "GET", "/healthz")
         assert status == 200
         assert headers["content-type"].startswith("application/json")
         assert json.loads(body)["status"] == "ok"
 
-    async def test_head_returns_the_headers_without_a_body(self, hub: Hub) -> None:
+    async def test_head_returns_the_headers_without_a_body(self, hub: HubServer) -> None:
         _, got, text = await _http(hub, "GET", "/livez")
         status, head, body = await _http(hub, "HEAD", "/livez")
         assert (status, body) == (200, b"")
         assert head["content-length"] == got["content-length"] == str(len(text))
 
-    async def test_unknown_path_is_404(self, hub: Hub) -> None:
+    async def test_unknown_path_is_404(self, hub: HubServer) -> None:
         status, _, body = await _http(hub, "GET", "/nothing?x")
         assert (status, body) == (404, b"Nothing is at /nothing; see /.\n")
 
     @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "BREW"])
-    async def test_other_methods_are_405(self, hub: Hub, method: str) -> None:
+    async def test_other_methods_are_405(self, hub: HubServer, method: str) -> None:
         status, headers, _ = await _http(hub, method, "/")
         assert (status, headers["allow"]) == (405, "GET, HEAD")
 
-    async def test_http_1_0_is_answered_too(self, hub: Hub) -> None:
+    async def test_http_1_0_is_answered_too(self, hub: HubServer) -> None:
         async with dialled(hub.port) as client:
             await client.send(b"GET /healthz HTTP/1.0\r\n\r\n")
             assert (await client.response())[0] == 200
@@ -336,7 +340,7 @@ class TestPlainHttp:
 
 
 async def _http(
-    hub: Hub, method: str, path: str, **headers: str
+    hub: HubServer, method: str, path: str, **headers: str
 ) -> tuple[int, dict[str, str], bytes]:
     lines = [f"{name}: {value}" for name, value in {"Host": "localhost", **headers}.items()]
     request_ = "\r\n".join([f"{method} {path} HTTP/1.1", *lines, "", ""])

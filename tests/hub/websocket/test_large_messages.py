@@ -14,7 +14,7 @@ import pytest
 from conftest import StartHub
 from websockets.server import ServerProtocol
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.connection import Connection
 from fibws.protocol.serialized import SUBPROTOCOL, publish_head, read_delivery
@@ -55,7 +55,7 @@ async def cut(client: Client, data: bytes, seed: int) -> None:
 @pytest.mark.parametrize("key", KEYS)
 @pytest.mark.long
 async def test_large_texts_arrive_intact_with_small_ones_behind_them(
-    any_hub: Hub, size: int, key: str
+    any_hub: HubServer, size: int, key: str
 ) -> None:
     large = text(size)
     async with connected(any_hub.port) as talker, connected(any_hub.port) as listener:
@@ -73,7 +73,7 @@ async def test_large_texts_arrive_intact_with_small_ones_behind_them(
 @pytest.mark.parametrize("size", [64 * KIB, 64 * KIB + 1, 1_000_000, 8 * MIB - 100])
 @pytest.mark.parametrize("key", KEYS)
 async def test_large_serialized_messages_arrive_intact_with_small_ones_behind_them(
-    any_hub: Hub, size: int, key: str
+    any_hub: HubServer, size: int, key: str
 ) -> None:
     large = text(size)
     async with (
@@ -98,7 +98,7 @@ async def test_large_serialized_messages_arrive_intact_with_small_ones_behind_th
 
 
 @pytest.mark.parametrize("seed", range(4))
-async def test_socket_may_cut_large_messages_anywhere(any_hub: Hub, seed: int) -> None:
+async def test_socket_may_cut_large_messages_anywhere(any_hub: HubServer, seed: int) -> None:
     chance = random.Random(seed)
     texts = [text(chance.choice([10, 70_000, 300_000, 2 * MIB]), each) for each in range(8)]
     data = b"".join(
@@ -182,7 +182,7 @@ async def test_unfinished_message_is_freed_when_the_client_leaves(
 
 
 @pytest.mark.parametrize("how", ["reset", "close", "cut off", "killed", "no handshake", "plain"])
-async def test_nothing_is_left_of_a_client_that_has_left(hub: Hub, how: str) -> None:
+async def test_nothing_is_left_of_a_client_that_has_left(hub: HubServer, how: str) -> None:
     def connections() -> int:
         return sum(isinstance(each, Connection | ServerProtocol) for each in gc.get_objects())
 
@@ -222,7 +222,9 @@ async def test_nothing_is_left_of_a_client_that_has_left(hub: Hub, how: str) -> 
 # Slow readers: large frames are written in pieces as the socket takes them.
 
 
-async def test_slow_reader_gets_large_and_small_messages_intact_and_in_order(hub: Hub) -> None:
+async def test_slow_reader_gets_large_and_small_messages_intact_and_in_order(
+    hub: HubServer,
+) -> None:
     texts = [text(size, size) for size in (10, 3 * MIB, 20, 70_000, MIB, 30)]
     async with (
         connected(hub.port, receive_buffer=4 * KIB) as slow,
@@ -236,7 +238,7 @@ async def test_slow_reader_gets_large_and_small_messages_intact_and_in_order(hub
         await slow.is_processed()
 
 
-async def test_half_written_message_is_completed_before_the_close(hub: Hub) -> None:
+async def test_half_written_message_is_completed_before_the_close(hub: HubServer) -> None:
     large = text(3 * MIB)
     async with (
         connected(hub.port, "/?node=/slow", receive_buffer=4 * KIB) as slow,
@@ -252,7 +254,7 @@ async def test_half_written_message_is_completed_before_the_close(hub: Hub) -> N
             assert code == 4001
 
 
-async def test_half_written_message_is_completed_after_unsubscribe(hub: Hub) -> None:
+async def test_half_written_message_is_completed_after_unsubscribe(hub: HubServer) -> None:
     large = text(3 * MIB)
     async with (
         connected(hub.port, receive_buffer=4 * KIB) as slow,
@@ -270,7 +272,7 @@ async def test_half_written_message_is_completed_after_unsubscribe(hub: Hub) -> 
         assert received[1] in (large, "after")
 
 
-async def test_pings_are_answered_between_large_messages(hub: Hub) -> None:
+async def test_pings_are_answered_between_large_messages(hub: HubServer) -> None:
     large = text(2 * MIB)
     async with (
         connected(hub.port, receive_buffer=4 * KIB) as slow,
@@ -289,7 +291,7 @@ async def test_pings_are_answered_between_large_messages(hub: Hub) -> None:
             assert json.loads(message)["msg"]["data"] == large
 
 
-async def test_announced_length_allocates_little_before_the_bytes_come(hub: Hub) -> None:
+async def test_announced_length_allocates_little_before_the_bytes_come(hub: HubServer) -> None:
     # R6: never allocate memory for an announced length.
     async with connected(hub.port) as client:
         (connection,) = hub._connections

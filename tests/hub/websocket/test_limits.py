@@ -14,7 +14,7 @@ from conftest import StartHub
 from hub_reload import reloaded
 
 from fibws.access.token_file import digest_of
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.websocket.connection import Connection
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import LIMITED
@@ -56,11 +56,11 @@ def no_sweeps(start_hub: StartHub, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-async def limited(no_sweeps: None, start_hub: StartHub) -> Hub:
+async def limited(no_sweeps: None, start_hub: StartHub) -> HubServer:
     return await start_hub(max_messages_per_second=RATE)
 
 
-def connection(hub: Hub, node: str = "/flooder") -> Connection:
+def connection(hub: HubServer, node: str = "/flooder") -> Connection:
     (found,) = [each for each in hub._connections if each.name == node]
     return found
 
@@ -114,7 +114,7 @@ async def test_messages_beyond_the_rate_are_dropped_and_counted(
 
 
 async def test_dropped_messages_are_in_the_metrics_and_the_audit(
-    limited: Hub, caplog: pytest.LogCaptureFixture
+    limited: HubServer, caplog: pytest.LogCaptureFixture
 ) -> None:
     async with connected(limited.port, "/?node=/flooder") as flooder:
         await flooder.advertises("/t")
@@ -132,7 +132,7 @@ async def test_dropped_messages_are_in_the_metrics_and_the_audit(
     assert limited._clients.limited() == dropped
 
 
-async def test_client_within_its_limits_loses_nothing(limited: Hub) -> None:
+async def test_client_within_its_limits_loses_nothing(limited: HubServer) -> None:
     async with connected(limited.port) as one, connected(limited.port) as other:
         await one.subscribes("/t")
         await other.advertises("/t")
@@ -140,7 +140,7 @@ async def test_client_within_its_limits_loses_nothing(limited: Hub) -> None:
         assert await one.receive_data(90) == [1] * 90
 
 
-async def test_other_operations_beyond_the_rate_are_refused(limited: Hub) -> None:
+async def test_other_operations_beyond_the_rate_are_refused(limited: HubServer) -> None:
     async with connected(limited.port, "/?node=/flooder", Sec_WebSocket_Protocol="x") as client:
         await client.advertises("/t")
         await exhaust(client)
@@ -157,11 +157,11 @@ async def test_other_operations_beyond_the_rate_are_refused(limited: Hub) -> Non
         assert not hub_subscriptions(limited, "/t")
 
 
-def hub_subscriptions(hub: Hub, topic: str) -> int:
+def hub_subscriptions(hub: HubServer, topic: str) -> int:
     return len(hub.graph.topics[topic].sinks())
 
 
-async def test_refusals_have_a_code(limited: Hub) -> None:
+async def test_refusals_have_a_code(limited: HubServer) -> None:
     path = "/?node=/flooder"
     async with connected(limited.port, path, Sec_WebSocket_Protocol=SUBPROTOCOL) as client:
         await client.send(frame(BINARY, b"?") * MANY)
@@ -182,7 +182,7 @@ async def test_refusals_have_a_code(limited: Hub) -> None:
     ids=["CBOR", "JSON in a binary frame", "fragments", "text", "long text"],
 )
 @pytest.mark.long
-async def test_every_kind_of_message_counts(limited: Hub, message: bytes) -> None:
+async def test_every_kind_of_message_counts(limited: HubServer, message: bytes) -> None:
     async with connected(limited.port, "/?node=/flooder") as flooder:
         await flooder.advertises("/t")
         await flooder.send(message * MANY)
@@ -192,7 +192,7 @@ async def test_every_kind_of_message_counts(limited: Hub, message: bytes) -> Non
         assert flooding.limited
 
 
-async def test_operations_of_one_text_count_each(limited: Hub) -> None:
+async def test_operations_of_one_text_count_each(limited: HubServer) -> None:
     text = json.dumps({"op": "publish", "topic": "/t", "msg": {"data": 1}}).encode()
     async with connected(limited.port, "/?node=/flooder") as flooder:
         await flooder.advertises("/t")
@@ -204,7 +204,7 @@ async def test_operations_of_one_text_count_each(limited: Hub) -> None:
         assert limited.graph.topics["/t"].sources["/flooder"].messages == 500
 
 
-async def test_pings_count(limited: Hub) -> None:
+async def test_pings_count(limited: HubServer) -> None:
     async with connected(limited.port, "/?node=/flooder") as flooder:
         await flooder.advertises("/t")
         await flooder.send(frame(PING, b"x") * MANY)

@@ -7,7 +7,7 @@ from typing import Any
 from conftest import Faults
 from websockets.frames import Frame, Opcode
 
-from fibws.hub.rosbridge.session import Session
+from fibws.hub.rosbridge.session import RosbridgeSession
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Work
 from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
@@ -40,7 +40,7 @@ class FakeConnection:
         self.reader = MessageReader(self, quotas, Settings(**settings), turns, ReadBuffers())
         quotas.join_address(self, "10.0.0.1", self.now)
         session = FakeHub().client().session
-        assert isinstance(session, Session)
+        assert isinstance(session, RosbridgeSession)
         self.reader.endpoint = session
         self.reader.enter()
 

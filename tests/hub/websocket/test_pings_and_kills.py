@@ -10,7 +10,7 @@ from conftest import StartHub
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.settings import MIB
 
 from ..raw_client import (
@@ -50,7 +50,7 @@ async def call_rosapi(websocket: ClientConnection, service: str, node: str) -> d
     return values
 
 
-async def test_pong_answers_the_ping(any_hub: Hub) -> None:
+async def test_pong_answers_the_ping(any_hub: HubServer) -> None:
     async with (
         connected(any_hub.port, "/?node=/talker") as talker,
         connected(any_hub.port) as caller,
@@ -67,13 +67,13 @@ async def test_pong_answers_the_ping(any_hub: Hub) -> None:
         assert 0 < values["seconds"] < 60
 
 
-async def test_raw_client_answers_a_ping_and_may_ping_itself(hub: Hub) -> None:
+async def test_raw_client_answers_a_ping_and_may_ping_itself(hub: HubServer) -> None:
     async with connect(f"{hub.url}/?node=/bare") as bare, connect(hub.url) as caller:
         assert (await call_rosapi(caller, "ping_node", "/bare"))["success"]
         assert (await call_rosapi(bare, "ping_node", "/bare"))["success"]
 
 
-async def test_client_that_leaves_during_a_ping_is_reported_as_gone(any_hub: Hub) -> None:
+async def test_client_that_leaves_during_a_ping_is_reported_as_gone(any_hub: HubServer) -> None:
     async with connected(any_hub.port) as caller:
         async with connected(any_hub.port, "/?node=/talker") as talker:
             await caller.send(call("ping_node", "/talker"))
@@ -82,7 +82,7 @@ async def test_client_that_leaves_during_a_ping_is_reported_as_gone(any_hub: Hub
         assert (values["success"], values["message"]) == (False, "/talker has left")
 
 
-async def test_caller_may_leave_before_the_pong(any_hub: Hub) -> None:
+async def test_caller_may_leave_before_the_pong(any_hub: HubServer) -> None:
     async with connected(any_hub.port, "/?node=/talker") as talker:
         async with connected(any_hub.port, "/?node=/caller") as caller:
             await caller.send(call("ping_node", "/talker"))
@@ -108,7 +108,7 @@ async def test_client_that_does_not_read_is_not_pinged(start_hub: StartHub) -> N
         assert "/slow reads too slowly" in values["message"]
 
 
-async def test_client_that_is_killed_is_closed_with_a_reason(any_hub: Hub) -> None:
+async def test_client_that_is_killed_is_closed_with_a_reason(any_hub: HubServer) -> None:
     async with (
         connected(any_hub.port, "/?node=/talker") as talker,
         connected(any_hub.port, "/?node=/killer") as killer,
@@ -121,7 +121,7 @@ async def test_client_that_is_killed_is_closed_with_a_reason(any_hub: Hub) -> No
         await killer.is_processed()
 
 
-async def test_raw_client_gets_the_reason_for_being_killed(hub: Hub) -> None:
+async def test_raw_client_gets_the_reason_for_being_killed(hub: HubServer) -> None:
     async with connect(f"{hub.url}/?node=/bare") as bare:
         assert (await call_rosapi(bare, "kill_node", "/bare"))["success"]
         with pytest.raises(ConnectionClosed) as closed:

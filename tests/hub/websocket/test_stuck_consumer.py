@@ -14,8 +14,8 @@ from conftest import StartHub
 from patience import PATIENCE
 
 from fibws.hub.delivery.send_queue import MOST_UNWRITTEN, WRITE_SIZE
-from fibws.hub.rosbridge.session import MAX_OBJECTS, Session
-from fibws.hub.server import Hub
+from fibws.hub.rosbridge.session import MAX_OBJECTS, RosbridgeSession
+from fibws.hub.server import HubServer
 from fibws.hub.settings import KIB, MIB
 
 from ..raw_client import (
@@ -341,7 +341,7 @@ class TestStuckConsumer:
 
 
 @asynccontextmanager
-async def _company(hub: Hub) -> AsyncIterator[tuple[Client, Client, Client]]:
+async def _company(hub: HubServer) -> AsyncIterator[tuple[Client, Client, Client]]:
     """Connect a subscriber that does not read, one that does, and a publisher."""
     async with (
         connected(hub.port, "/?node=/stuck", receive_buffer=4 * KIB) as stuck,
@@ -354,10 +354,10 @@ async def _company(hub: Hub) -> AsyncIterator[tuple[Client, Client, Client]]:
         yield stuck, listener, talker
 
 
-def _requests(hub: Hub, node: str) -> int:
+def _requests(hub: HubServer, node: str) -> int:
     """Return the number of a client's subscribe requests."""
     session = hub.graph.nodes[node]
-    assert isinstance(session, Session)
+    assert isinstance(session, RosbridgeSession)
     return sum(len(each.requests) for each in session.topics.subscriptions.values())
 
 
@@ -383,7 +383,7 @@ async def _last_words(client: Client) -> tuple[int, int, str]:
     return count, int.from_bytes(received[1][:2], "big"), received[1][2:].decode()
 
 
-async def _slow_clients(hub: Hub) -> list[dict[str, Any]]:
+async def _slow_clients(hub: HubServer) -> list[dict[str, Any]]:
     """As ``/healthz`` shows them."""
     async with dialled(hub.port) as client:
         await client.send(b"GET /healthz HTTP/1.1\r\n\r\n")

@@ -15,7 +15,7 @@ import pytest
 from conftest import Faults, StartHub
 
 from fibws.access.rights import Principal
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.hub.websocket.turns import ITERATION, MOST_FRAMES, TURN, Turns
 from fibws.protocol.websocket import LARGE, SHUTDOWN, Payload
@@ -277,7 +277,7 @@ class Slow:
         return iter(())
 
 
-def slow(hub: Hub, *, seconds: float = 0.001) -> Slow:
+def slow(hub: HubServer, *, seconds: float = 0.001) -> Slow:
     """Return the endpoint of the next client at /slow."""
     endpoint = Slow(seconds)
     hub.endpoints.add(endpoint.open, path="/slow")
@@ -295,7 +295,7 @@ def numbers(endpoint: Slow) -> list[int]:
 @both_loops
 @pytest.mark.parametrize(("count", "size"), [(100, 10), (8, 10_000), (4, LARGE)])
 async def test_others_are_served_between_the_turns_of_heavy_clients(
-    hub: Hub, count: int, size: int
+    hub: HubServer, count: int, size: int
 ) -> None:
     async with AsyncExitStack() as stack:
         witness = await stack.enter_async_context(connected(hub.port))
@@ -321,7 +321,7 @@ async def test_others_are_served_between_the_turns_of_heavy_clients(
 
 
 @both_loops
-async def test_clients_that_leave_while_they_wait_are_forgotten(hub: Hub) -> None:
+async def test_clients_that_leave_while_they_wait_are_forgotten(hub: HubServer) -> None:
     endpoints = []
     async with connected(hub.port) as witness:
         for reset in (True, False):
@@ -338,7 +338,7 @@ async def test_clients_that_leave_while_they_wait_are_forgotten(hub: Hub) -> Non
 
 
 async def test_client_that_resets_while_its_close_waits_is_no_error(
-    hub: Hub, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail() -> None:
         raise OSError(errno.ENOTCONN, "Transport endpoint is not connected")
@@ -354,7 +354,7 @@ async def test_client_that_resets_while_its_close_waits_is_no_error(
 
 
 @both_loops
-async def test_client_may_be_closed_while_it_waits(hub: Hub) -> None:
+async def test_client_may_be_closed_while_it_waits(hub: HubServer) -> None:
     endpoint = slow(hub)
     async with connected(hub.port, "/slow") as client:
         await client.send(texts(500))
@@ -406,7 +406,7 @@ async def test_client_whose_pong_is_behind_its_messages_is_alive(start_hub: Star
 
 
 @both_loops
-async def test_flood_in_the_handshake_waits_for_its_turn(hub: Hub) -> None:
+async def test_flood_in_the_handshake_waits_for_its_turn(hub: HubServer) -> None:
     async with dialled(hub.port) as client, connected(hub.port) as witness:
         endpoint = slow(hub)
         await client.send(handshake("/slow") + texts(300))
@@ -433,7 +433,7 @@ async def test_without_fast_framing_turns_end_too(start_hub: StartHub) -> None:
 
 @both_loops
 async def test_client_that_has_just_connected_waits_for_nobody(
-    hub: Hub, monkeypatch: pytest.MonkeyPatch
+    hub: HubServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its handshake took a turn; its messages are served at once, however many others wait."""
     waits = 0

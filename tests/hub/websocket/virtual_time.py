@@ -6,13 +6,13 @@ import asyncio
 from dataclasses import replace
 from typing import Any, cast
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
 class VirtualTime:
     """A steady clock in place of the event loop's; it also sweeps in place of the hub."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: HubServer) -> None:
         self._hub = hub
         self._loop = hub._shared.loop
         self._now = self._loop.time()

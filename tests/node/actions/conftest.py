@@ -6,16 +6,16 @@ import pytest
 
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
-from fibws.node.actions.actions import Actions
-from fibws.node.topics import Topics
-from fibws.node.types import ActionType, Types
+from fibws.node.actions.actions import NodeActions
+from fibws.node.topics import NodeTopics
+from fibws.node.types import NodeActionType, NodeTypes
 
 from ..conftest import FakeSession
 
 NOW = 1_700_000_000_500_000_000
 """The time of the tests in nanoseconds since 1970."""
 
-FibonacciType = ActionType[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+FibonacciType = NodeActionType[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 
 
 async def no_services(name: str, timeout: float | None) -> None:
@@ -23,10 +23,10 @@ async def no_services(name: str, timeout: float | None) -> None:
 
 
 @pytest.fixture
-def actions(session: FakeSession, types: Types) -> Actions:
-    return Actions("/node", session, Topics(session), types, no_services, lambda: NOW)
+def actions(session: FakeSession, types: NodeTypes) -> NodeActions:
+    return NodeActions("/node", session, NodeTopics(session), types, no_services, lambda: NOW)
 
 
 @pytest.fixture
-def fibonacci(types: Types) -> FibonacciType:
-    return ActionType(types, Fibonacci)
+def fibonacci(types: NodeTypes) -> FibonacciType:
+    return NodeActionType(types, Fibonacci)

@@ -9,7 +9,7 @@ from fibws.errors import InterfaceError, InvalidMessage
 from fibws.interfaces import Action, Duration
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.msg.geometry_msgs import TransformStamped
-from fibws.node.types import ActionType, Types
+from fibws.node.types import NodeActionType, NodeTypes
 
 from .conftest import FibonacciType
 
@@ -21,8 +21,8 @@ def test_messages_are_the_same_after_writing_and_reading(fibonacci: FibonacciTyp
     assert fibonacci.feedback.read(fibonacci.feedback.write(feedback)) == feedback
 
 
-def test_message_may_be_a_dict_whose_fields_are_messages(types: Types) -> None:
-    look = ActionType(types, LookupTransform)
+def test_message_may_be_a_dict_whose_fields_are_messages(types: NodeTypes) -> None:
+    look = NodeActionType(types, LookupTransform)
     assert look.goal.write({"timeout": Duration(1, 5)})["timeout"] == {"secs": 1, "nsecs": 5}
     transform = TransformStamped(child_frame_id="base")
     assert look.result.write({"transform": transform})["transform"]["child_frame_id"] == "base"
@@ -34,7 +34,7 @@ def test_standard_type_needs_no_definition(fibonacci: FibonacciType) -> None:
     assert fibonacci.definition is None
 
 
-def test_class_of_unknown_type_is_refused(types: Types) -> None:
+def test_class_of_unknown_type_is_refused(types: NodeTypes) -> None:
     class Lost(Action[FibonacciGoal, FibonacciResult, FibonacciFeedback]):
         _type = "actionlib_tutorials/Lost"
         Goal = FibonacciGoal
@@ -42,4 +42,4 @@ def test_class_of_unknown_type_is_refused(types: Types) -> None:
         Feedback = FibonacciFeedback
 
     with pytest.raises(InterfaceError, match="Lost"):
-        ActionType(types, Lost)
+        NodeActionType(types, Lost)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.node.actions.actions import Actions, Over
+from fibws.node.actions.actions import NodeActions, Over
 from fibws.node.actions.operations import OperationActionClient, OperationActionServer
 from fibws.node.actions.topics import TopicActionClient, TopicActionServer
 
@@ -26,13 +26,13 @@ def execute(goal: Any) -> Any:
     ],
 )
 async def test_over_selects_the_kind_of_server_and_client(
-    actions: Actions, over: Over, server: type, client: type
+    actions: NodeActions, over: Over, server: type, client: type
 ) -> None:
     assert type(actions.serve("/fibonacci", Fibonacci, execute, over=over)) is server
     assert type(actions.client("/fibonacci", Fibonacci, over=over)) is client
 
 
-async def test_invalid_over_is_refused(actions: Actions, session: FakeSession) -> None:
+async def test_invalid_over_is_refused(actions: NodeActions, session: FakeSession) -> None:
     smoke: Any = "smoke"
     text = 'over must be "topics" or "operations", got \'smoke\''
     with pytest.raises(ValueError, match=text):

@@ -10,7 +10,7 @@ import pytest
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.errors import ActionError, OperationRejected
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
-from fibws.node.actions.actions import Actions
+from fibws.node.actions.actions import NodeActions
 from fibws.node.actions.client import ActionClient
 from fibws.node.actions.operations import OperationActionClient
 from fibws.node.actions.server import ActionServer, ServerGoal
@@ -48,7 +48,7 @@ async def execute(
 
 
 @pytest.fixture
-async def server(actions: Actions) -> FibonacciServer:
+async def server(actions: NodeActions) -> FibonacciServer:
     return actions.serve("/fibonacci", Fibonacci, execute, over="operations")
 
 
@@ -199,7 +199,7 @@ async def test_refusal_by_the_hub_ends_the_server(
 
 
 @pytest.fixture
-def client(actions: Actions) -> FibonacciClient:
+def client(actions: NodeActions) -> FibonacciClient:
     return actions.client("/fibonacci", Fibonacci, over="operations")
 
 

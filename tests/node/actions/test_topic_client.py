@@ -12,7 +12,7 @@ from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.errors import ActionError, NodeClosed, OperationRejected, WaitTimeout
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions import topics
-from fibws.node.actions.actions import Actions
+from fibws.node.actions.actions import NodeActions
 from fibws.node.actions.client import ActionClient
 from fibws.protocol.goals import GoalStatus
 
@@ -22,7 +22,7 @@ FibonacciClient = ActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback
 
 
 @pytest.fixture
-async def client(actions: Actions) -> AsyncIterator[FibonacciClient]:
+async def client(actions: NodeActions) -> AsyncIterator[FibonacciClient]:
     async with actions.client("/fibonacci", Fibonacci, over="topics") as client:
         yield client
 
@@ -80,7 +80,7 @@ async def test_status_feedback_and_result_are_received(
 
 
 async def test_two_clients_of_an_action_receive_only_their_own_results(
-    session: FakeSession, actions: Actions, client: FibonacciClient
+    session: FakeSession, actions: NodeActions, client: FibonacciClient
 ) -> None:
     async with actions.client("/fibonacci", Fibonacci, over="topics") as other:
         goals = [await each.send(FibonacciGoal(5)) for each in (client, other)]

@@ -11,7 +11,7 @@ from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.errors import OperationRejected
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions import topics
-from fibws.node.actions.actions import Actions
+from fibws.node.actions.actions import NodeActions
 from fibws.node.actions.server import ActionServer, ServerGoal
 
 from ..conftest import FakeSession, deliver, next_operation, reconnected, sent_operations
@@ -34,7 +34,7 @@ async def execute(
 
 
 @pytest.fixture
-async def server(actions: Actions, monkeypatch: pytest.MonkeyPatch) -> FibonacciServer:
+async def server(actions: NodeActions, monkeypatch: pytest.MonkeyPatch) -> FibonacciServer:
     monkeypatch.setattr(topics, "STATUS_PERIOD", 0.02)
     return actions.serve("/fibonacci", Fibonacci, execute, over="topics", concurrent=True)
 

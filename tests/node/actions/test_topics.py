@@ -8,8 +8,8 @@ import pytest
 
 from fibws.errors import NodeError
 from fibws.node.actions.topics import ActionTopics, GoalIdGenerator
-from fibws.node.topics import Topics
-from fibws.node.types import Types
+from fibws.node.topics import NodeTopics
+from fibws.node.types import NodeTypes
 from fibws.protocol.goals import CANCEL, FEEDBACK, GOAL, RESULT, STATUS
 
 from ..conftest import FakeSession, Lines, deliver, reconnected, sent_operations
@@ -22,9 +22,9 @@ def refusals() -> list[NodeError]:
 
 
 @pytest.fixture
-def topics(session: FakeSession, types: Types, refusals: list[NodeError]) -> ActionTopics:
+def topics(session: FakeSession, types: NodeTypes, refusals: list[NodeError]) -> ActionTopics:
     return ActionTopics(
-        Topics(session), types, "/fibonacci", "actionlib_tutorials/Fibonacci", refusals.append
+        NodeTopics(session), types, "/fibonacci", "actionlib_tutorials/Fibonacci", refusals.append
     )
 
 

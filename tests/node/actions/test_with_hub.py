@@ -15,7 +15,7 @@ import fibws
 from fibws.action import action_class
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.msg.control_msgs import GripperCommandResult
 from fibws.msg.std_msgs import String
@@ -30,22 +30,22 @@ both_kinds = pytest.mark.parametrize("over", OVER)
 
 
 @pytest.fixture
-async def real_hub() -> AsyncIterator[Hub]:
+async def real_hub() -> AsyncIterator[HubServer]:
     """A hub; nodes must leave no tasks of actions behind."""
-    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+    async with HubServer(Settings(port=0, close_timeout=0.1)) as hub:
         yield hub
     names = {task.get_name() for task in asyncio.all_tasks()}
     assert not {name for name in names if "fibonacci" in name or "numbers" in name}
 
 
 @pytest.fixture
-async def server(real_hub: Hub) -> AsyncIterator[fibws.Node]:
+async def server(real_hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("server", hub=real_hub.url) as node:
         yield node
 
 
 @pytest.fixture
-async def client(real_hub: Hub) -> AsyncIterator[fibws.Node]:
+async def client(real_hub: HubServer) -> AsyncIterator[fibws.Node]:
     async with fibws.Node("client", hub=real_hub.url) as node:
         yield node
 
@@ -195,7 +195,7 @@ async def test_infinity_and_nan_arrive_in_goal_feedback_and_result(
 
 
 @both_kinds
-async def test_names_are_resolved_and_remapped(real_hub: Hub, over: Over) -> None:
+async def test_names_are_resolved_and_remapped(real_hub: HubServer, over: Over) -> None:
     remapping = fibws.parse_remappings(["fibonacci:=/robot/numbers"])
     async with (
         fibws.Node("server", hub=real_hub.url, remapping=remapping) as server,
@@ -209,7 +209,7 @@ async def test_names_are_resolved_and_remapped(real_hub: Hub, over: Over) -> Non
 
 @both_kinds
 async def test_hub_learns_the_users_own_action_type(
-    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, over: Over
+    real_hub: HubServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, over: Over
 ) -> None:
     package = tmp_path / f"herd_{over}"
     (package / "msg").mkdir(parents=True)
@@ -258,7 +258,7 @@ async def test_end_of_the_server_aborts_its_goals(
 
 @both_kinds
 async def test_end_of_the_servers_node_aborts_its_goals(
-    real_hub: Hub, client: fibws.Node, over: Over
+    real_hub: HubServer, client: fibws.Node, over: Over
 ) -> None:
     async with fibws.Node("server", hub=real_hub.url) as server:
         await server.action_server("fibonacci", Fibonacci, count, over=over)
@@ -269,7 +269,7 @@ async def test_end_of_the_servers_node_aborts_its_goals(
 
 
 async def test_goals_over_operations_are_canceled_when_the_client_leaves(
-    real_hub: Hub, server: fibws.Node
+    real_hub: HubServer, server: fibws.Node
 ) -> None:
     ended = asyncio.Event()
 
@@ -289,9 +289,9 @@ async def test_goals_over_operations_are_canceled_when_the_client_leaves(
 
 @both_kinds
 async def test_disconnect_loses_goals_and_reconnection_restores_the_action(
-    real_hub: Hub, over: Over, port: int
+    real_hub: HubServer, over: Over, port: int
 ) -> None:
-    old = await Hub(Settings(port=port, close_timeout=0.1)).__aenter__()
+    old = await HubServer(Settings(port=port, close_timeout=0.1)).__aenter__()
     async with (
         fibws.Node("server", hub=old.url) as server,
         fibws.Node("client", hub=old.url) as client,
@@ -306,7 +306,7 @@ async def test_disconnect_loses_goals_and_reconnection_restores_the_action(
             "the connection to the hub was lost",
             "Action /fibonacci is unavailable: /server has left",
         )
-        async with Hub(Settings(port=port, close_timeout=0.1)):
+        async with HubServer(Settings(port=port, close_timeout=0.1)):
             await fibonacci.wait_for_server(timeout=60)
             again = await fibonacci.send(Fibonacci.Goal(2))
             assert (await again.result(timeout=60)).sequence == [0, 1]
@@ -326,7 +326,7 @@ async def test_client_without_a_server(client: fibws.Node, over: Over) -> None:
 
 
 async def test_server_works_although_others_use_its_topics_with_other_types(
-    server: fibws.Node, client: fibws.Node, real_hub: Hub
+    server: fibws.Node, client: fibws.Node, real_hub: HubServer
 ) -> None:
     async with fibws.Node("other", hub=real_hub.url) as other:
         for topic in ("feedback", "cancel"):

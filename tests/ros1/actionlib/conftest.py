@@ -9,14 +9,14 @@ from typing import TypeAlias
 import pytest
 from running_programs import Program
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from ros1.side_by_side import SCRIPTS
 
 StartScript: TypeAlias = Callable[..., Awaitable[Program]]
 
 
 @pytest.fixture
-async def start_script(hub: Hub) -> AsyncIterator[StartScript]:
+async def start_script(hub: HubServer) -> AsyncIterator[StartScript]:
     """Starts scripts by their names, and sees to it that none is left over."""
     programs: list[Program] = []
 

@@ -9,7 +9,7 @@ import pytest
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 
 from .conftest import StartScript
@@ -44,7 +44,7 @@ client.stop()
 
 @pytest.mark.long
 async def test_several_goals_are_followed(
-    hub: Hub, start_script: StartScript, script: Callable[[str], Path]
+    hub: HubServer, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     """Feedback may be overtaken by the result, as in ROS: each topic has its own thread."""
 

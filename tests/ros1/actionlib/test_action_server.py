@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from ros1.side_by_side import Part, our_ros
 
 from .conftest import StartScript
@@ -90,7 +90,7 @@ class Client:
 
 
 @pytest.fixture
-async def client(hub: Hub) -> AsyncIterator[Client]:
+async def client(hub: HubServer) -> AsyncIterator[Client]:
     async with fibws.Node("client", hub=hub.url) as node:
         client = Client(node)
         await client.start()

@@ -9,7 +9,7 @@ from typing import Any
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 
 from .conftest import StartScript
@@ -28,21 +28,21 @@ async def count(goal: Goal) -> FibonacciResult:
     return FibonacciResult(list(range(goal.request.order)))
 
 
-async def test_goal_succeeds(hub: Hub, start_script: StartScript) -> None:
+async def test_goal_succeeds(hub: HubServer, start_script: StartScript) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
         client = await start_script("fibonacci_client.py", "3", "20")
         assert await client.end() == (0, "feedback: [0, 1]\n3 \n[0, 1, 2]\n", "")
 
 
-async def test_goal_is_aborted(hub: Hub, start_script: StartScript) -> None:
+async def test_goal_is_aborted(hub: HubServer, start_script: StartScript) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
         client = await start_script("fibonacci_client.py", "-3", "20")
         assert await client.end() == (0, "4 ValueError: there is no such order\n[]\n", "")
 
 
-async def test_goal_is_canceled(hub: Hub, start_script: StartScript) -> None:
+async def test_goal_is_canceled(hub: HubServer, start_script: StartScript) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
         client = await start_script("fibonacci_client.py", "11", "0.5")
@@ -52,7 +52,7 @@ async def test_goal_is_canceled(hub: Hub, start_script: StartScript) -> None:
 
 
 async def test_goal_that_its_server_forgot_is_lost(
-    hub: Hub, start_script: StartScript, script: Callable[[str], Path]
+    hub: HubServer, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         for topic, type_ in (
@@ -76,7 +76,7 @@ async def test_goal_that_its_server_forgot_is_lost(
 
 
 async def test_ctrl_c_interrupts_the_wait_for_a_server(
-    hub: Hub, start_script: StartScript, script: Callable[[str], Path]
+    hub: HubServer, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         feedback = await node.advertise(
@@ -117,7 +117,7 @@ print(client.wait_for_result(), flush=True)
 
 
 async def test_ctrl_c_interrupts_the_wait_for_a_result(
-    hub: Hub, start_script: StartScript, script: Callable[[str], Path]
+    hub: HubServer, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
@@ -153,7 +153,7 @@ print(client.get_state(), client.wait_for_result(), client.get_result(), flush=T
 
 
 async def test_next_goal_can_be_sent_in_the_done_callback(
-    hub: Hub, start_script: StartScript, script: Callable[[str], Path]
+    hub: HubServer, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)

@@ -14,7 +14,7 @@ from running_programs import Program
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from ros1.side_by_side import SCRIPTS, Part, our_ros
 
 from .conftest import StartScript
@@ -70,7 +70,9 @@ async def test_goals_can_be_accepted_in_callbacks() -> None:
 
 
 @pytest.mark.long
-async def test_ctrl_c_ends_a_server_during_a_goal(hub: Hub, start_script: StartScript) -> None:
+async def test_ctrl_c_ends_a_server_during_a_goal(
+    hub: HubServer, start_script: StartScript
+) -> None:
     server = await start_script("fibonacci_server.py")
     assert "ready" in await server.line()
     async with fibws.Node("test", hub=hub.url) as node:
@@ -86,7 +88,7 @@ async def test_ctrl_c_ends_a_server_during_a_goal(hub: Hub, start_script: StartS
     assert re.findall(r"/fibonacci: (.*)", out) == ["order 45", "succeeded"]
 
 
-async def test_clients_of_fibws_can_send_goals(hub: Hub, start_script: StartScript) -> None:
+async def test_clients_of_fibws_can_send_goals(hub: HubServer, start_script: StartScript) -> None:
     server = await start_script("fibonacci_server.py")
     assert "ready" in await server.line()
     async with fibws.Node("test", hub=hub.url) as node:
@@ -103,12 +105,12 @@ async def test_clients_of_fibws_can_send_goals(hub: Hub, start_script: StartScri
 
 
 async def test_goal_survives_a_restart_of_the_hub(port: int) -> None:
-    async with Hub(Settings(port=port, close_timeout=0.1)) as hub:
+    async with HubServer(Settings(port=port, close_timeout=0.1)) as hub:
         server = await Program.start("fibws.rospy", SERVER, **_meeting_at(hub))
         assert "ready" in await server.line()
         client = await Program.start("fibws.rospy", CLIENT, "20", "60", **_meeting_at(hub))
         assert await client.line() == "feedback: [0, 1, 1]\n"
-    async with Hub(Settings(port=port, close_timeout=0.1)):
+    async with HubServer(Settings(port=port, close_timeout=0.1)):
         code, out, err = await client.end()
         await server.stop()
     assert code == 0, err
@@ -116,7 +118,7 @@ async def test_goal_survives_a_restart_of_the_hub(port: int) -> None:
     assert "1597, 2584, 4181, 6765]" in out.splitlines()[-1]
 
 
-def _meeting_at(hub: Hub) -> dict[str, str]:
+def _meeting_at(hub: HubServer) -> dict[str, str]:
     return {"FIBWS_HUB": hub.url, "PYTHONUNBUFFERED": "1"}
 
 
@@ -137,7 +139,7 @@ rospy.spin()
 
 
 async def test_errors_of_the_program_are_logged(
-    hub: Hub, start_script: StartScript, script: Callable[[str], Path]
+    hub: HubServer, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     server = await start_script(script(WRONG))
     assert await server.line() == "ready\n"

@@ -9,12 +9,12 @@ from roslib import scriptutil
 
 import fibws
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 
 
 async def test_publishers_and_subscribers_are_recognized(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with Hub(Settings(port=0)) as hub, fibws.Node("talker", hub=hub.url) as node:
+    async with HubServer(Settings(port=0)) as hub, fibws.Node("talker", hub=hub.url) as node:
         monkeypatch.setenv("FIBWS_HUB", hub.url)
         await node.advertise("chatter", String)
         async with fibws.Node("listener", hub=hub.url) as other:

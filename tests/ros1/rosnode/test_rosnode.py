@@ -10,11 +10,11 @@ import pytest
 import rosnode
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
 @pytest.fixture(autouse=True)
-async def talker(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
+async def talker(hub: HubServer, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
     monkeypatch.setenv("FIBWS_HUB", hub.url)
     async with fibws.Node("talker", namespace="/robot", hub=hub.url) as node:
         await node.advertise("chatter", "std_msgs/String")

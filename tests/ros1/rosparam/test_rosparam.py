@@ -14,11 +14,11 @@ import rosgraph
 import rosparam
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
 @pytest.fixture(autouse=True)
-async def node(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
     monkeypatch.setenv("FIBWS_HUB", hub.url)
     async with fibws.Node("node", hub=hub.url) as node:
         yield node

@@ -15,7 +15,7 @@ import fork_server
 from patience import PATIENCE
 
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 PYTHONPATH = Path(__file__).parents[3] / "fibws" / "ros1" / "python"
 
@@ -70,7 +70,7 @@ class Program:
 class Programs:
     """Programs on a hub."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: HubServer) -> None:
         self.hub = hub
         self._programs: list[Program] = []
 
@@ -108,7 +108,7 @@ async def running_hub(**settings: Any) -> AsyncIterator[Programs]:
     Args:
         settings: more settings of the hub.
     """
-    async with Hub(Settings(port=0, close_timeout=0.1, **settings)) as hub:
+    async with HubServer(Settings(port=0, close_timeout=0.1, **settings)) as hub:
         programs = Programs(hub)
         try:
             yield programs

@@ -17,7 +17,7 @@ from rospy.exceptions import ROSException, ROSInterruptException
 
 import fibws
 from fibws import NodeClosed
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def background() -> Iterator[Background]:
 
 
 @pytest.fixture
-async def running(background: Background, hub: Hub) -> AsyncIterator[Background]:
+async def running(background: Background, hub: HubServer) -> AsyncIterator[Background]:
     """The node /worker runs."""
     await asyncio.to_thread(background.start, lambda: fibws.Node("worker", hub=hub.url), print)
     yield background
@@ -125,7 +125,7 @@ async def test_node_ends_after_unfinished_tasks(running: Background) -> None:
     assert results == ["sent"]
 
 
-async def test_end_of_the_node_is_reported(background: Background, hub: Hub) -> None:
+async def test_end_of_the_node_is_reported(background: Background, hub: HubServer) -> None:
     errors: asyncio.Queue[Exception] = asyncio.Queue()
     loop = asyncio.get_running_loop()
 

@@ -15,7 +15,7 @@ from rospy.exceptions import ROSInitException
 import fibws
 from fibws.errors import NoHub
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from ros1.rospy.programs import running_hub
 
 
@@ -268,7 +268,7 @@ async def test_wait_for_a_hub_is_logged_and_ends_with_ctrl_c() -> None:
 
 async def test_node_survives_a_restart_of_the_hub(port: int) -> None:
     async with AsyncExitStack() as first, running_hub() as programs:
-        hub = await first.enter_async_context(Hub(Settings(port=port, close_timeout=0.1)))
+        hub = await first.enter_async_context(HubServer(Settings(port=port, close_timeout=0.1)))
         program = await programs.start(f"""
             import os, rospy
             os.environ["FIBWS_HUB"] = {hub.url!r}
@@ -280,7 +280,7 @@ async def test_node_survives_a_restart_of_the_hub(port: int) -> None:
         """)
         assert await program.read_line() == "ready"
         await first.aclose()
-        async with Hub(Settings(port=port, close_timeout=0.1)) as again:
+        async with HubServer(Settings(port=port, close_timeout=0.1)) as again:
             async with fibws.Node("other", hub=again.url) as node:
                 await node.params.set("/go", True)
                 assert [line for line in await program.finish() if line == "back"] == ["back"]

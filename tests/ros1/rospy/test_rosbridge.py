@@ -11,7 +11,7 @@ from rospy import core
 from rospy.background import Background
 from websockets.asyncio.server import ServerConnection, serve
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from ros1.rospy.programs import Programs
 
 RESPONSES: dict[str, dict[str, Any]] = {
@@ -42,7 +42,7 @@ async def rosbridge(client: ServerConnection) -> None:
 async def test_script_runs_on_rosbridge_suite() -> None:
     async with serve(rosbridge, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
-        running_hub = Programs(cast(Hub, SimpleNamespace(url=f"ws://127.0.0.1:{port}")))
+        running_hub = Programs(cast(HubServer, SimpleNamespace(url=f"ws://127.0.0.1:{port}")))
         program = await running_hub.start(
             """
             import rospy, threading

@@ -12,7 +12,7 @@ import rosservice
 from running_programs import Program
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse
 
 
@@ -23,7 +23,7 @@ def answer(request: SetBoolRequest) -> SetBoolResponse:
 
 
 @pytest.fixture(autouse=True)
-async def node(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
     monkeypatch.setenv("FIBWS_HUB", hub.url)
     async with fibws.Node("light", namespace="/robot", hub=hub.url) as node:
         await node.service("~switch", SetBool, answer)
@@ -103,7 +103,7 @@ attempt(["yes"])
 """
 
 
-async def test_service_is_called_with_values(hub: Hub, tmp_path: Path) -> None:
+async def test_service_is_called_with_values(hub: HubServer, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(CALLS)
     program = await Program.start("fibws.rospy", str(script), FIBWS_HUB=hub.url)

@@ -10,7 +10,7 @@ import pytest
 from running_programs import Program
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 from fibws.ros1.shell import ros_programs
 from fibws.srv.rospy_tutorials import AddTwoInts
@@ -19,7 +19,7 @@ SOON = "timeout: 0.2"
 
 
 @pytest.fixture
-async def graph(hub: Hub) -> AsyncIterator[None]:
+async def graph(hub: HubServer) -> AsyncIterator[None]:
     """A node that publishes /number at 50 Hz, subscribes to /other, and adds at /add."""
 
     async def publish() -> None:
@@ -101,7 +101,7 @@ async def graph(hub: Hub) -> AsyncIterator[None]:
 )
 @pytest.mark.long
 async def test_node_is_tested(
-    hub: Hub, graph: None, program: str, parameters: list[str], faults: list[str]
+    hub: HubServer, graph: None, program: str, parameters: list[str], faults: list[str]
 ) -> None:
     line = ros_programs.command_line("rostest", program, [f"_{each}" for each in parameters])
     assert line is not None

@@ -8,7 +8,7 @@ import pytest
 import rostest
 from running_programs import Program
 
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 SCRIPT = """
 import sys, unittest
@@ -38,7 +38,7 @@ print("after", rospy.is_shutdown())
     ("argument", "code", "end"), [("good", 0, ["hook", "after True"]), ("bad", 1, ["hook"])]
 )
 async def test_node_ends_after_its_tests(
-    hub: Hub, tmp_path: Path, argument: str, code: int, end: list[str]
+    hub: HubServer, tmp_path: Path, argument: str, code: int, end: list[str]
 ) -> None:
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)

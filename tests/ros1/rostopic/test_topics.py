@@ -10,11 +10,11 @@ import pytest
 import rostopic
 
 import fibws
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 
 
 @pytest.fixture(autouse=True)
-async def node(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
+async def node(hub: HubServer, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[fibws.Node]:
     monkeypatch.setenv("FIBWS_HUB", hub.url)
     async with fibws.Node("talker", hub=hub.url) as node:
         await node.advertise("header", "std_msgs/Header")

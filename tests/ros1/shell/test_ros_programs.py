@@ -14,7 +14,7 @@ from fibws.cli.aliases import aliases
 from fibws.cli.commands import command
 from fibws.errors import WorkspaceError
 from fibws.hub import Settings
-from fibws.hub.server import Hub
+from fibws.hub.server import HubServer
 from fibws.ros1.shell import ros_programs
 
 
@@ -61,7 +61,7 @@ async def test_listener_receives_from_talker(
 ) -> None:
     import asyncio
 
-    async with Hub(Settings(port=0)) as hub, asyncio.timeout(60):
+    async with HubServer(Settings(port=0)) as hub, asyncio.timeout(60):
         monkeypatch.setenv("FIBWS_HUB", hub.url)
         monkeypatch.setenv("PYTHONUNBUFFERED", "1")
         processes = []
