@@ -263,5 +263,5 @@ async def test_a_file_is_opened_in_place_of_a_hub(
     await open_file(page, write(tmp_path / "n.mcap"))
     await walk(page)
     await expect(page.locator("#state")).to_contain_text("2 topics")
-    await page.get_by_role("link", name="Close file").click()
+    await page.get_by_role("button", name="Close file").click()
     await page.wait_for_selector("#hub[data-state=open]")

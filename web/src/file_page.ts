@@ -39,7 +39,11 @@ export function showRecording(origin: Origin, open: (file: File) => void): () =>
         "div",
         { id: "tools" },
         openButton(open),
-        h("a", { href: location.pathname, class: "button quiet" }, "Close file"),
+        h(
+          "button",
+          { type: "button", class: "quiet", onclick: () => location.assign(location.pathname) },
+          "Close file",
+        ),
       ),
     ),
     problem,

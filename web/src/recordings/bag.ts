@@ -4,7 +4,7 @@ import { History } from "../messages/history";
 import type { Topic } from "../messages/recording_messages";
 import type { Kept } from "../messages/store";
 import { type Decompress, decompressors } from "./decompress";
-import type { Ranges } from "./ranges";
+import type { CountedRanges, Ranges } from "./ranges";
 import { Channel, IndexedRecording, type Recording, topicsOf } from "./recording";
 
 interface Time {
@@ -25,7 +25,7 @@ const [MESSAGE, CHUNK, CONNECTION] = [2, 5, 7];
 const COMPRESSIONS = ["lz4", "bz2"];
 
 /** Open a file; without an index, it is read as a whole. */
-export async function openBag(ranges: Ranges, warn: () => void): Promise<Recording> {
+export async function openBag(ranges: CountedRanges, warn: () => void): Promise<Recording> {
   const decompress: Record<string, Decompress> = {};
   const file = {
     size: () => ranges.size,
@@ -40,7 +40,7 @@ export async function openBag(ranges: Ranges, warn: () => void): Promise<Recordi
       decompress,
       await decompressors(await compressionOf(ranges, first.chunkPosition)),
     );
-    return new BagRecording(bag, warn);
+    return new BagRecording(bag, ranges, warn);
   } catch (error) {
     const why = `no index (${(error as Error).message}): the messages before the damage are shown`;
     return readWhole(ranges, why);
@@ -62,8 +62,8 @@ class BagRecording extends IndexedRecording {
   readonly #channels = new Map<number, Channel>();
   readonly #nodes = new Map<number, string>();
 
-  constructor(bag: Bag, warn: () => void) {
-    super(warn);
+  constructor(bag: Bag, ranges: CountedRanges, warn: () => void) {
+    super(ranges, warn);
     this.#bag = bag;
     for (const [id, { topic, type = "", messageDefinition, callerid = "" }] of bag.connections) {
       this.#channels.set(id, new Channel(topic, type, messageDefinition, "ros1"));

@@ -4,7 +4,7 @@ import { History } from "../messages/history";
 import type { Topic } from "../messages/recording_messages";
 import type { Kept } from "../messages/store";
 import { decompressors } from "./decompress";
-import type { Ranges } from "./ranges";
+import type { CountedRanges, Ranges } from "./ranges";
 import { Channel, IndexedRecording, type Recording, topicsOf } from "./recording";
 
 /** Bytes of message indexes that are kept. */
@@ -21,7 +21,7 @@ type ChannelRecord = { topic: string; schemaId: number; messageEncoding: string 
 type SchemaRecord = { name: string; data: Uint8Array };
 
 /** Open a file; without an index, it is read as a whole. */
-export async function openMcap(ranges: Ranges, warn: () => void): Promise<Recording> {
+export async function openMcap(ranges: CountedRanges, warn: () => void): Promise<Recording> {
   const readable = {
     size: async () => BigInt(ranges.size),
     read: (offset: bigint, length: bigint) => ranges.read(Number(offset), Number(length)),
@@ -33,7 +33,7 @@ export async function openMcap(ranges: Ranges, warn: () => void): Promise<Record
     const reader = await McapIndexedReader.Initialize(settings);
     const names = reader.chunkIndexes.map(({ compression }) => compression);
     Object.assign(decompressHandlers, await decompressors(names));
-    if (reader.chunkIndexes.length > 0) return new McapRecording(reader, warn);
+    if (reader.chunkIndexes.length > 0) return new McapRecording(reader, ranges, warn);
     return await readWhole(ranges, []);
   } catch (error) {
     const why = `no index (${(error as Error).message}): the messages before the damage are shown`;
@@ -48,8 +48,8 @@ class McapRecording extends IndexedRecording {
   readonly #reader: McapIndexedReader;
   readonly #channels = new Map<number, Channel>();
 
-  constructor(reader: McapIndexedReader, warn: () => void) {
-    super(warn);
+  constructor(reader: McapIndexedReader, ranges: CountedRanges, warn: () => void) {
+    super(ranges, warn);
     this.#reader = reader;
     for (const [id, channel] of reader.channelsById)
       this.#channels.set(id, channelOf(channel, reader.schemasById.get(channel.schemaId)));

@@ -4,7 +4,7 @@ import { Inbox } from "../messages/inbox";
 import { Player, type Taker } from "../messages/player";
 import type { Origin, RecordingReport } from "../messages/recording_messages";
 import type { ClockReport } from "../messages/worker_messages";
-import { FileRanges, openUrl, type Ranges } from "./ranges";
+import { CountedRanges, FileRanges, openUrl, type Ranges } from "./ranges";
 import type { Recording } from "./recording";
 
 const BAG = "#ROSBAG V2.0\n";
@@ -46,7 +46,7 @@ export async function openRecording(
 ): Promise<RecordedMessages> {
   const none = { kind: "recording", size: 0, topics: [], warnings: [] } as const;
   try {
-    const ranges = await rangesOf(origin);
+    const ranges = new CountedRanges(await rangesOf(origin));
     const { name, size } = ranges;
     const report = (): void => {
       const { topics, warnings } = recording;
@@ -67,7 +67,7 @@ async function rangesOf(origin: Origin): Promise<Ranges> {
   return openUrl(origin.url, origin.token);
 }
 
-async function recordingOf(ranges: Ranges, warn: () => void): Promise<Recording> {
+async function recordingOf(ranges: CountedRanges, warn: () => void): Promise<Recording> {
   const start = new TextDecoder("latin1").decode(await ranges.read(0, BAG.length));
   if (start === BAG) return (await import("./bag")).openBag(ranges, warn);
   // Latin-1 of browsers has other letters from 0x80 to 0x9f.

@@ -7,6 +7,25 @@ export interface Ranges {
   read(offset: number, length: number): Promise<Uint8Array>;
 }
 
+/** Counts the bytes that are read. */
+export class CountedRanges implements Ranges {
+  readonly name: string;
+  readonly size: number;
+  total = 0;
+  readonly #ranges: Ranges;
+
+  constructor(ranges: Ranges) {
+    this.name = ranges.name;
+    this.size = ranges.size;
+    this.#ranges = ranges;
+  }
+
+  read(offset: number, length: number): Promise<Uint8Array> {
+    this.total += Math.max(0, Math.min(length, this.size - offset));
+    return this.#ranges.read(offset, length);
+  }
+}
+
 /** A server does not send what it should: the file itself may be good. */
 export class Unreachable extends Error {}
 

@@ -18,11 +18,18 @@ class Fake extends IndexedRecording {
   readonly end: number;
   readonly reads: Read[] = [];
   readonly damaged = new Set<number>();
+  readonly counted: { total: number };
+  messageSize = 0;
   fault = (): Error => new Error("wrong checksum");
   #messages: Kept[];
 
-  constructor(messages: readonly (readonly [string, number])[], end: number) {
-    super(() => undefined);
+  constructor(
+    messages: readonly (readonly [string, number])[],
+    end: number,
+    counted = { total: 0 },
+  ) {
+    super(counted, () => undefined);
+    this.counted = counted;
     const names = [...new Set(messages.map(([topic]) => topic))];
     const channels = new Map(names.map((name) => [name, new Channel(name, "t/T", "", "ros1")]));
     this.topics = topicsOf(channels.values());
@@ -44,6 +51,7 @@ class Fake extends IndexedRecording {
     for (const kept of all) {
       if (!topics.includes(kept.topic) || kept.time < from || kept.time > to) continue;
       if (this.damaged.has(Math.floor(seconds(kept.time) / 10))) throw this.fault();
+      this.counted.total += this.messageSize;
       yield kept;
     }
   }
@@ -92,6 +100,17 @@ it("those who want all messages get those of half a minute", async () => {
   );
   const few = await recording.before(new Map([["/odom", 3]]), START + 500_000);
   expect(seconds(few)).toEqual(["/odom 498", "/odom 499", "/odom 500"]);
+});
+
+it("no more is read for them than some bytes, such as of images beside them", async () => {
+  const recording = new Fake(every("/odom", 2, 1000), 1000);
+  recording.messageSize = 10 * 2 ** 20;
+  const found = await recording.before(new Map([["/odom", 10_000]]), START + 500_000);
+  expect(seconds(found)).toEqual(
+    every("/odom", 2, 500)
+      .slice(-8)
+      .map((x) => x.join(" ")),
+  );
 });
 
 it("all static transforms up to a moment are found", async () => {

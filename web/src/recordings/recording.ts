@@ -3,7 +3,7 @@ import { readDefinition } from "../messages/definition";
 import { type Fields, makeReader, type Reader } from "../messages/reader";
 import type { Topic } from "../messages/recording_messages";
 import { isStatic, type Kept, type Store } from "../messages/store";
-import { Unreachable } from "./ranges";
+import { type CountedRanges, Unreachable } from "./ranges";
 
 export interface Recording extends Store {
   readonly topics: readonly Topic[];
@@ -13,6 +13,8 @@ export interface Recording extends Store {
 
 /** Those who want all messages get those of so long before a moment, in ms. */
 const BEFORE = 30_000;
+/** Bytes that are read for that at most, of each topic: images beside it may be many. */
+const MAX_READ = 64 * 2 ** 20;
 /** Topics that are read together before a moment, in ms; each of the others is read by itself. */
 const TOGETHER = 1000;
 /** Most messages before a moment, for the memory. */
@@ -68,8 +70,11 @@ export abstract class IndexedRecording implements Recording {
   readonly warnings: string[] = [];
   readonly #warn: () => void;
 
-  /** `warn` is called when there is another warning. */
-  constructor(warn: () => void) {
+  readonly #ranges: Pick<CountedRanges, "total">;
+
+  /** `ranges` is the file; `warn` is called when there is another warning. */
+  constructor(ranges: Pick<CountedRanges, "total">, warn: () => void) {
+    this.#ranges = ranges;
     this.#warn = warn;
   }
 
@@ -100,11 +105,14 @@ export abstract class IndexedRecording implements Recording {
     const isKnown = (topic: string): boolean => (found.get(topic)?.length ?? 0) > 0;
     const others = [...wanted.keys()].filter((topic) => !isStatic(topic));
     await take(others, time - TOGETHER, time);
+    const earlier = time - TOGETHER;
     for (const topic of others) {
-      const isAll = (wanted.get(topic) ?? 0) > 1;
-      const from = isAll ? time - BEFORE : time - TOGETHER;
-      if (isAll && !isFull(topic)) await take([topic], from, time - TOGETHER);
-      if (!isKnown(topic)) await take([topic], this.start, from, isKnown);
+      if ((wanted.get(topic) ?? 0) > 1 && !isFull(topic)) {
+        const most = this.#ranges.total + MAX_READ;
+        const isEnough = (): boolean => isFull(topic) || this.#ranges.total > most;
+        await take([topic], time - BEFORE, earlier, isEnough);
+      }
+      if (!isKnown(topic)) await take([topic], this.start, earlier, isKnown);
     }
     for (const topic of wanted.keys()) {
       if (!isStatic(topic)) continue;
