@@ -613,17 +613,22 @@ async def test_fields_of_an_echo_are_dragged_onto_plots_and_states(
         await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
         plot, states = pane(page, "Plot"), pane(page, "State transitions")
 
-        def key(path: str) -> Locator:
-            return pane(page, "Echo").locator(f'[data-field="{path}"]')
+        async def drag(path: str, target: Locator) -> None:
+            # The mouse would miss: rows move while the panels beside them are laid out.
+            transfer = {"dataTransfer": await page.evaluate_handle("new DataTransfer()")}
+            field = pane(page, "Echo").locator(f'[data-field="{path}"]')
+            await field.dispatch_event("dragstart", transfer)
+            for event in ("dragenter", "dragover", "drop"):
+                await target.dispatch_event(event, transfer)
 
-        await key("range_max").drag_to(plot.locator(".plot-pane"))
+        await drag("range_max", plot.locator(".plot-pane"))
         await expect(plot.locator(".plot-name")).to_have_text("/scan range_max")
         await expect(plot.locator(".plot-value")).to_have_text("8")
         # Onto the chart, too; of an array, all elements.
-        await key("ranges[:]").drag_to(plot.locator(".plot-canvas"))
+        await drag("ranges[:]", plot.locator(".plot-canvas"))
         await expect(plot.locator(".plot-name").last).to_have_text("/scan ranges[:]")
         await expect(plot.locator(".plot-name")).to_have_count(2)
-        await key("header.frame_id").drag_to(states.locator(".plot-pane"))
+        await drag("header.frame_id", states.locator(".plot-pane"))
         await expect(states.locator("output")).to_have_text("laser")
 
 
