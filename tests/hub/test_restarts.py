@@ -100,7 +100,7 @@ async def test_all_nodes_are_back_after_many_restarts(
         await ring.publish_last()
         await asyncio.gather(*listening)
         assert len(hub.graph.nodes) > NODES
-        assert refused > NODES
+        assert refused  # How many depends on how long each restart takes.
     for heard in ring.heard:
         # Latched messages are sent again by each connection; apart from that, all are in order.
         assert heard[-1] == LATEST
