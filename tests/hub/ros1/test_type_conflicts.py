@@ -79,3 +79,22 @@ async def test_ros1_nodes_of_two_types_are_shown_and_both_are_registered(
     publishers, subscribers, _ = await other.call("getSystemState")
     assert ["/count", ["/talker"]] in publishers
     assert ["/count", ["/other"]] in subscribers
+
+
+async def test_ros1_subscriber_gets_the_messages_of_its_definition(
+    hub: HubServer, start_peer: StartPeer
+) -> None:
+    graph = hub.graph
+    first, second = (
+        graph.advertise(graph.topic("/a"), node, "my_msgs/Thing", definition)
+        for node, definition in (("/first", "int8 x"), ("/second", "int32 x"))
+    )
+    listener = await start_peer("/listener")
+    assert len(await listener.subscribe("/a", "my_msgs/Thing")) == 1
+    assert second.type.md5sum
+    link = await listener.connect("/a", type="my_msgs/Thing", md5sum=second.type.md5sum)
+    first.publish({"x": 1})
+    second.publish({"x": 2})
+    assert await link.receive() == int32(2)
+    for source in (first, second):
+        graph.remove_source(source)
