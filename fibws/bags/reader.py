@@ -68,7 +68,7 @@ class Reader(ABC):
     differences: Sequence[str] = ()
     """How types that were converted differ from those of the same names in ROS 1."""
     notices: Sequence[str] = ()
-    """What users should know of the file: it is being written, or was not closed."""
+    """Warnings for users: the file is being written, or was not closed."""
 
     @property
     @abstractmethod

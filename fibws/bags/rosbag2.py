@@ -102,7 +102,7 @@ def _named_copy(file: BinaryIO) -> str:
 
 
 def check_not_empty(path: str) -> None:
-    """Raise BagFormatError if there is nothing in a file, and OSError if there is none."""
+    """Raise BagFormatError if a file is empty, and OSError if it does not exist."""
     if not os.path.getsize(path) and os.path.isfile(path):
         raise BagFormatError(f"{path}: the file is empty")
 

@@ -26,7 +26,7 @@ def open_bag(path: str | PathLike[str]) -> Reader:
     """Open a bag for reading, and print what users should know of it.
 
     Raises:
-        click.ClickException: there is no such file, or it cannot be read.
+        click.ClickException: the file does not exist, or it cannot be read.
         BagError: as `open_reader`.
     """
     try:

@@ -49,7 +49,7 @@ class Member(Protocol):
     sent: int
     """Messages that it was sent, except those that its group counts for all without a throttle."""
     throttled: int
-    """Messages that its throttle left out, once it has none any more."""
+    """Messages that its earlier throttles left out."""
     unacknowledged: int
     """Messages sent on credit that its client has not acknowledged."""
 
@@ -165,7 +165,7 @@ class Throttle(Generic[M]):
         return not credit or self._member.unacknowledged < credit
 
     def _take(self) -> Frame:
-        """Remove, count and return the next frame; empty if none may be sent any more."""
+        """Remove, count and return the next frame; empty if none may be sent now."""
         member = self._member
         if member is None or not self._may_send():
             return b""
