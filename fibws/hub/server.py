@@ -39,7 +39,7 @@ from fibws.hub.held_memory import count_held, memory_limit
 from fibws.hub.http.login import LoginRoutes
 from fibws.hub.http.proxies import TrustedProxies
 from fibws.hub.http.recording_downloads import RecordingRoute
-from fibws.hub.http.requests import HttpRequests, read_files
+from fibws.hub.http.requests import HttpRequests, built_files
 from fibws.hub.http.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
 from fibws.hub.log.audit import Audit, Identity
 from fibws.hub.memory.account import Account
@@ -260,7 +260,7 @@ class HubServer:
         )
         self._speak_foxglove()
         self._requests = requests = HttpRequests(
-            self.settings, read_files(), RESERVED_NODES, partial(_refuse_origin, self.audit)
+            self.settings, built_files(), RESERVED_NODES, partial(_refuse_origin, self.audit)
         )
         self._lag = LoopLag(loop, time.monotonic)
         watchers = Watchers(self.settings, self._authentication, self.audit, requests.host_refusal)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import islice, repeat
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from pydantic_core import SchemaValidator, ValidationError, core_schema
 
@@ -26,6 +26,9 @@ from fibws.interfaces.schema import (
     zero_time,
 )
 from fibws.interfaces.validation_errors import MOST_EXPLAINED, explain
+
+Validate: TypeAlias = Callable[[object], dict[str, Any]]
+"""Returns a message with every field filled; raises `InvalidMessage`."""
 
 MOST_ABSENT = 2**16
 """Most values that a message may leave to their defaults, besides one for each four that it has: an
@@ -182,6 +185,7 @@ class MessageValidator:
         "_interfaces",
         "_lenient",
         "_nested",
+        "_schemas",
         "_shape",
         "_validate",
         "definition",
@@ -200,9 +204,11 @@ class MessageValidator:
         self.type = definition.type
         self.has_sequenced_header = interfaces.has_sequenced_header(definition)
         self._interfaces = interfaces
-        self._validate = SchemaValidator(schemas.message(definition)).validate_python
-        self._lenient: _Schemas | Callable[[object], dict[str, Any]] | None = lenient
-        """Nearly all messages are in the strict spelling: the other validator is made on demand."""
+        # Both are made on first use. Most types of a hub's services are never asked for, messages
+        # of many topics travel serialized only, and nearly all others are in the strict spelling.
+        self._schemas = schemas
+        self._validate: Validate | None = None
+        self._lenient: _Schemas | Validate | None = lenient
         self._nested = self._find_nested(definition)
         self._shape: _Shape | None = None
 
@@ -215,8 +221,11 @@ class MessageValidator:
         """
         if self._nested and type(msg) is dict:
             self._check_absent(msg)
+        validate = self._validate
+        if validate is None:
+            validate = self._validate = self._make(self._schemas)
         try:
-            valid: dict[str, Any] = self._validate(msg)
+            valid: dict[str, Any] = validate(msg)
         except ValidationError as error:
             if self._lenient is None or error.error_count() > MOST_EXPLAINED:
                 raise self._explained(error) from None
@@ -225,14 +234,17 @@ class MessageValidator:
         return self._validate_leniently(msg)
 
     def _validate_leniently(self, msg: object) -> dict[str, Any]:
-        if isinstance(self._lenient, _Schemas):
-            schema = self._lenient.message(self.definition)
-            self._lenient = SchemaValidator(schema).validate_python
-        assert self._lenient is not None
+        validate = self._lenient
+        if isinstance(validate, _Schemas):
+            validate = self._lenient = self._make(validate)
+        assert validate is not None
         try:
-            return self._lenient(msg)
+            return validate(msg)
         except ValidationError as error:
             raise self._explained(error) from None
+
+    def _make(self, schemas: _Schemas) -> Validate:
+        return SchemaValidator(schemas.message(self.definition)).validate_python
 
     def _explained(self, error: ValidationError) -> InvalidMessage:
         return explain(self.definition, self._interfaces.message, error)

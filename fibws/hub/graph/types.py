@@ -20,7 +20,7 @@ from fibws.errors import (
     UnknownDefinition,
     UnknownPackage,
 )
-from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64text
+from fibws.interfaces import Interfaces, MessageDefinition, base64text
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.client_definitions import (
@@ -32,6 +32,7 @@ from fibws.interfaces.client_definitions import (
 from fibws.interfaces.folders import Kind
 from fibws.interfaces.long_integers import Convert, LongIntegers
 from fibws.interfaces.serialization import FEWEST_BYTES, Serializer, Serializers
+from fibws.interfaces.validators import Validate, Validators
 
 _SCALARS = frozenset({str, int, float, bool, type(None)})
 
@@ -40,8 +41,6 @@ ANY_TYPE = "*"
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
 """Serialized bytes; they must not be changed."""
-Validate: TypeAlias = Callable[[object], dict[str, Any]]
-"""Returns a message with every field filled; raises `InvalidMessage`."""
 
 
 def read_values(

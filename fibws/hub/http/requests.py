@@ -6,7 +6,8 @@ sees, if it may connect, and which option lets it in. It says nothing that tryin
 pages of any origin may read it.
 
 The page at ``/``, its parts, ``/roslib.js`` and ``/roslib.mjs`` are files that the package's build
-makes. They are read once, when the hub starts; a request's path never reaches the file system.
+makes. They are read once, when the first hub of a process starts; a request's path never reaches
+the file system.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import http
 import logging
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from functools import cache, cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from threading import Lock
@@ -241,7 +243,7 @@ class HttpRequests:
     """Responds to the requests that reach the hub's port.
 
     Args:
-        files: the files that a browser may fetch, from `read_files`.
+        files: the files that a browser may fetch, as of `built_files`.
         reserved: names of nodes that no client may take.
         refused: takes the reason and the client's address whenever a page's origin, or a name of
             the hub, is refused: a browser does not show its page why.
@@ -475,18 +477,20 @@ class File:
         self._packed = packed
         suffix = path.rpartition(".")[2]
         self._content_type = CONTENT_TYPES.get(suffix, "application/octet-stream")
-        self._etag = f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
         forever = path.startswith("assets/")
         self._headers = {
             "Cache-Control": "public, max-age=31536000, immutable" if forever else "no-cache",
             "Content-Security-Policy": CONTENT_SECURITY_POLICY,
-            "ETag": self._etag,
             "Referrer-Policy": "no-referrer",
             "Vary": "Accept-Encoding",
         }
         if path in ("roslib.js", "roslib.mjs"):  # Other sites' pages may load it, too.
             self._headers["Access-Control-Allow-Origin"] = "*"
             self._headers["Cross-Origin-Resource-Policy"] = "cross-origin"
+
+    @cached_property
+    def _etag(self) -> str:
+        return f'W/"{hashlib.sha256(self._content).hexdigest()[:32]}"'
 
     def respond(self, get: Get) -> Response:
         """Return the response to a request."""
@@ -498,7 +502,7 @@ class File:
             found.headers["Content-Encoding"] = coding
         else:
             found = response(http.HTTPStatus.OK, self._content_type, self._content)
-        found.headers.update(self._headers)
+        found.headers.update(self._headers, ETag=self._etag)
         return found
 
     def _is_cached(self, headers: Headers) -> bool:
@@ -512,7 +516,13 @@ def packed(files: Mapping[str, bytes], path: str) -> dict[str, bytes]:
     return {coding: files[name] for coding, name in names.items() if name in files}
 
 
-def read_files(folder: Traversable = BUILT) -> dict[str, bytes]:
+@cache
+def built_files() -> Mapping[str, bytes]:
+    """Return the files of the page; they are read once by each process."""
+    return read_files(BUILT)
+
+
+def read_files(folder: Traversable) -> dict[str, bytes]:
     """Return the files in a folder and those below it, by their paths; none without a folder.
 
     Hidden files are left out: the build keeps one that a browser does not need.
