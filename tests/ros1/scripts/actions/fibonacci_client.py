@@ -1,14 +1,19 @@
 #!/usr/bin/env python
 import sys
+import threading
 
 import actionlib
 import rospy
 from actionlib_tutorials.msg import FibonacciAction, FibonacciGoal
 
 
+heard = threading.Event()
+
+
 def feedback(message):
     # In one piece: another thread prints, too.
     sys.stdout.write('feedback: %s\n' % list(message.sequence))
+    heard.set()
 
 
 if __name__ == '__main__':
@@ -20,5 +25,8 @@ if __name__ == '__main__':
         client.cancel_goal()
         client.wait_for_result()
     result = client.get_result()
+    if result.sequence:
+        # Feedback and result are topics of their own: either may come first.
+        heard.wait(60)
     print(client.get_state(), client.get_goal_status_text())
     print(list(result.sequence))
