@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import shutil
+import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -128,6 +131,24 @@ def write(
     latched: bool = False,
 ) -> None:
     """Write a folder with one file of messages by their numbers, ten of each topic in a second."""
+    shutil.copytree(_written(folder.name, kind, begin, end, latched=latched), folder)
+
+
+def write_split(folder: Path, kind: Kind = MCAP) -> None:
+    """Write a folder with three files, the way rosbag2 splits recordings."""
+    shutil.copytree(_written_split(folder.name, kind), folder)
+
+
+def _new_place() -> Path:
+    path = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, path)
+    return Path(path)
+
+
+# A folder is written once by each process, and copied: SQLite waits for the disk with each file.
+@cache
+def _written(name: str, kind: Kind, begin: int, end: int, *, latched: bool) -> Path:
+    folder = _new_place() / name
     plugin, mode = kind
     writer = Writer(folder, version=9, storage_plugin=plugin)
     writer.set_compression(mode, CompressionFormat.ZSTD)
@@ -144,10 +165,12 @@ def write(
             for shift, (topic, type_, message) in enumerate(messages(number)):
                 data = STORE.serialize_cdr(message, type_)
                 writer.write(connections[topic], START + number * 100_000_000 + shift, data)
+    return folder
 
 
-def write_split(folder: Path, kind: Kind = MCAP) -> None:
-    """Write a folder with three files, the way rosbag2 splits recordings."""
+@cache
+def _written_split(name: str, kind: Kind) -> Path:
+    folder = _new_place() / name
     parts = []
     for number in range(3):
         part = folder.with_name(f"{folder.name}_part{number}")
@@ -166,6 +189,7 @@ def write_split(folder: Path, kind: Kind = MCAP) -> None:
     (folder / "metadata.yaml").write_text(yaml.safe_dump(metadata))
     for part in parts:
         shutil.rmtree(part)
+    return folder
 
 
 def files(folder: Path) -> list[Path]:
