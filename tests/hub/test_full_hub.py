@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
@@ -17,15 +17,20 @@ from fibws.hub.graph.policy import Policy
 from fibws.hub.log.audit import Audit
 from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.protocol.decoding import REQUESTS
+from fibws.protocol.operations import Request
 
 from .fakes import ADD, INT32
 from .foxglove.foxglove_client import FoxgloveHub
 from .test_long_lists import LISTS, Reading, operations
 
+FIELDS = {
+    model.model_fields["op"].default: model.model_fields.keys() for model in get_args(Request)
+}
 TOPICS, PARAMETERS, SERVICES = 1000, 1000, 100
 FEW = 20
 MOST_WORK = 100_000
 """Calls of functions between two looks at the clock: some 20 ms, where 100 would be too many."""
+MOST_WORK_FOR_ONE = 5_000
 ANYTHING = Rights(
     {
         right: ["/**"]
@@ -35,6 +40,15 @@ ANYTHING = Rights(
         )
     }
 )
+SIZE = 2**18
+"""Bytes of a value; a text may be 64 times as long, so that its work may be 64 times as much."""
+LARGEST: dict[str, Any] = {
+    "a long text": "a" * SIZE,
+    "a name of many parts": "/a" * (SIZE // 2),
+    "a list": [0] * (SIZE // 3),
+    "an object": {f"{each:05x}": 0 for each in range(SIZE // 11)},
+    "deep": json.loads("[" * 100 + "]" * 100),
+}
 RIGHTS = {"open": None, "no rights": Rights(), "all rights": ANYTHING}
 
 
@@ -69,8 +83,9 @@ def rosapi_services() -> list[str]:
     return sorted(name for name in services if name.startswith("/rosapi/"))
 
 
-@pytest.fixture(params=RIGHTS)
+@pytest.fixture(scope="module", params=RIGHTS)
 def hub(request: pytest.FixtureRequest) -> FullHub:
+    """A hub for all tests, since it takes long to fill; each has a client of its own."""
     return FullHub(RIGHTS[request.param])
 
 
@@ -90,6 +105,22 @@ def work_of(reading: Reading, text: bytes) -> int:
 def test_operations_of_rosbridge(hub: FullHub, op: str) -> None:
     client = hub.client(principal=hub.stranger)
     assert work_of(Reading(client.session), in_robot(operations(op, FEW))) < MOST_WORK
+    client.disconnect()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("op", REQUESTS)
+def test_items_of_the_largest_size(hub: FullHub, op: str) -> None:
+    """One operation with a large value in a field: what it takes does not grow with the value."""
+    longest = {}
+    fields = json.loads(operations(op, 1))
+    for name in FIELDS[op] - {"op"}:
+        for what, value in LARGEST.items():
+            client = hub.client(principal=hub.stranger)
+            text = json.dumps({**fields, name: value}).encode()
+            longest[name, what] = work_of(Reading(client.session), text)
+            client.disconnect()
+    assert max(longest.values()) < MOST_WORK_FOR_ONE, longest
 
 
 @pytest.mark.long
