@@ -24,7 +24,7 @@ from .fakes import ADD, FIBONACCI, INT32, STRING, Client, finish, number
 from .foxglove.foxglove_client import FoxgloveClient, FoxgloveHub
 from .work_clock import WorkClock
 
-FEW, MANY = 25, 250
+FEW, MANY = 10, 100
 LIMIT = 1.2
 """How many times as much work there may be between two looks at the clock when a client leaves
 ten times as many things."""
