@@ -173,12 +173,11 @@ async def test_demux_passes_messages_on_to_the_selected_topic(
     await numbers.publish(Int32(2))
     assert (await anext(second)).data == 2
     await node.call("/demux/select", DemuxSelect, {"topic": "__none"})
-    await numbers.publish(Int32(3))
     await node.call("/demux/add", DemuxAdd, {"topic": "/third"})
     assert (await node.call("/demux/list", DemuxList)).topics == ["/first", "/second", "/third"]
     await node.call("/demux/select", DemuxSelect, {"topic": "/first"})
-    await numbers.publish(Int32(4))
-    assert (await anext(first)).data == 4
+    await numbers.publish(Int32(3))
+    assert (await anext(first)).data == 3
 
 
 LAZY = """
