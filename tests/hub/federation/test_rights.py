@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import AsyncExitStack
 from pathlib import Path
 from tempfile import mkdtemp
 
@@ -22,6 +23,8 @@ from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import String
 from fibws.srv.std_srvs import Trigger
 
+from ..fakes import FIBONACCI
+from ..token_clients import Client, entering, entry
 from ..zenoh_endpoints import listens_at, zenoh_config
 from .conftest import Join, until
 from .test_federation import remote_nodes
@@ -290,3 +293,51 @@ async def test_nodes_are_announced_once_they_have_something_that_may_be_seen(
         await docker.service("/dock", Trigger, lambda request: (True, "docked"))
         await until(lambda: "/dock" in cloud.graph.services, cloud)
         assert (await viewer.call("/dock", Trigger)).success
+
+
+@pytest.mark.parametrize("side", ["token", "join"])
+async def test_calls_and_goals_under_way_end_with_the_rights_of_their_hub(
+    start_hub: StartHub, tmp_path: Path, side: str
+) -> None:
+    admin = entry("boss", "admin = true")
+    cloud_tokens, robot_tokens = tmp_path / "cloud.toml", tmp_path / "robot.toml"
+
+    def write(rights: str) -> None:
+        allow = f'allow = {{provide = ["/**"], {rights}node = ["/**"]}}\n'
+        cloud_tokens.write_text(admin + entry("link", allow))
+        robot_tokens.write_text(f"{admin}[join]\n{allow}")
+
+    write('call = ["/**"], ')
+    cloud = await start_hub(hub_name="cloud", tokens=cloud_tokens)
+    robot = await start_hub(
+        hub_name="robot", tokens=robot_tokens, join=(f"{cloud.url}/?token=link",)
+    )
+    serving, calling = (cloud, robot) if side == "token" else (robot, cloud)
+    async with AsyncExitStack() as stack:
+        server, client = [
+            Client(
+                await stack.enter_async_context(entering(hub, "boss", name, serialized=True)),
+                name,
+                "boss",
+            )
+            for hub, name in ((serving, "/server"), (calling, "/client"))
+        ]
+        await server.does("advertise_service", service="/slow", type="std_srvs/Trigger")
+        await server.does("advertise_action", action="/dock", type=FIBONACCI)
+        known = calling.graph
+        await until(lambda: "/slow" in known.services and "/dock" in known.actions, calling)
+        await client.send("call_service", service="/slow", id="1")
+        call = await server.receive("call_service")
+        goal = {"action": "/dock", "action_type": FIBONACCI, "args": {"order": 1}}
+        await client.send("send_action_goal", id="2", **goal)
+        id_ = (await server.receive("send_action_goal"))["id"]
+        write("")
+        await reloaded(serving)
+        assert (await server.receive("cancel_action_goal"))["id"] == id_
+        response = await client.receive("service_response")
+        assert (response["id"], response["result"]) == ("1", False)
+        result = await client.receive("action_result")
+        assert (result["id"], result["result"]) == ("2", False)
+        late = {"id": call["id"], "values": {"success": True}, "result": True}
+        await server.does("service_response", service="/slow", **late)
+        assert serving.graph.actions["/dock"].goals == {}
