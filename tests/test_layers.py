@@ -167,7 +167,7 @@ SLOW = {
     "tomlkit",
     "fibws.interfaces",
 }
-NODES = {"cli/launch/run.py", "cli/rostest/run.py", "cli/node_program.py"}
+NODES = {"cli/node_program.py"}
 NODES |= {"cli/keyboard.py", *(f"cli/bag/{name}.py" for name in ("play", "playback", "record"))}
 """Commands that are nodes themselves, or run some."""
 

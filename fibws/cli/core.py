@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import sys
 from urllib.parse import urlsplit
 
@@ -14,10 +13,9 @@ from fibws.cli.exit_handling import clean_exit
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
 from fibws.processes import exec_command
+from fibws.ros1.master_port import master_options
 
 _IGNORED = "Ignored; accepted for compatibility with roscore."
-MASTER = "ROS_MASTER_URI"
-MASTER_PORT = 11311
 
 
 @click.command()
@@ -62,31 +60,8 @@ def command(
             click.echo(f"In the other terminals, type: export {hub_address.ENVIRONMENT}={url}")
         words = [sys.executable, "-P", "-m", "fibws.hub", "--port", str(port)]
         if ros1 and "FIBWS_ROS1" not in os.environ:
-            words += ros1_words()
+            words += master_options(lambda text: click.echo(text, err=True))
         exec_command(words)
-
-
-def ros1_words() -> list[str]:
-    """Return the hub's arguments for ROS 1, or none, saying why, if the port is not free."""
-    port = MASTER_PORT
-    try:
-        master = urlsplit(os.environ.get(MASTER, ""))
-        if master.hostname in (*hub_address.LOOPBACK, socket.gethostname()):
-            port = master.port or port
-    except ValueError:
-        pass  # Programs of ROS report an invalid URI themselves.
-    with socket.socket() as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            trial.bind((hub_address.LOOPBACK[0], port))
-        except OSError as error:
-            click.echo(
-                f"ROS 1 nodes cannot join: port {port} is not free ({error.strerror}). Is a "
-                "roscore running?",
-                err=True,
-            )
-            return []
-    return ["--ros1", str(port)]
 
 
 def _port_of_nodes() -> int | None:

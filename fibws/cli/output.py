@@ -79,6 +79,13 @@ def line(text: str = "", *, colour: str | None = None, bold: bool = False) -> No
     click.echo(text, color=True)
 
 
+def line_as_is(text: str, is_error: bool) -> None:
+    """Print a line of a program as it is, with escape sequences, to standard output or error."""
+    text = text.encode(encoding(), "backslashreplace").decode(encoding())
+    # Without color=True, click would remove escape sequences.
+    click.echo(text, err=is_error, color=True)
+
+
 _CONSTANTS = {"Infinity": "1e999", "NaN": "null"}
 _CONSTANT = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"|Infinity|NaN')
 

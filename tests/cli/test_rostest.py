@@ -167,7 +167,7 @@ def test_end_of_a_required_node_ends_the_test_with_an_error(run_tests: RunTests)
 def test_test_is_not_passed_if_it_never_started(
     run_tests: RunTests, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from fibws.cli.launch.run import Run
+    from fibws.ros1.launch.session import Run
 
     async def stop(run: Run) -> None:
         run._runner.stop()

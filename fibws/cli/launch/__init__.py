@@ -14,7 +14,7 @@ import click
 from fibws import hub_address, names
 from fibws.cli import output
 from fibws.cli.common_options import SETTINGS, examples, hub_option
-from fibws.cli.exit_handling import clean_exit
+from fibws.cli.exit_handling import clean_exit, end_line
 from fibws.cli.run import workspace_option
 from fibws.credentials import Credentials
 from fibws.errors import FibwsError
@@ -151,7 +151,7 @@ def _list(listing: str, launch: Launch, packages: Packages, url: str) -> int:
 
 
 def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) -> int:
-    from fibws.cli.launch.run import Options, run
+    from fibws.ros1.launch.session import Console, Options, run
 
     file: Path | None = options["pid"]
     if file is not None:
@@ -169,6 +169,7 @@ def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) 
                 sigint_timeout=options["sigint_timeout"],
                 sigterm_timeout=options["sigterm_timeout"],
             ),
+            Console(output.line_as_is, output.has_colours(), end_line),
         )
     finally:
         if file is not None:

@@ -9,7 +9,8 @@
     node_command  the command of a node's program;  share/  launch files of packages of ROS
     rosbridge     rosbridge_websocket in launch files, whose place the hub takes
     runner        all processes;  process  one process;  output  screen, terminal, log files
+    session       the hub, which is found or started, then parameters and nodes: for `fibws launch`
+                  and for scripts that import roslaunch;  rostest_session  one <test>
 
-Reading needs no clocks and no processes. `fibws.cli.launch` connects to the hub and sets the
-parameters.
+Reading needs no clocks and no processes.
 """

@@ -285,7 +285,7 @@ def test_ctrl_c_while_parameters_are_set(
         while True:
             yield
 
-    monkeypatch.setattr("fibws.cli.launch.run.prepare", prepared)
+    monkeypatch.setattr("fibws.ros1.launch.session.prepare", prepared)
     file = write(robot, '<node pkg="robot" type="waiter" name="w"/>')
     result = launch(file, "--hub", hub.url)
     assert result.exit_code == 0, result.output

@@ -17,6 +17,10 @@ from patience import PATIENCE
 from ports import port as port
 
 from fibws.client.hub_client import is_hub_running
+from fibws.errors import HubError
+from fibws.ros1.launch import session
+from fibws.ros1.launch.runner import Runner
+from fibws.ros1.workspace.packages import Packages
 from fibws.testing import HubThread
 from ros1.launch.packages import package
 
@@ -212,3 +216,55 @@ def test_end_of_the_script_ends_its_nodes_and_its_hub(tmp_path: Path, port: int)
     assert len(pids) == 2
     assert not any(is_running(int(pid)) for pid in pids)
     assert not is_hub_running(f"ws://127.0.0.1:{port}")
+
+
+@pytest.mark.parametrize(
+    ("variable", "port", "expected"),
+    [
+        ("ws://127.0.0.1", None, ("127.0.0.1", 80)),
+        ("127.0.0.1", None, ("127.0.0.1", 9090)),
+        ("", None, ("127.0.0.1", 9191)),
+        ("ws://127.0.0.1", 9292, ("127.0.0.1", 9292)),
+    ],
+)
+def test_hub_is_started_where_the_command_starts_it(
+    monkeypatch: pytest.MonkeyPatch,
+    variable: str,
+    port: int | None,
+    expected: tuple[str, int],
+) -> None:
+    """A launch file's port for rosbridge_websocket counts if nobody chose another one."""
+    started: list[tuple[str, int]] = []
+
+    async def start_hub(runner: Runner, host: str, port: int, options: object = ()) -> str:
+        started.append((host, port))
+        raise HubError("cannot start a hub")
+
+    monkeypatch.setattr(Runner, "start_hub", start_hub)
+    monkeypatch.setattr(session, "is_hub_running", lambda url, tool: False)
+    monkeypatch.setenv("FIBWS_HUB", variable)
+    text = """<launch><node pkg="rosbridge_server" type="rosbridge_websocket" name="bridge">
+      <param name="port" value="9191"/></node></launch>"""
+    parent = roslaunch.parent.ROSLaunchParent("", [], roslaunch_strs=[text], port=port)
+    with pytest.raises(roslaunch.RLException, match="cannot start a hub"):
+        parent.start()
+    assert started == [expected]
+
+
+def test_started_hub_is_the_master_of_nodes_of_an_installed_ros(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given: list[object] = []
+
+    async def start_hub(runner: Runner, host: str, port: int, options: object = ()) -> str:
+        given.append(options)
+        raise HubError("cannot start a hub")
+
+    monkeypatch.setattr(Runner, "start_hub", start_hub)
+    monkeypatch.setattr(session, "is_hub_running", lambda url, tool: False)
+    monkeypatch.setattr(session, "master_options", lambda warn: ["--ros1", "11311"])
+    monkeypatch.setattr(Packages, "installed", lambda self, package, program: True)
+    text = '<launch><node pkg="turtlesim" type="turtlesim_node" name="turtle"/></launch>'
+    with pytest.raises(roslaunch.RLException, match="cannot start a hub"):
+        roslaunch.parent.ROSLaunchParent("", [], roslaunch_strs=[text]).start()
+    assert given == [["--ros1", "11311"]]

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import atexit
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
-from urllib.parse import urlsplit
 
 from fibws import hub_address, names
-from fibws.client.hub_client import HubClient, is_hub_running
-from fibws.client.hub_pages import master_variables
-from fibws.errors import FibwsError, NoHub
+from fibws.errors import FibwsError
 from fibws.ros1.launch import model
 from fibws.ros1.launch.environment import LocalEnvironment
-from fibws.ros1.launch.node_command import is_built_in
-from fibws.ros1.launch.preparation import prepare
 from fibws.ros1.launch.reader import Reader
 from fibws.ros1.launch.runner import SIGINT_TIMEOUT as DEFAULT_TIMEOUT_SIGINT
 from fibws.ros1.launch.runner import SIGTERM_TIMEOUT as DEFAULT_TIMEOUT_SIGTERM
+from fibws.ros1.launch.session import Session
 from fibws.ros1.workspace.packages import Packages
 from fibws.values import parameter_files
 from roslaunch.core import RLException
@@ -30,7 +26,6 @@ from roslaunch.pmon import Process, ProcessListener, ProcessMonitor
 
 __all__ = ["DEFAULT_TIMEOUT_SIGINT", "DEFAULT_TIMEOUT_SIGTERM", "ROSLaunchParent"]
 
-TOOL = "roslaunch"
 File = str | tuple[str, Sequence[str]]
 """A launch file's path, perhaps with arguments, ``speed:=2``."""
 
@@ -101,8 +96,7 @@ class ROSLaunchParent:
         """The monitor of the processes, once started."""
         self._packages = Packages.from_environment()
         self._auto_terminate = True
-        self._hub = ""
-        self._environment: Mapping[str, str] = os.environ
+        self._session: Session | None = None
 
     def start(self, auto_terminate: bool = True) -> None:
         """Set the parameters, and start all nodes.
@@ -122,7 +116,7 @@ class ROSLaunchParent:
             atexit.register(self.shutdown)
             for listener in self.process_listeners:
                 self.pm.add_process_listener(listener)
-            self._find_hub(self.pm)
+            self._find_hub(self.pm, launches)
             for launch in launches:
                 self._launch(launch)
         except (FibwsError, OSError) as error:
@@ -131,15 +125,13 @@ class ROSLaunchParent:
 
     def launch(self, node: model.Node) -> Process | None:
         """Start one more node; if that is impossible, say why and return None."""
-        assert self.pm is not None
-        if is_built_in(node, self._packages):
-            print(f"[{node.name}] not started: {node.package} is part of the hub")
+        assert self.pm is not None and self._session is not None
+        if self._session.is_part_of_hub(node):
             return None
         screen = not self.force_log and (self.force_screen or node.screen)
         if self.force_required:
             node = replace(node, required=True, respawn=False)
-        environment = self._environment
-        return self.pm.launch(node, self._packages, self._hub, environment, screen=screen)
+        return self.pm.launch(node, self._session, screen=screen)
 
     def spin(self) -> None:
         """Wait until all nodes have ended, or a required one, or for Ctrl-C; then end all."""
@@ -178,25 +170,23 @@ class ROSLaunchParent:
                 found.append(self._read(str(path)))
         return found
 
-    def _find_hub(self, monitor: ProcessMonitor) -> None:
-        self._hub = hub_address.hub_url(f"127.0.0.1:{self.port}" if self.port else None)
-        if not is_hub_running(self._hub, TOOL):
-            where = urlsplit(self._hub)
-            if where.hostname not in hub_address.LOOPBACK or where.scheme != "ws":
-                raise NoHub(self._hub, "nothing answers")
-            port = hub_address.DEFAULT_PORT if where.port is None else where.port
-            self._hub = monitor.call(monitor.runner.start_hub(where.hostname, port))
-        own = {**os.environ, hub_address.ENVIRONMENT: self._hub}
-        self._environment = {**own, **(master_variables(self._hub, os.environ) or {})}
+    def _find_hub(self, monitor: ProcessMonitor, launches: Sequence[model.Launch]) -> None:
+        url = hub_address.hub_url(f"127.0.0.1:{self.port}" if self.port else None)
+        self._session = monitor.session(
+            launches,
+            self._packages,
+            url,
+            has_default_url=not self.port and not os.environ.get(hub_address.ENVIRONMENT),
+        )
+        monitor.call(self._session.find_hub())
 
     def _launch(self, launch: model.Launch) -> None:
         parameters: dict[str, Any] = {**model.CORE_PARAMETERS, **launch.parameters}
         launch.parameters = parameters
         if self.show_summary:
             print(*model.summary(launch), sep="\n")
-        with HubClient(TOOL, self._hub) as client:
-            for _ in prepare(client, launch, lambda text: print(f"WARNING: {text}")):
-                pass
+        assert self.pm is not None and self._session is not None
+        self.pm.call(self._session.prepare(launch))
         for node in launch.nodes.values():
             if not node.is_test:
                 self.launch(node)

@@ -6,18 +6,18 @@ import asyncio
 import os
 import sys
 import time
-from collections.abc import Coroutine, Mapping
+from collections.abc import Coroutine, Sequence
 from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
 from typing import Any, TypeVar
 
-from fibws.errors import LaunchError
 from fibws.ros1.launch import model
 from fibws.ros1.launch import process as processes
-from fibws.ros1.launch.node_command import log_folder, node_command
+from fibws.ros1.launch.node_command import log_folder
 from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.runner import Job, Runner
+from fibws.ros1.launch.session import Session
 from fibws.ros1.workspace.packages import Packages
 from roslaunch.core import RLException
 
@@ -105,15 +105,26 @@ class ProcessMonitor:
         """Run a coroutine in the event loop, and return its result."""
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result()
 
-    def launch(
+    def session(
         self,
-        node: model.Node,
+        launches: Sequence[model.Launch],
         packages: Packages,
-        hub: str,
-        environment: Mapping[str, str],
+        url: str,
         *,
-        screen: bool,
-    ) -> Process | None:
+        has_default_url: bool,
+    ) -> Session:
+        """Return a session of launch files, whose processes these are."""
+        return Session(
+            "roslaunch",
+            launches,
+            packages,
+            url,
+            Screen(_show),
+            self.runner,
+            has_default_url=has_default_url,
+        )
+
+    def launch(self, node: model.Node, session: Session, *, screen: bool) -> Process | None:
         """Start a node; if that is impossible, say why and return None.
 
         Raises:
@@ -121,13 +132,7 @@ class ProcessMonitor:
         """
         if self.is_shutdown:
             raise RLException("this launch has ended")
-        try:
-            command = node_command(node, packages, hub, environment)
-        except LaunchError as error:
-            _show(f"ERROR: cannot launch node of type [{node.package}/{node.type}]: {error}", True)
-            self._loop.call_soon_threadsafe(self.runner.fail, node)
-            return None
-        job = self.call(self.runner.start_node(node, command, screen=screen))
+        job = self.call(session.start_node(node, screen=screen))
         if job is None:
             return None
         process = Process(self, job, node)

@@ -9,8 +9,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from fibws.cli import output
-from fibws.cli.launch.run import Options, Run
 from fibws.client.hub_client import HubClient
 from fibws.client.parameters import Parameters
 from fibws.errors import LaunchError
@@ -19,6 +17,7 @@ from fibws.ros1.launch.node_command import node_command
 from fibws.ros1.launch.output import Screen
 from fibws.ros1.launch.process import Process
 from fibws.ros1.launch.runner import Job
+from fibws.ros1.launch.session import Console, Options, Run
 from fibws.ros1.launch.test_results import Case, Outcome, read_results
 from fibws.ros1.workspace.packages import Packages
 
@@ -37,6 +36,8 @@ def run_test(
     file: Path,
     text: bool,
     clear: bool,
+    console: Console,
+    report: Callable[[str], object],
 ) -> Outcome:
     """Run one test, again if it fails and its ``retry`` allows it.
 
@@ -48,6 +49,8 @@ def run_test(
         file: the file for the test's results.
         text: whether to show all output instead of writing the file.
         clear: whether to delete the hub's parameters first.
+        console: how to show what the launch and its nodes print.
+        report: called with a line about each further try.
 
     Raises:
         FibwsError: the hub cannot be started or reached, or refuses a parameter.
@@ -56,8 +59,8 @@ def run_test(
     for attempt in range(test.retry + 1):
         if attempt:
             left = test.retry - attempt
-            output.line(f"test [{test.test_name}] failed, retrying. Retries left: {left}")
-        run = _TestRun(test, launch, packages, url, file, text=text, clear=clear)
+            report(f"test [{test.test_name}] failed, retrying. Retries left: {left}")
+        run = _TestRun(test, launch, packages, url, file, text=text, clear=clear, console=console)
         start = time.monotonic()
         asyncio.run(run.run())
         run.outcome.seconds = time.monotonic() - start
@@ -81,6 +84,7 @@ class _TestRun(Run):
         *,
         text: bool,
         clear: bool,
+        console: Console,
     ) -> None:
         self.outcome = Outcome(test.test_name)
         self._fail("error", f"test [{test.test_name}] was stopped before its start")
@@ -89,7 +93,7 @@ class _TestRun(Run):
         self._file = file
         self._text = text
         self._clear = clear
-        super().__init__(launch, packages, url, Options())
+        super().__init__(launch, packages, url, Options(), console)
 
     def new_screen(self) -> Screen:
         """Return a screen that keeps all lines for the results."""
@@ -100,13 +104,14 @@ class _TestRun(Run):
         super().on_signal()
         self.is_interrupted = True
 
-    async def _prepare(self) -> None:
+    async def set_up(self) -> None:
+        """Delete the hub's parameters if that is wanted, and set those of the launch."""
         if self._clear:
-            await self._in_thread(self._clear_parameters)
-        await super()._prepare()
+            await self.in_thread(self._clear_parameters)
+        await super().set_up()
 
     def _clear_parameters(self) -> None:
-        with HubClient("rostest", self._url) as client:
+        with HubClient("rostest", self.url) as client:
             parameters = Parameters(client.call)
             for name in parameters.names():
                 if name not in KEPT and not name.startswith("/roslaunch/"):
@@ -142,7 +147,7 @@ class _TestRun(Run):
         options = ["--gtest_output=xml:" + shlex.quote(str(self._file))]
         options += ["--text"] if self._text else []
         test = replace(self._test, args=" ".join([self._test.args, *options]))
-        command = node_command(test, self._packages, self._url, self._environment)
+        command = node_command(test, self._packages, self.url, self._environment)
         name = test.resolved.lstrip("/")
 
         def on_line(line: str, is_error: bool) -> None:

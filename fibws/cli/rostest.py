@@ -14,7 +14,7 @@ import click
 from fibws import hub_address
 from fibws.cli import output
 from fibws.cli.common_options import SETTINGS, examples, hub_option
-from fibws.cli.exit_handling import clean_exit
+from fibws.cli.exit_handling import clean_exit, end_line
 from fibws.cli.run import workspace_option
 from fibws.credentials import Credentials
 from fibws.errors import NoHub, WorkspaceError
@@ -176,8 +176,9 @@ def _main(
     clear: bool,
 ) -> int:
     from fibws.cli.launch.sources import Sources
-    from fibws.cli.rostest.run import NEW_HUB, run_test
     from fibws.ros1.launch import test_results
+    from fibws.ros1.launch.rostest_session import NEW_HUB, run_test
+    from fibws.ros1.launch.session import Console
 
     try:
         sources = Sources(words, workspace)
@@ -212,6 +213,8 @@ def _main(
                 file=target.file_of(test),
                 text=text,
                 clear=clear,
+                console=Console(output.line_as_is, output.has_colours(), end_line),
+                report=output.line,
             )
         outcomes.append(outcome)
         _print_outcome(outcome)
