@@ -83,7 +83,7 @@ def _server(environment: Environment) -> Iterator[tuple[int, int]]:
     """Run web_video_server; yield its process id and its port."""
     port = free_port()
     process = subprocess.Popen(
-        [sys.executable, "-m", "fibws.web_video_server", f"_port:={port}"],
+        [sys.executable, "-m", "fibws.programs.web_video_server", f"_port:={port}"],
         env=environment.variables,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,

@@ -19,15 +19,15 @@ from playwright.async_api import Browser, Page, async_playwright
 
 import fibws
 from fibws.action.move_base_msgs import MoveBase
-from fibws.broadcaster import broadcast
-from fibws.demo_robot import robot_node
-from fibws.listener import listen
 from fibws.msg.geometry_msgs import Point, Pose, PoseStamped, Quaternion
 from fibws.msg.move_base_msgs import MoveBaseGoal
 from fibws.msg.nav_msgs import Odometry
 from fibws.msg.std_msgs import Header
+from fibws.programs.broadcaster import broadcast
+from fibws.programs.demo_robot import robot_node
+from fibws.programs.listener import listen
+from fibws.programs.turtlesim.turtlesim_node import simulate
 from fibws.srv.turtlesim import Kill, SetPen, Spawn, TeleportAbsolute
-from fibws.turtlesim.turtlesim_node import simulate
 
 FOLDER = Path(__file__).parent / "images"
 WIDTH = 1280

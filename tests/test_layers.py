@@ -1,7 +1,6 @@
 """Dependencies point down only, and the pure layers use no sockets, tasks or clocks.
 
-programs    demo  broadcaster  listener  examples/  demo_robot/  turtlesim/  web_video_server
-            tf/ (its programs)
+programs    programs/  examples/
 tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
@@ -69,18 +68,15 @@ BELOW = {
     }
     | {*CLASSES}
     | {"__version__", "client_handshake", "exit_signals", "suggestions"},
-    "tf": {"public_classes", *NODE, "errors", "interfaces", *CLASSES, "cli"},
+    "tf": {"public_classes", *NODE, "errors", "interfaces", *CLASSES},
     "ros1": {*NODE, *LOWEST, "bags", "values", "client", "node", "interfaces", *CLASSES}
     | {"command_names", "definition_folders", "exit_signals", "processes", "tf"},
-    "broadcaster": {*NODE, *CLASSES, "cli"},
-    "listener": {*NODE, *CLASSES, "cli"},
     "testing": {*NODE, "hub"},
-    "demo": {*NODE, "errors", "hub_address", "cli", "client", "hub", "broadcaster", "listener"}
-    | {"demo_robot", "turtlesim"},
+    "programs": {*NODE, *CLASSES, "errors", "hub_address", "cli", "client", "hub", "origins"}
+    | {"suggestions", "tf", "values"},
+    "broadcaster": {"programs"},
+    "listener": {"programs"},
     "examples": {*NODE, *CLASSES, "cli"},
-    "turtlesim": {*NODE, *CLASSES, "cli", "errors"},
-    "demo_robot": {*NODE, *CLASSES, "cli"},
-    "web_video_server": {*NODE, "cli", "origins", "suggestions", "values"},
     "cli": {*NODE, *LOWEST, "bags", "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"}
     | {"bag_recorder", "srv"},
@@ -228,7 +224,8 @@ PURE = modules(
             *("serialized", "transform"),
         )
     ),
-    *("demo_robot/body.py", "demo_robot/world.py", "turtlesim/canvas.py", "turtlesim/field.py"),
+    *(f"programs/demo_robot/{name}.py" for name in ("body", "world")),
+    *(f"programs/turtlesim/{name}.py" for name in ("canvas", "field")),
 )
 
 

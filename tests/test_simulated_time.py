@@ -30,10 +30,10 @@ from fibws.msg.geometry_msgs import PointStamped
 from fibws.msg.rosgraph_msgs import Clock
 from fibws.msg.std_msgs import Header, Int32, String
 from fibws.msg.tf2_msgs import TFMessage
+from fibws.programs.tf_echo import echo
 from fibws.tf import Buffer, TransformListener
 from fibws.tf.history import Sample
 from fibws.tf.messages import write
-from fibws.tf.tf_echo import echo
 from fibws.tf.transform import Transform
 
 SECOND = 1_000_000_000

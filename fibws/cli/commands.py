@@ -17,7 +17,7 @@ BEGIN, LOOK, NOUNS, TYPES, MORE = "Begin", "See it live", "Look and act", "Types
 
 COMMANDS = {
     "demo": Command(
-        "fibws.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
+        "fibws.programs.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
     ),
     "hub": Command("fibws.cli.hub", "Run a hub, which nodes and web pages connect to.", BEGIN),
     "core": Command("fibws.cli.core", "Run a hub as roscore does: one for all nodes.", BEGIN),

@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner
 
 import fibws
-from fibws.broadcaster import command
 from fibws.cli.node_program import run
+from fibws.programs.broadcaster import command
 
 
 @pytest.mark.parametrize(

@@ -188,7 +188,7 @@ def test_workspace_option_replaces_sourcing(run: Run, workspace: Path) -> None:
         (["rqt_plot", "rqt_plot", "/a/b"], ["-m", "fibws", "open", "plot", "/a/b"]),
         (
             ["tf2_ros", "static_transform_publisher", "1", "0", "0", "0", "0", "0", "map", "odom"],
-            ["-m", "fibws.tf.static_transform_publisher", *"1 0 0 0 0 0 map odom".split()],
+            ["-m", "fibws.programs.static_transform_publisher", *"1 0 0 0 0 0 map odom".split()],
         ),
     ],
 )

@@ -26,7 +26,7 @@ class Program:
 
 
 PROGRAMS = (
-    Program(("fibws.tf.tf2_web_republisher",), "/republish_tfs"),
+    Program(("fibws.programs.tf2_web_republisher",), "/republish_tfs"),
     Program(("fibws.examples.add_two_ints_server",), "/add_two_ints"),
     Program(("fibws.examples.action_server", "--rate", "5"), "/fibonacci/_action/cancel_goal"),
 )

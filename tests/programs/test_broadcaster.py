@@ -15,10 +15,10 @@ from running_programs import Start
 from websockets.asyncio.client import connect
 
 import fibws
-from fibws.broadcaster import command, next_type
 from fibws.hub.server import HubServer
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, UInt8, UInt16
+from fibws.programs.broadcaster import command, next_type
 
 BROADCASTER = "fibws.broadcaster"
 INT8 = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55, 89]

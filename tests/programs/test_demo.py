@@ -13,10 +13,10 @@ import pytest
 from click.testing import CliRunner
 from running_programs import Start
 
-from fibws import demo
 from fibws.errors import HubError
 from fibws.hub import Hub
 from fibws.hub.server import HubServer
+from fibws.programs import demo
 
 DEMO = ("fibws", "demo", "--rate", "100")
 

@@ -24,7 +24,7 @@ from fibws.ros1.urdf import read_urdf
 
 @pytest.fixture
 async def node(hub: HubServer, start: Start) -> AsyncIterator[fibws.Node]:
-    await start("fibws.demo_robot.robot_node", FIBWS_HUB=hub.url)
+    await start("fibws.programs.demo_robot.robot_node", FIBWS_HUB=hub.url)
     async with fibws.Node("test", hub=hub.url) as node:
         yield node
 

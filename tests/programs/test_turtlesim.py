@@ -19,11 +19,11 @@ from fibws.hub.server import HubServer
 from fibws.msg.geometry_msgs import Twist, Vector3
 from fibws.msg.sensor_msgs import CompressedImage
 from fibws.msg.turtlesim import Color, Pose
+from fibws.programs.turtlesim import draw_square, mimic, teleop_key, turtlesim_node
+from fibws.programs.turtlesim.draw_square import Square
+from fibws.programs.turtlesim.field import BACKGROUND
 from fibws.srv.std_srvs import Empty
 from fibws.srv.turtlesim import Kill, SetPen, Spawn, TeleportAbsolute
-from fibws.turtlesim import draw_square, mimic, teleop_key, turtlesim_node
-from fibws.turtlesim.draw_square import Square
-from fibws.turtlesim.field import BACKGROUND
 
 TURTLE_BROADCASTER = """
 import rospy, tf, turtlesim.msg
@@ -69,7 +69,7 @@ async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
 
 @pytest.fixture
 async def simulator(hub: HubServer, start: Start, node: fibws.Node) -> None:
-    await start("fibws.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
+    await start("fibws.programs.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
     await node.wait_for_service("/kill", timeout=60)
 
 
@@ -118,7 +118,7 @@ async def test_parameters_are_set_and_invalid_ones_reported(
     hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     hub.graph.parameters.set("/turtlesim/background_g", "green")
-    program = await start("fibws.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
+    program = await start("fibws.programs.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
     await node.wait_for_service("/kill", timeout=60)
     assert "/turtlesim/background_g" in await program.error_line()
     found = [hub.graph.parameters.get(f"/turtlesim/background_{each}") for each in "rb"]
@@ -136,7 +136,7 @@ async def test_mimic_follows_remapped_namespaces(
 ) -> None:
     await node.call("/spawn", Spawn, {"x": 1, "y": 1})
     words = ("input:=turtle1", "output:=turtle2")
-    await start("fibws.turtlesim.mimic", *words, FIBWS_HUB=hub.url)
+    await start("fibws.programs.turtlesim.mimic", *words, FIBWS_HUB=hub.url)
     poses = node.subscribe("/turtle2/pose", Pose)
     velocity = await node.advertise("/turtle1/cmd_vel", Twist)
     async for pose in poses:
@@ -207,7 +207,7 @@ async def test_arrow_keys_drive_the_turtle(hub: HubServer, node: fibws.Node) -> 
     main, terminal = pty.openpty()
     commands = node.subscribe("/turtle1/cmd_vel", Twist)
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "fibws.turtlesim.teleop_key"),
+        *(sys.executable, "-m", "fibws.programs.turtlesim.teleop_key"),
         stdin=terminal,
         stdout=asyncio.subprocess.PIPE,
         env={**os.environ, "FIBWS_HUB": hub.url},
@@ -226,7 +226,7 @@ async def test_arrow_keys_drive_the_turtle(hub: HubServer, node: fibws.Node) -> 
 
 
 async def test_without_a_terminal_teleop_is_an_error(hub: HubServer, start: Start) -> None:
-    program = await start("fibws.turtlesim.teleop_key", FIBWS_HUB=hub.url)
+    program = await start("fibws.programs.turtlesim.teleop_key", FIBWS_HUB=hub.url)
     code, _, err = await program.end()
     assert code == 1
     assert "terminal" in err

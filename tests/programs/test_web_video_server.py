@@ -28,7 +28,7 @@ async def node(hub: HubServer) -> AsyncIterator[fibws.Node]:
 @pytest.fixture
 async def port(hub: HubServer, start: Start) -> int:
     hub.graph.parameters.set("/web_video_server/port", 0)
-    program = await start("fibws.web_video_server", FIBWS_HUB=hub.url)
+    program = await start("fibws.programs.web_video_server", FIBWS_HUB=hub.url)
     while (found := re.search(r"http://127\.0\.0\.1:(\d+)/", line := await program.line())) is None:
         assert line, "the server has ended"
     return int(found[1])
@@ -108,7 +108,7 @@ async def test_server_ends_quietly_while_somebody_views(
     hub: HubServer, start: Start, node: fibws.Node
 ) -> None:
     hub.graph.parameters.set("/web_video_server/port", 0)
-    program = await start("fibws.web_video_server", FIBWS_HUB=hub.url)
+    program = await start("fibws.programs.web_video_server", FIBWS_HUB=hub.url)
     port = int((await program.line()).rpartition(":")[2].strip("/\n"))
     images = await node.advertise(TOPIC, CompressedImage, latch=True)
     await images.publish(CompressedImage(data=b"image"))
@@ -237,7 +237,7 @@ async def test_requests_that_cannot_be_served_say_why(port: int, node: fibws.Nod
 
 async def test_taken_port_is_an_error(port: int, hub: HubServer, start: Start) -> None:
     hub.graph.parameters.set("/other/port", port)
-    program = await start("fibws.web_video_server", "__name:=other", FIBWS_HUB=hub.url)
+    program = await start("fibws.programs.web_video_server", "__name:=other", FIBWS_HUB=hub.url)
     code, _, err = await program.end()
     assert code == 1
     assert str(port) in err

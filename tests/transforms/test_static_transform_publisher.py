@@ -14,10 +14,10 @@ from running_programs import Start
 import fibws
 from fibws.hub.server import HubServer
 from fibws.msg.tf2_msgs import TFMessage
-from fibws.tf.static_transform_publisher import command, place
+from fibws.programs.static_transform_publisher import command, place
 from fibws.tf.transform import Transform
 
-PUBLISHER = "fibws.tf.static_transform_publisher"
+PUBLISHER = "fibws.programs.static_transform_publisher"
 HALF = sqrt(0.5)
 
 

@@ -17,11 +17,11 @@ from fibws.hub.server import HubServer
 from fibws.msg.tf2_web_republisher import TFArray, TFSubscriptionGoal
 from fibws.srv.tf2_web_republisher import RepublishTFs
 
-REPUBLISHER = "fibws.tf.tf2_web_republisher"
+REPUBLISHER = "fibws.programs.tf2_web_republisher"
 
 
 async def test_transforms_are_sent_by_service_and_by_action(hub: HubServer, start: Start) -> None:
-    place = ("fibws.tf.static_transform_publisher", "--hub", hub.url)
+    place = ("fibws.programs.static_transform_publisher", "--hub", hub.url)
     await start(*place, "1", "0", "0", str(pi / 2), "0", "0", "base", "arm")
     await start(*place, "0", "2", "0", "0", "0", "0", "1", "arm", "hand")
     await start(REPUBLISHER, "--hub", hub.url)

@@ -10,13 +10,13 @@ from running_programs import Start
 
 import fibws
 from fibws.hub.server import HubServer
+from fibws.programs.tf_echo import Moment, command, text_of
 from fibws.tf.history import Sample
-from fibws.tf.tf_echo import Moment, command, text_of
 from fibws.tf.transform import Transform
 
 from .conftest import Publish
 
-ECHO = "fibws.tf.tf_echo"
+ECHO = "fibws.programs.tf_echo"
 
 
 def test_transform_is_printed_as_in_ros() -> None:

@@ -11,15 +11,15 @@ from running_programs import Start
 
 from fibws.hub.server import HubServer
 from fibws.msg.tf2_msgs import TFMessage
+from fibws.programs.tf_monitor import Chain, Monitor, command
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample
 from fibws.tf.messages import write
-from fibws.tf.tf_monitor import Chain, Monitor, command
 from fibws.tf.transform import Transform
 
 from .conftest import Publish
 
-MONITOR = "fibws.tf.tf_monitor"
+MONITOR = "fibws.programs.tf_monitor"
 SECOND = 1_000_000_000
 
 

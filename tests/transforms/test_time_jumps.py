@@ -128,7 +128,7 @@ async def test_time_without_a_clock_is_0_and_transforms_are_kept(
 
 
 async def test_tf_echo_follows_a_loop(hub: HubServer, robot: Robot, start: Start) -> None:
-    program = await start("fibws.tf.tf_echo", "odom", "base", "1000", "--hub", hub.url)
+    program = await start("fibws.programs.tf_echo", "odom", "base", "1000", "--hub", hub.url)
 
     async def prints(text: str) -> None:
         async with asyncio.timeout(PATIENCE):

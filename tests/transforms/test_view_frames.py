@@ -15,11 +15,11 @@ from running_programs import ROOT
 
 import fibws
 from fibws.hub.server import HubServer
+from fibws.programs.view_frames import ask, draw
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample
 from fibws.tf.listing import as_dot, as_yaml
 from fibws.tf.transform import Transform
-from fibws.tf.view_frames import ask, draw
 
 from .conftest import Publish
 
@@ -108,7 +108,15 @@ async def test_program_draws_the_frames(
 ) -> None:
     await publish(("camera", "base", 2.0), static=True)
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "fibws.tf.view_frames", "--duration", "0.5", "--hub", hub.url),
+        *(
+            sys.executable,
+            "-m",
+            "fibws.programs.view_frames",
+            "--duration",
+            "0.5",
+            "--hub",
+            hub.url,
+        ),
         cwd=tmp_path,
         env={**os.environ, "PATH": str(tmp_path), "PYTHONPATH": str(ROOT)},
         stdout=asyncio.subprocess.PIPE,

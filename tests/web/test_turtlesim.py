@@ -29,7 +29,7 @@ BACKGROUND, PEN, RED = [69, 86, 255], [0xB3, 0xB8, 0xFF], [255, 0, 0]
 @fixture
 async def simulator(hub: HubServer) -> AsyncIterator[Program]:
     """A simulator with the turtle that it begins with."""
-    program = await Program.start("fibws.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
+    program = await Program.start("fibws.programs.turtlesim.turtlesim_node", FIBWS_HUB=hub.url)
     while "Spawning" not in (line := await program.line()):
         assert line, "the simulator has ended"
     yield program

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.demo_robot.body import DESCRIPTION
+from fibws.programs.demo_robot.body import DESCRIPTION
 from fibws.ros1.urdf import RobotModel, read_urdf
 from fibws.tf.transform import Transform
 

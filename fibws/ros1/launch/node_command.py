@@ -22,8 +22,8 @@ MODULES = {
     "action_server": "fibws.examples.action_server",
     "add_two_ints_client": "fibws.examples.add_two_ints_client",
     "add_two_ints_server": "fibws.examples.add_two_ints_server",
-    "static_transform_publisher": "fibws.tf.static_transform_publisher",
-    "tf2_web_republisher": "fibws.tf.tf2_web_republisher",
+    "static_transform_publisher": "fibws.programs.static_transform_publisher",
+    "tf2_web_republisher": "fibws.programs.tf2_web_republisher",
 }
 """The programs of the package ``fibws``."""
 BUILT_IN = ("rosapi", "rosbridge_server", "rosout")

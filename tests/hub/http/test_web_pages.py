@@ -20,8 +20,8 @@ import pytest
 from conftest import StartHub
 
 import fibws
-from fibws import web_video_server
 from fibws.hub.server import HubServer
+from fibws.programs import web_video_server
 
 CALL = xmlrpc.client.dumps(("/page", "/x", "evil"), "setParam")
 UPGRADE = {

@@ -92,7 +92,7 @@ def test_ros_home_and_log_folder(tmp_path: Path) -> None:
         (
             "tf2_ros",
             "static_transform_publisher",
-            ["-P", "-m", "fibws.tf.static_transform_publisher", "x", "__name:=n"],
+            ["-P", "-m", "fibws.programs.static_transform_publisher", "x", "__name:=n"],
         ),
         ("rqt_graph", "rqt_graph", ["-P", "-m", "fibws", "open", "graph", "x", "__name:=n"]),
     ],

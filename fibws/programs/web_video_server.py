@@ -518,4 +518,4 @@ def command(node: fibws.Node) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.web_video_server")
+    command(prog_name="python -m fibws.programs.web_video_server")

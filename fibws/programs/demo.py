@@ -1,4 +1,4 @@
-"""A hub and nodes in one process: ``fibws demo [turtlesim|robot]``, or ``python -m fibws.demo``."""
+"""A hub and nodes in one process, for ``fibws demo``: numbers, turtlesim or a robot."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from functools import partial
 import click
 
 import fibws
-from fibws.broadcaster import broadcast
 from fibws.cli import node_program
 from fibws.client.hub_client import is_hub_running
-from fibws.demo_robot import robot_node
 from fibws.errors import HubError, SettingError
 from fibws.hub import Hub, Settings
 from fibws.hub.__main__ import environment_settings
 from fibws.hub.server import local_url
 from fibws.hub_address import page_url
-from fibws.listener import listen
-from fibws.turtlesim.teleop_key import drive
-from fibws.turtlesim.turtlesim_node import simulate
+from fibws.programs.broadcaster import broadcast
+from fibws.programs.demo_robot import robot_node
+from fibws.programs.listener import listen
+from fibws.programs.turtlesim.teleop_key import drive
+from fibws.programs.turtlesim.turtlesim_node import simulate
 
 TYPE = "std_msgs/Int32"
 FIBONACCI = "Below, a broadcaster publishes numbers to a listener. Press Ctrl-C to stop."
@@ -143,4 +143,4 @@ def command(name: str, port: int | None, rate: float) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.demo")
+    command(prog_name="python -m fibws.programs.demo")

@@ -115,4 +115,4 @@ def command(node: fibws.Node, arguments: tuple[str, ...]) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.tf.static_transform_publisher")
+    command(prog_name="python -m fibws.programs.static_transform_publisher")

@@ -191,4 +191,4 @@ def command(node: fibws.Node, arguments: tuple[str, ...]) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.tf.tf_monitor")
+    command(prog_name="python -m fibws.programs.tf_monitor")

@@ -20,6 +20,8 @@ from fibws.msg.sensor_msgs import CompressedImage
 from fibws.msg.std_msgs import Header
 from fibws.msg.turtlesim import Color as ColorMessage
 from fibws.msg.turtlesim import Pose as PoseMessage
+from fibws.programs.turtlesim.canvas import Color
+from fibws.programs.turtlesim.field import BACKGROUND, STEP, Field, FieldError, Pose, Seen, Turtle
 from fibws.srv.std_srvs import Empty, EmptyRequest, EmptyResponse
 from fibws.srv.turtlesim import (
     Kill,
@@ -38,8 +40,6 @@ from fibws.srv.turtlesim import (
     TeleportRelativeRequest,
     TeleportRelativeResponse,
 )
-from fibws.turtlesim.canvas import Color
-from fibws.turtlesim.field import BACKGROUND, STEP, Field, FieldError, Pose, Seen, Turtle
 
 PICTURE_STEPS = 4
 """Steps between two pictures: 15 a second."""
@@ -293,4 +293,4 @@ def command(node: fibws.Node) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.turtlesim.turtlesim_node")
+    command(prog_name="python -m fibws.programs.turtlesim.turtlesim_node")

@@ -100,4 +100,4 @@ def command(node: fibws.Node, duration: float, listener: str | None) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.tf.view_frames")
+    command(prog_name="python -m fibws.programs.view_frames")

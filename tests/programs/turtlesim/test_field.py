@@ -6,7 +6,7 @@ from math import inf, nan, pi
 
 import pytest
 
-from fibws.turtlesim.field import (
+from fibws.programs.turtlesim.field import (
     BACKGROUND,
     MOST_TURTLES,
     PEN,

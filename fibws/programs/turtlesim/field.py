@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from math import cos, floor, isfinite, pi, remainder, sin
 from typing import NamedTuple
 
-from fibws.turtlesim.canvas import Canvas, Color
+from fibws.programs.turtlesim.canvas import Canvas, Color
 
 PIXELS = 500
 """The width and height of the picture."""

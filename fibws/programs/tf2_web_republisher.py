@@ -30,4 +30,4 @@ def command(node: fibws.Node) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.tf.tf2_web_republisher")
+    command(prog_name="python -m fibws.programs.tf2_web_republisher")

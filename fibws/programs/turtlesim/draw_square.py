@@ -91,4 +91,4 @@ def command(node: fibws.Node) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.turtlesim.draw_square")
+    command(prog_name="python -m fibws.programs.turtlesim.draw_square")

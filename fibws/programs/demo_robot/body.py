@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fibws.demo_robot.world import RADIUS, TRACK, WHEEL
+from fibws.programs.demo_robot.world import RADIUS, TRACK, WHEEL
 
 LASER = (0.0, 0.2)
 CAMERA = (0.15, 0.3)

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from fibws.demo_robot.world import (
+from fibws.programs.demo_robot.world import (
     PLAN,
     RESOLUTION,
     START,

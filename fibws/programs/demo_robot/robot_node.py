@@ -12,8 +12,6 @@ import click
 import fibws
 from fibws.action.move_base_msgs import MoveBase
 from fibws.cli import node_program
-from fibws.demo_robot.body import CAMERA, DESCRIPTION, LASER, WHEEL_JOINTS
-from fibws.demo_robot.world import RADIUS, RESOLUTION, Robot, World, toward
 from fibws.msg.actionlib_msgs import GoalID
 from fibws.msg.diagnostic_msgs import DiagnosticArray, DiagnosticStatus, KeyValue
 from fibws.msg.geometry_msgs import (
@@ -43,6 +41,8 @@ from fibws.msg.sensor_msgs import (
 from fibws.msg.std_msgs import ColorRGBA, Header, String
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.msg.visualization_msgs import Marker, MarkerArray
+from fibws.programs.demo_robot.body import CAMERA, DESCRIPTION, LASER, WHEEL_JOINTS
+from fibws.programs.demo_robot.world import RADIUS, RESOLUTION, Robot, World, toward
 
 HZ = 20.0
 """Steps of the simulation, odometry and tf per second; scans, images and diagnostics are fewer."""
@@ -405,4 +405,4 @@ def command(node: fibws.Node) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.demo_robot.robot_node")
+    command(prog_name="python -m fibws.programs.demo_robot.robot_node")

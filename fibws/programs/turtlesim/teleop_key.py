@@ -79,4 +79,4 @@ def command(node: fibws.Node) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.turtlesim.teleop_key")
+    command(prog_name="python -m fibws.programs.turtlesim.teleop_key")

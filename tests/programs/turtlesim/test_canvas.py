@@ -7,7 +7,7 @@ import zlib
 
 import pytest
 
-from fibws.turtlesim.canvas import MOST_COLORS, Canvas
+from fibws.programs.turtlesim.canvas import MOST_COLORS, Canvas
 
 BLUE, RED, WHITE = (0, 0, 255), (255, 0, 0), (255, 255, 255)
 

@@ -36,4 +36,4 @@ def command(node: fibws.Node) -> None:
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.turtlesim.mimic")
+    command(prog_name="python -m fibws.programs.turtlesim.mimic")

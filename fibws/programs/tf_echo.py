@@ -156,4 +156,4 @@ def command(
 
 
 if __name__ == "__main__":
-    command(prog_name="python -m fibws.tf.tf_echo")
+    command(prog_name="python -m fibws.programs.tf_echo")
