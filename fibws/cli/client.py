@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from itertools import count
 
 import click
 
 from fibws.cli import completers, output
-from fibws.cli.common_options import json_option, with_hub
-from fibws.cli.top.tables import amount
+from fibws.cli.common_options import delay_option, json_option, with_hub
+from fibws.cli.quantities import amount, date, flow
+from fibws.client import statistics
 from fibws.client.graph_snapshot import Entry, GraphSnapshot
 from fibws.client.hub_client import HubClient
 from fibws.command_names import command_name
@@ -18,25 +18,8 @@ from fibws.errors import UnknownName
 from fibws.suggestions import suggestion
 
 STATISTICS = "/rosapi/statistics"
-RATES = {
-    "messages_received": "messages_received_per_second",
-    "bytes_received": "bytes_received_per_second",
-    "messages_sent": "messages_sent_per_second",
-    "bytes_sent": "bytes_sent_per_second",
-}
-"""The totals of clients that have rates, with the names of these."""
 REGISTRATIONS = ("subscription", "advertisement")
 HEADS = ("NODE", "PRINCIPAL", "ADDRESS", "PROTOCOL", "SINCE", "IN", "OUT", "DROPPED", "LIMITED")
-
-delay_option = click.option(
-    "-d",
-    "delay",
-    metavar="SECONDS",
-    type=click.FloatRange(0.1, 3600),
-    default=1.0,
-    show_default=True,
-    help="Time in which rates are measured.",
-)
 
 
 @click.group()
@@ -63,7 +46,7 @@ def list_(client: HubClient, delay: float, watch: bool, as_json: bool) -> None:
     for _ in count() if watch else range(1):
         client.process(delay)
         now = client.call(STATISTICS)
-        found = [each for each in measured(before, now) if each["node"] != client.node]
+        found = [each for each in statistics.clients(before, now) if each["node"] != client.node]
         before = now
         if as_json:
             for each in found:
@@ -88,7 +71,9 @@ def info(client: HubClient, node: str, delay: float, as_json: bool) -> None:
     _find(before, name)  # A wrong name gets its error at once.
     client.process(delay)
     now = client.call(STATISTICS)
-    details = _find({"clients": measured(before, now)}, name) | _topics(before, now, name)
+    details = _find({"clients": statistics.clients(before, now)}, name) | statistics.topics_of(
+        before, now, name
+    )
     snapshot = GraphSnapshot(client)
     details["services"] = [each["name"] for each in snapshot.services if each["node"] == name]
     details["actions"] = [each["name"] for each in snapshot.actions if each["node"] == name]
@@ -99,84 +84,12 @@ def info(client: HubClient, node: str, delay: float, as_json: bool) -> None:
             output.line(line)
 
 
-def measured(before: Entry, now: Entry) -> list[Entry]:
-    """Return the clients of a response of /rosapi/statistics with their rates, sorted by node.
-
-    Args:
-        before: an older response.
-        now: the newer one.
-    """
-    seconds = seconds_of(now) - seconds_of(before)
-    older = {each["node"]: each for each in before["clients"]}
-    return [
-        {**each, **_rates(older.get(each["node"]), each, seconds)}
-        for each in sorted(now["clients"], key=lambda each: str(each["node"]))
-    ]
-
-
-def _rates(before: Entry | None, now: Entry, seconds: float) -> dict[str, float]:
-    is_same = before is not None and before["since"] == now["since"]
-    return {
-        rate: per_second(
-            before[total] if before is not None and is_same else 0, now[total], seconds
-        )
-        for total, rate in RATES.items()
-    }
-
-
-def per_second(before: int, now: int, seconds: float) -> float:
-    """Return the growth of a total in a second."""
-    return round(max(0, now - before) / seconds, 3) if seconds > 0 else 0.0
-
-
-def seconds_of(response: Entry) -> float:
-    """Return the time of a response, in seconds since 1970."""
-    stamp = response["stamp"]
-    return float(stamp["secs"] + stamp["nsecs"] / 1e9)
-
-
 def _find(response: Entry, node: str) -> Entry:
     found: dict[str, Entry] = {each["node"]: each for each in response["clients"]}
     if node not in found:
         hint = suggestion(node, found) or f"; {command_name('client list')} prints all"
         raise UnknownName(f"Unknown client {node}{hint}")
     return found[node]
-
-
-def _topics(before: Entry, now: Entry, node: str) -> Entry:
-    """Return what a client publishes and subscribes to, with rates."""
-    seconds = seconds_of(now) - seconds_of(before)
-    older = {each["topic"]: each for each in before["topics"]}
-    publications, subscriptions = [], []
-    for topic in now["topics"]:
-        name = topic["topic"]
-        was = older.get(name, {"publishers": [], "subscriptions": []})
-        for each in topic["publishers"]:
-            if each["node"] == node:
-                past = _totals(was["publishers"], node, "messages", "bytes")
-                publications.append(
-                    {
-                        "topic": name,
-                        "messages": each["messages"],
-                        "bytes": each["bytes"],
-                        "messages_per_second": per_second(
-                            past["messages"], each["messages"], seconds
-                        ),
-                        "bytes_per_second": per_second(past["bytes"], each["bytes"], seconds),
-                    }
-                )
-        mine = _totals(topic["subscriptions"], node, "messages", "dropped", "throttled")
-        if any(each["node"] == node for each in topic["subscriptions"]):
-            past = _totals(was["subscriptions"], node, "messages")
-            rate = per_second(past["messages"], mine["messages"], seconds)
-            subscriptions.append({"topic": name, **mine, "messages_per_second": rate})
-    return {"published": publications, "subscribed": subscriptions}
-
-
-def _totals(entries: list[Entry], node: str, *names: str) -> dict[str, int]:
-    """Return the sums of a node's entries."""
-    own = [each for each in entries if each["node"] == node]
-    return {name: sum(each[name] for each in own) for name in names}
 
 
 # Texts
@@ -189,21 +102,11 @@ def _cells(client: Entry) -> tuple[str, ...]:
         client["address"] or "-",
         client["protocol"],
         date(client["since"]),
-        _flow(client, "received"),
-        _flow(client, "sent"),
+        flow(client, "received"),
+        flow(client, "sent"),
         str(client["dropped"]),
         str(client["limited"]),
     )
-
-
-def _flow(client: Entry, direction: str) -> str:
-    messages = client[f"messages_{direction}_per_second"]
-    return f"{messages:.1f}/s {amount(client[f'bytes_{direction}_per_second'])}/s"
-
-
-def date(since: Entry) -> str:
-    """Return a time of ROS as text, in local time."""
-    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(since["secs"]))
 
 
 def _description(client: Entry) -> Iterator[str]:
@@ -214,7 +117,7 @@ def _description(client: Entry) -> Iterator[str]:
     yield f"Since: {date(client['since'])}"
     for text, direction in (("Received from it", "received"), ("Sent to it", "sent")):
         messages, size = client[f"messages_{direction}"], client[f"bytes_{direction}"]
-        yield f"{text}: {messages} messages, {amount(size)} ({_flow(client, direction)})"
+        yield f"{text}: {messages} messages, {amount(size)} ({flow(client, direction)})"
     state = ", slow: its socket accepts no data now" if client["slow"] else ""
     yield f"Queue: {amount(client['kept_bytes'])}{state}"
     yield f"Dropped, as it was too slow: {client['dropped']} messages"

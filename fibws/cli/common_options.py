@@ -198,3 +198,14 @@ def _token_file(file: Path) -> Iterator[None]:
 json_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON, one value per line."
 )
+
+
+delay_option = click.option(
+    "-d",
+    "delay",
+    metavar="SECONDS",
+    type=click.FloatRange(0.1, 3600),
+    default=1.0,
+    show_default=True,
+    help="Time in which rates are measured.",
+)

@@ -10,9 +10,9 @@ from typing import Any
 import click
 
 from fibws.cli import output
-from fibws.cli.client import date, delay_option, per_second, seconds_of
-from fibws.cli.common_options import json_option, with_hub
-from fibws.cli.top.tables import amount
+from fibws.cli.common_options import delay_option, json_option, with_hub
+from fibws.cli.quantities import amount, date, flow
+from fibws.client import statistics
 from fibws.client.graph_snapshot import Entry, GraphSnapshot
 from fibws.client.hub_client import HubClient
 from fibws.command_names import command_name
@@ -22,7 +22,6 @@ from fibws.suggestions import suggestion
 HUBS = "/rosapi/hubs"
 LIST = "hub list"
 HEADS = ("HUB", "LINK", "ADDRESS", "SINCE", "RTT", "CLOCK", "IN", "OUT", "DROPPED", "LOST")
-TOTALS = ("messages_received", "bytes_received", "messages_sent", "bytes_sent")
 
 
 class HubCommands(click.Group):
@@ -84,7 +83,7 @@ def list_(client: HubClient, delay: float, watch: bool, as_json: bool) -> None:
     for _ in count() if watch else range(1):
         client.process(delay)
         now = client.call(HUBS)
-        links = measured(before, now)
+        links = statistics.links(before, now)
         before = now
         if as_json:
             for each in links:
@@ -119,7 +118,9 @@ def info(client: HubClient, name: str | None, delay: float, as_json: bool) -> No
     wanted = "" if is_own else hub["name"]
     details = {
         **hub,
-        "links": [each for each in measured(before, now) if is_own or each["id"] == hub["id"]],
+        "links": [
+            each for each in statistics.links(before, now) if is_own or each["id"] == hub["id"]
+        ],
         "nodes": [each["name"] for each in snapshot.nodes if each["hub"] == wanted],
     }
     if as_json:
@@ -127,27 +128,6 @@ def info(client: HubClient, name: str | None, delay: float, as_json: bool) -> No
     else:
         for line in _description(details):
             output.line(line)
-
-
-def measured(before: Entry, now: Entry) -> list[Entry]:
-    """Return the links of a response of /rosapi/hubs with their rates, sorted by name.
-
-    Args:
-        before: an older response.
-        now: the newer one.
-    """
-    seconds = seconds_of(now) - seconds_of(before)
-    older = {(each["id"], each["kind"]): each for each in before["links"]}
-    found = []
-    for link in sorted(now["links"], key=lambda each: (each["name"], each["address"])):
-        past = older.get((link["id"], link["kind"]))
-        is_same = past is not None and past["since"] == link["since"]
-        rates = {}
-        for total in TOTALS:
-            start = past[total] if past is not None and is_same else 0
-            rates[f"{total}_per_second"] = per_second(start, link[total], seconds)
-        found.append({**link, **rates})
-    return found
 
 
 def _find(response: Entry, name: str | None) -> Entry:
@@ -175,16 +155,11 @@ def _cells(link: Entry) -> tuple[str, ...]:
         date(link["since"]),
         f"{1000 * link['round_trip']:.1f} ms",
         f"{link['clock_offset']:+.3f} s",
-        _flow(link, "received"),
-        _flow(link, "sent"),
+        flow(link, "received"),
+        flow(link, "sent"),
         str(link["dropped"]),
         str(link["lost"]),
     )
-
-
-def _flow(link: Entry, direction: str) -> str:
-    messages = link[f"messages_{direction}_per_second"]
-    return f"{messages:.1f}/s {amount(link[f'bytes_{direction}_per_second'])}/s"
 
 
 def _behind(hub: Entry) -> str:
@@ -208,7 +183,7 @@ def _description(hub: Entry) -> Iterator[str]:
         yield f" * Clock: {link['clock_offset']:+.3f} s ahead of this hub's"
         for text, direction in (("Received", "received"), ("Sent", "sent")):
             messages, size = link[f"messages_{direction}"], link[f"bytes_{direction}"]
-            yield f" * {text}: {messages} messages, {amount(size)} ({_flow(link, direction)})"
+            yield f" * {text}: {messages} messages, {amount(size)} ({flow(link, direction)})"
         yield f" * Dropped, as it was too slow: {link['dropped']} messages"
         yield f" * Lost on the way: {link['lost']} messages"
     yield ""

@@ -9,9 +9,10 @@ import pytest
 from hub_in_thread import HubThread, Run
 from node_in_thread import Peer, nothing, peer
 
-from fibws.cli.client import HEADS, measured
+from fibws.cli.client import HEADS
 from fibws.cli.client import info as info_command
 from fibws.cli.completers import nodes
+from fibws.client import statistics
 from fibws.client.hub_client import HubClient
 
 QUICK = ("-d", "0.1")
@@ -76,7 +77,7 @@ def test_nodes_are_completed() -> None:
 def test_rates_are_differences_by_the_hubs_clock() -> None:
     before = response(10, entry(messages_received=5, bytes_sent=100))
     now = response(12, entry("/b", bytes_received=8), entry(messages_received=25, bytes_sent=200))
-    first, second = measured(before, now)
+    first, second = statistics.clients(before, now)
     assert (first["node"], second["node"]) == ("/a", "/b")
     assert first["messages_received_per_second"] == 10
     assert first["bytes_sent_per_second"] == 50
@@ -85,10 +86,10 @@ def test_rates_are_differences_by_the_hubs_clock() -> None:
 
 def test_client_that_has_reconnected_counts_from_0() -> None:
     before = response(10, entry(messages_received=500))
-    (found,) = measured(before, response(11, entry(since=10, messages_received=7)))
+    (found,) = statistics.clients(before, response(11, entry(since=10, messages_received=7)))
     assert found["messages_received_per_second"] == 7
 
 
 def test_same_response_twice_has_no_rates() -> None:
     now = response(10, entry(messages_received=500))
-    assert measured(now, now)[0]["messages_received_per_second"] == 0
+    assert statistics.clients(now, now)[0]["messages_received_per_second"] == 0

@@ -11,7 +11,8 @@ from hub_in_thread import HubThread, Run
 from node_in_thread import nothing, peer
 
 from fibws.cli.doctor.hubs import checks
-from fibws.cli.hub import HEADS, measured
+from fibws.cli.hub import HEADS
+from fibws.client import statistics
 from fibws.client.graph_snapshot import GraphSnapshot
 from fibws.client.hub_client import HubClient
 from fibws.hub import Settings
@@ -102,9 +103,11 @@ def test_unknown_command_is_refused(run: Run) -> None:
 
 def test_rates_are_those_between_two_responses() -> None:
     before = response(10, link(messages_sent=100))
-    (found,) = measured(before, response(12, link(messages_sent=300)))
+    (found,) = statistics.links(before, response(12, link(messages_sent=300)))
     assert found["messages_sent_per_second"] == 100
-    (new,) = measured(before, response(12, link(messages_sent=4, since={"secs": 11, "nsecs": 0})))
+    (new,) = statistics.links(
+        before, response(12, link(messages_sent=4, since={"secs": 11, "nsecs": 0}))
+    )
     assert new["messages_sent_per_second"] == 2
 
 

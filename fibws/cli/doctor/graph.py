@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
 from fibws.cli.doctor.finding import Finding, join_names, ok, warning
-from fibws.cli.graph.view import Topic, View
 from fibws.cli.output import counted
 from fibws.client.graph_snapshot import OTHER_FIELDS, Entry, conflict_text, is_of_other_type
+from fibws.client.graph_view import Topic, View
 from fibws.command_names import command_name
 from fibws.suggestions import misspelled
 

@@ -10,7 +10,7 @@ from fibws.cli import completers, output
 from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.graph.dot import dot
 from fibws.cli.graph.drawing import ASCII, LINES, drawing
-from fibws.cli.graph.view import View
+from fibws.client.graph_view import View
 from fibws.client.hub_client import HubClient
 from fibws.command_names import command_name
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fibws.cli.graph.view import View
 from fibws.cli.output import visible
+from fibws.client.graph_view import View
 
 
 def dot(view: View) -> Iterator[str]:

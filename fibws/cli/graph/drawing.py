@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from fibws.cli.graph.view import Action, Topic, View
 from fibws.cli.output import counted, visible
+from fibws.client.graph_view import Action, Topic, View
 
 NO_PUBLISHER, NO_SUBSCRIBER = "(no publisher)", "(no subscriber)"
 

@@ -10,10 +10,10 @@ import click
 
 from fibws.cli import output
 from fibws.cli.common_options import json_option, with_hub
-from fibws.cli.top.measurement import SORTS, Measurement
 from fibws.cli.top.screen import KEYS, Screen
 from fibws.cli.top.tables import print_tables
 from fibws.client.hub_client import HubClient
+from fibws.client.statistics import SORTS, Measurement
 
 STATISTICS = "/rosapi/statistics"
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 from fibws.cli import output
 from fibws.cli.arguments import is_stdin_terminal
-from fibws.cli.top.measurement import Measurement
 from fibws.cli.top.tables import tables
+from fibws.client.statistics import Measurement
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType

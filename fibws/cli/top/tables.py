@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fibws.cli import output
-from fibws.cli.top.measurement import Client, Measurement, Topic
+from fibws.cli.quantities import amount
+from fibws.client.statistics import Client, Measurement, Topic
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -32,14 +33,6 @@ def client_cells(client: Client) -> tuple[str, ...]:
     """Return the cells of a client's row, under `CLIENT_HEADS`."""
     state = "slow" if client.slow else "ok"
     return client.node, client.address, amount(client.kept_bytes), str(client.dropped), state
-
-
-def amount(number: float) -> str:
-    """Return a number of bytes as in rostopic bw: ``12.34KB`` are 12 340."""
-    for unit, size in (("GB", 1e9), ("MB", 1e6), ("KB", 1e3)):
-        if number >= size:
-            return f"{number / size:.2f}{unit}"
-    return f"{number:.2f}B" if number % 1 else f"{number:.0f}B"
 
 
 def print_tables(measurement: Measurement) -> None:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from client.test_graph_view import ME, graph, topic
 
 from fibws.cli.doctor.finding import Finding
 from fibws.cli.doctor.graph import checks
-
-from ..graph.test_view import ME, graph, topic
 
 
 def client(node: str, **others: Any) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import subprocess
 import pytest
 
 from fibws.cli.graph.dot import dot
-from fibws.cli.graph.view import Action, Conflict, Service, Topic, View
+from fibws.client.graph_view import Action, Conflict, Service, Topic, View
 
 ODD = 'a "quoted" \\N \\ <b>\n\x1b'
 VIEW = View(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fibws.cli.graph.drawing import ASCII, LINES, Pen, drawing, topics
-from fibws.cli.graph.view import Action, Conflict, Service, Topic, View
+from fibws.client.graph_view import Action, Conflict, Service, Topic, View
 
 TEXT = "std_msgs/String"
 

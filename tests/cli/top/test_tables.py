@@ -7,8 +7,9 @@ import io
 import pytest
 from rich.console import Console
 
-from fibws.cli.top.measurement import Client, Measurement, Topic
-from fibws.cli.top.tables import amount, client_cells, print_tables, tables, topic_cells
+from fibws.cli.quantities import amount
+from fibws.cli.top.tables import client_cells, print_tables, tables, topic_cells
+from fibws.client.statistics import Client, Measurement, Topic
 
 TOPIC = Topic("/t", 10.5, 2050, 2, 1, 0, 8)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fibws.cli.top.measurement import Client, Measurement, Topic
+from fibws.client.statistics import Client, Measurement, Topic
 
 ME = "/fibws_top_1_2"
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from fibws.cli.graph.view import Conflict, Topic, View, in_order_of_flow, is_hidden
+from fibws.client.graph_view import Conflict, Topic, View, in_order_of_flow, is_hidden
 
 ME = "/fibws_graph_1_2"
 HUB_CLIENT = {"api": "", "fault": ""}
 """Of nodes that are connected to the hub."""
-WEB_TEST = Path(__file__).parents[3] / "web" / "src" / "hidden_names.test.ts"
+WEB_TEST = Path(__file__).parents[2] / "web" / "src" / "hidden_names.test.ts"
 
 
 def topic(name: str, publishers: str = "", subscribers: str = "", **others: Any) -> dict[str, Any]:
