@@ -1,4 +1,6 @@
-"""The errors that fibws raises on purpose; those of transforms are in `fibws.tf.errors`.
+"""The errors that fibws raises on purpose, if more than one part of it does.
+
+Others are in `fibws.hub.errors`, `fibws.ros1.errors` and `fibws.tf.errors`.
 
 FibwsError
 ├── InvalidName            a graph name that ROS does not allow
@@ -15,39 +17,17 @@ FibwsError
 │   └── MessageTooLarge        a message larger than the hub takes
 ├── InvalidUtf8            a text message that is not UTF-8
 ├── OperationError         the hub refuses an operation; the text goes to the client
-│   ├── TypeConflict           a node's second type of a topic, or not that of the hub's own
-│   ├── DefinitionMismatch     a client knows a type by another definition
-│   ├── UnknownDefinition      messages cannot be serialized, as their fields are unknown
 │   ├── NotSerialized          client and hub know the type of a call or a goal by other definitions
-│   ├── UnknownPublisher       a binary frame of a publisher that is not advertised
-│   ├── NotAllowed             the hub's policy forbids it
-│   ├── AuthenticationError    a client's token or certificate is missing, wrong or expired
-│   │   └── TooManyAttempts        after many wrong tokens, the next must wait
-│   ├── LimitReached           a client's limit for something is reached
-│   └── CallFailed             a call or a goal ended without a result
+│   └── AuthenticationError    a client's token or certificate is missing, wrong or expired
 ├── ParameterError         an operation on a parameter failed
-│   ├── ParameterNotSet        there is no such parameter
-│   └── ParametersFull         all parameters together would exceed the limit
-├── WorkspaceError         something is wrong with a workspace, or with a package in it
-│   ├── PackageNotFound        no package of this name is on the path
-│   ├── ExecutableNotFound     the package has no such program, or it cannot be run
-│   └── PackageFileError       an invalid package.xml or CMakeLists.txt
+│   └── ParameterNotSet        there is no such parameter
 ├── AccessError            an invalid token file, right, key or certificate
-├── LaunchError            an invalid launch file
-├── UrdfError              an invalid robot model
-├── MapError               an occupancy map's files cannot be read or written
 ├── BagError               a bag cannot be read or written
 │   ├── BagFormatError         it is damaged, or not a bag
 │   ├── BagNotIndexed          it was not closed: reindex it first
 │   └── UnsupportedBag         its version, compression or encryption is not supported
-├── AssetRefused           a file of a robot's packages is not served
 ├── HubError               the hub cannot start or continue
 │   └── SettingError           a setting is invalid, or cannot be used
-├── FederationError        another hub, or the connection to it, has failed
-├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
-│   ├── XmlRpcError            invalid XML-RPC, or a response that is a fault
-│   ├── TcprosError            an invalid TCPROS header or frame, or an answer that is an error
-│   └── NodeUnreachable        a node does not answer at its address
 ├── Ros2Error              a ROS 2 node has sent something invalid, or a type cannot be converted
 └── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
@@ -75,13 +55,12 @@ FibwsError
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, Literal
 
-from fibws.command_names import command_name, is_set_up
+from fibws.command_names import command_name
 from fibws.hub_advice import advice
 
 _FLAG = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
@@ -233,51 +212,6 @@ class OperationError(FibwsError):
     code = "invalid_operation"
 
 
-class TypeConflict(OperationError):
-    """The node itself uses the topic with another type, or the topic is the hub's own."""
-
-    code = "type_conflict"
-
-    def __init__(self, topic: str, asked: str, established: str, by: str) -> None:
-        self.topic = topic
-        self.asked = asked
-        self.established = established
-        self.by = by
-        super().__init__(
-            f"Tried to register topic {topic} with type {asked} "
-            f"but it is already established with type {established} (by {by})"
-        )
-
-
-class DefinitionMismatch(OperationError):
-    """A client's definition of a type differs from the hub's."""
-
-    code = "type_conflict"
-
-    def __init__(self, type_: str, given: str, known: str) -> None:
-        self.type = type_
-        self.given = given
-        self.known = known
-        super().__init__(
-            f"{type_} has the md5sum {known} at the hub, but {given} at the client: "
-            "their definitions differ"
-        )
-
-
-class UnknownDefinition(OperationError):
-    """Messages of a type cannot be serialized, since its fields are unknown."""
-
-    code = "unknown_definition"
-
-    def __init__(self, type_: str, fault: str = "") -> None:
-        self.type = type_
-        self.fault = fault
-        super().__init__(
-            f"serialized messages need the definition of {type_}, which is unknown"
-            f"{': ' if fault else ''}{fault}"
-        )
-
-
 class NotSerialized(OperationError):
     """Bytes of a call or a goal cannot be read, since client and hub know different definitions."""
 
@@ -290,66 +224,10 @@ class NotSerialized(OperationError):
         super().__init__(f"{type_} {known}: send its values as JSON, not as bytes")
 
 
-class UnknownPublisher(OperationError):
-    """A binary frame names a publisher that its client has not advertised, or no longer."""
-
-    code = "unknown_publisher"
-
-    def __init__(self, number: int) -> None:
-        self.number = number
-        super().__init__(f"unknown publisher number {number}: not advertised, or unadvertised")
-
-
-class NotAllowed(OperationError):
-    """The hub's policy does not let a node do something.
-
-    Args:
-        right: the missing right, such as ``publish``.
-        name: the topic, service, action, parameter or node that it is for.
-        fault: why, if the right is not what is missing.
-    """
-
-    code = "not_allowed"
-
-    def __init__(self, node: str, right: str, name: str, fault: str = "") -> None:
-        self.node = node
-        self.right = right
-        self.name = name
-        text = fault or f"missing right {right} for {name}"
-        # The text need not name the node twice.
-        super().__init__(text if name == node else f"{text} (node {node})")
-
-
 class AuthenticationError(OperationError):
     """A client has not proved who it is: its token or certificate is missing, wrong or expired."""
 
     code = "not_authenticated"
-
-
-class TooManyAttempts(AuthenticationError):
-    """After many wrong tokens from one address, the next must wait."""
-
-    def __init__(self, seconds: int) -> None:
-        self.seconds = seconds
-        super().__init__(f"too many wrong tokens; try again in {seconds} s")
-
-
-class LimitReached(OperationError):
-    """A client's limit for something is reached; the text names the limit."""
-
-    code = "limit_reached"
-
-
-class CallFailed(OperationError):
-    """A call or a goal ended without a result; ``code`` says why.
-
-    ``code`` is ``unknown_service``, ``unknown_action``, ``timeout``, ``server_lost`` (it left or
-    withdrew), ``server_busy`` (it reads too slowly), or ``server_failed`` (the text is its own).
-    """
-
-    def __init__(self, text: str, code: str) -> None:
-        self.code = code
-        super().__init__(text)
 
 
 class ParameterError(FibwsError):
@@ -370,90 +248,8 @@ class ParameterNotSet(ParameterError, KeyError):
     __str__ = Exception.__str__  # KeyError's own writes the text as a key.
 
 
-class ParametersFull(ParameterError):
-    """All parameters together would exceed the limit."""
-
-    code = "limit_reached"
-
-    def __init__(self, name: str, needed: int, limit: int) -> None:
-        self.name = name
-        self.needed = needed
-        self.limit = limit
-        super().__init__(
-            f"Parameter [{name}] does not fit: all parameters would take {needed} bytes, the limit "
-            f"is {limit} (--max-parameter-bytes of the hub)"
-        )
-
-
-class WorkspaceError(FibwsError):
-    """Something is wrong with a workspace, or with a package in it; the text says what."""
-
-
-class PackageNotFound(WorkspaceError, LookupError):
-    """No package of this name is on the path; ``hint`` suggests what to do."""
-
-    def __init__(self, name: str, hint: str = "") -> None:
-        self.name = name
-        self.hint = hint
-        super().__init__(f"package {name!r} not found{': ' if hint else ''}{hint}")
-
-
-class ExecutableNotFound(WorkspaceError, LookupError):
-    """The package has no such program, or it cannot be run; ``hint`` says more."""
-
-    def __init__(self, package: str, name: str, hint: str) -> None:
-        self.package = package
-        self.name = name
-        self.hint = hint
-        super().__init__(f"no executable {name!r} in package {package!r}: {hint}")
-
-
-class PackageFileError(WorkspaceError, ValueError):
-    """An invalid package.xml or CMakeLists.txt."""
-
-    def __init__(self, source: str, line: int, fault: str) -> None:
-        self.source = source
-        self.line = line
-        self.fault = fault
-        super().__init__(f"{source}, line {line}: {fault}")
-
-
 class AccessError(FibwsError, ValueError):
     """A token file, a right, a key or a certificate is invalid; the text says why."""
-
-
-class LaunchError(FibwsError, ValueError):
-    """An invalid launch file; ``file`` and ``line`` say where.
-
-    ``files`` are those that include it, the nearest first, each with the line of its <include>.
-    """
-
-    def __init__(
-        self, file: str, line: int, fault: str, files: tuple[tuple[str, int], ...] = ()
-    ) -> None:
-        self.file = file
-        self.line = line
-        self.fault = fault
-        self.files = files
-        above = "".join(f", included from {file}:{line}" for file, line in files)
-        super().__init__(f"{file}:{line}: {fault}{above}")
-
-
-class UrdfError(FibwsError, ValueError):
-    """An invalid robot model; the text says where and why."""
-
-
-class MapError(FibwsError, ValueError):
-    """An occupancy map's files cannot be read or written.
-
-    Attributes:
-        part: what is wrong: the ``file`` is missing or cannot be written, or the ``metadata`` in
-            YAML or the ``image`` is invalid.
-    """
-
-    def __init__(self, part: Literal["file", "metadata", "image"], text: str) -> None:
-        self.part = part
-        super().__init__(text)
 
 
 class BagError(FibwsError):
@@ -491,10 +287,6 @@ class UnsupportedBag(BagError):
         super().__init__(text)
 
 
-class AssetRefused(FibwsError):
-    """A file of a robot's packages is not served; the text says why."""
-
-
 class HubError(FibwsError):
     """The hub cannot start or continue."""
 
@@ -522,36 +314,6 @@ class SettingError(HubError):
 def _argument(flag: str) -> str:
     name = flag.removeprefix("--").replace("-", "_")
     return f"Settings({_ARGUMENTS.get(name, name)}=...)"
-
-
-class FederationError(FibwsError):
-    """Another hub, or the connection to it, has failed."""
-
-
-class Ros1Error(FibwsError):
-    """A ROS 1 node, or a program that speaks its protocols, cannot be served."""
-
-
-class XmlRpcError(Ros1Error):
-    """Invalid XML-RPC, or a response that is a fault."""
-
-
-class TcprosError(Ros1Error):
-    """An invalid TCPROS header or frame, or an answer that is an error."""
-
-
-class NodeUnreachable(Ros1Error):
-    """A ROS 1 node does not answer at its address.
-
-    Args:
-        uri: the address.
-        fault: what failed.
-    """
-
-    def __init__(self, uri: str, fault: str) -> None:
-        self.uri = uri
-        self.fault = fault
-        super().__init__(f"no answer at {uri}: {fault}")
 
 
 class Ros2Error(FibwsError):
@@ -590,8 +352,8 @@ class NoHub(HubUnreachable):
 
     @property
     def remedy(self) -> str:
-        """What to do about it: a command, which is roscore in a shell with `fibws setup`."""
-        return advice(self.url, command_name("core" if is_set_up(os.environ) else "hub"))
+        """What to do about it."""
+        return advice(self.url)
 
 
 class NotAHub(HubUnreachable):
@@ -609,10 +371,7 @@ class NotAHub(HubUnreachable):
     @property
     def remedy(self) -> str:
         """What to do about it, if the fault does not say that."""
-        if self.has_remedy:
-            return ""
-        command = command_name("core" if is_set_up(os.environ) else "hub")
-        return advice(self.url, command, answers=True)
+        return "" if self.has_remedy else advice(self.url, answers=True)
 
 
 class AccessDenied(HubUnreachable):
@@ -620,8 +379,6 @@ class AccessDenied(HubUnreachable):
 
     remedy = ""
     """What to do about it."""
-    exit_code = 77
-    """The exit code of a program that ends because of it: EX_NOPERM of sysexits.h."""
 
     def __init__(self, url: str, cause: str, remedy: str = "") -> None:
         super().__init__(url, cause)
@@ -647,8 +404,6 @@ class HubLimitReached(AccessDenied):
     """The hub has no room for a tool, because of a limit that ``cause`` names. Nodes try again."""
 
     remedy = "Try again later, or ask whoever runs the hub to raise its limits"
-    exit_code = 75
-    """EX_TEMPFAIL of sysexits.h."""
 
 
 class HubLost(NodeError):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 from urllib.parse import urlsplit
+
+from fibws.command_names import command_name, is_set_up
 
 DEFAULT_PORT = 9090
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
@@ -16,12 +19,11 @@ def is_loopback(host: str) -> bool:
     return host.lower() in LOOPBACK or _LOOPBACK_NETWORK.fullmatch(host) is not None
 
 
-def advice(hub: str, command: str, *, answers: bool = False) -> str:
+def advice(hub: str, *, answers: bool = False) -> str:
     """Return what to do if no hub is found at an address: sentences without the last full stop.
 
     Args:
         hub: the URL that was tried.
-        command: what starts a hub on this machine, such as ``fibws hub``.
         answers: whether something answers there which is not a hub.
     """
     parts = urlsplit(hub)
@@ -38,6 +40,7 @@ def advice(hub: str, command: str, *, answers: bool = False) -> str:
         return f"Perhaps {parts._replace(scheme='wss').geturl()}"
     if not is_local:
         return "Check the address, and that the hub there was started with --host"
+    command = command_name("core" if is_set_up(os.environ) else "hub")
     option = f" --port {port}" if port != DEFAULT_PORT else ""
     if answers:
         free = port + 1 if port < 65535 else 0

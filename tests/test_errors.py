@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import ModuleType
 
 import pytest
 
@@ -15,10 +16,13 @@ from fibws.errors import (
     InvalidName,
     InvalidTypeName,
     NoHub,
-    TypeConflict,
     UnknownPackage,
     UnknownType,
 )
+from fibws.hub import errors as hub_errors
+from fibws.hub.errors import TypeConflict
+from fibws.ros1 import errors as ros1_errors
+from fibws.tf import errors as tf_errors
 
 
 def tree(parent: type[FibwsError], depth: int = 0) -> list[tuple[int, str]]:
@@ -34,6 +38,14 @@ def test_docstring_has_all_classes() -> None:
     assert errors.__doc__ is not None
     lines = re.findall(r"^([│├└─ ]*)([A-Z]\w+)(?:  .*)?$", errors.__doc__, re.MULTILINE)
     assert [(len(indent) // 4, name) for indent, name in lines] == tree(FibwsError)
+
+
+@pytest.mark.parametrize("module", [hub_errors, ros1_errors, tf_errors])
+def test_docstring_of_a_part_has_its_classes(module: ModuleType) -> None:
+    own = {each for each in vars(module).values() if isinstance(each, type)}
+    names = {each.__name__ for each in own if each.__module__ == module.__name__}
+    assert module.__doc__ is not None
+    assert names <= set(re.findall(r"^[│├└─ ]*([A-Z]\w+)", module.__doc__, re.MULTILINE))
 
 
 @pytest.mark.parametrize(

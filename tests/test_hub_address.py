@@ -183,7 +183,7 @@ def test_other_hosts_are_not_loopback(host: str) -> None:
     ],
 )
 def test_advice_depends_on_whose_address_it_is(url: str, answers: bool, expected: str) -> None:
-    found = advice(url, "fibws hub", answers=answers)
+    found = advice(url, answers=answers)
     assert expected in found
     assert ("fibws hub" in found) == ("fibws hub" in expected)
 

@@ -17,11 +17,11 @@ INTERRUPTED = 130
 
 
 class _AccessDenied(click.ClickException):
-    exit_code = AccessDenied.exit_code
+    exit_code = 77  # EX_NOPERM of sysexits.h
 
 
 class _HubLimitReached(click.ClickException):
-    exit_code = HubLimitReached.exit_code
+    exit_code = 75  # EX_TEMPFAIL of sysexits.h
 
 
 @contextmanager

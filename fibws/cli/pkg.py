@@ -14,7 +14,8 @@ from fibws.cli import output
 from fibws.cli.arguments import spread
 from fibws.cli.common_options import SETTINGS, examples
 from fibws.command_names import command_name
-from fibws.errors import FibwsError, WorkspaceError
+from fibws.errors import FibwsError
+from fibws.ros1.errors import WorkspaceError
 from fibws.suggestions import nearest, suggestion_or_known
 
 if TYPE_CHECKING:

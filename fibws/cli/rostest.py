@@ -17,7 +17,8 @@ from fibws.cli.common_options import SETTINGS, examples, hub_option
 from fibws.cli.exit_handling import clean_exit, end_line
 from fibws.cli.run import workspace_option
 from fibws.credentials import Credentials
-from fibws.errors import NoHub, WorkspaceError
+from fibws.errors import NoHub
+from fibws.ros1.errors import WorkspaceError
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

@@ -18,7 +18,7 @@ from fibws.cli.arguments import spread
 from fibws.cli.common_options import SETTINGS, examples
 from fibws.cli.output import counted, visible
 from fibws.command_names import command_name
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 
 if TYPE_CHECKING:
     from fibws.ros1.workspace.build import Plan, Workspace

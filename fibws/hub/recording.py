@@ -24,7 +24,8 @@ from fibws.bag_recorder import (
     RecordingState,
     Stream,
 )
-from fibws.errors import FibwsError, NotAllowed
+from fibws.errors import FibwsError
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Deferred, Function, Response

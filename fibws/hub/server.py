@@ -21,12 +21,13 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from fibws import __version__
 from fibws.access.rights import Principal
-from fibws.errors import FibwsError, InterfaceError, NotAllowed, SettingError
+from fibws.errors import FibwsError, InterfaceError, SettingError
 from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import ALL, ALL_IPV4, machine_addresses
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
+from fibws.hub.errors import NotAllowed
 from fibws.hub.federation import link
 from fibws.hub.federation.connections import Join, LinkEndpoint
 from fibws.hub.federation.federation import Federation

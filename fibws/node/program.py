@@ -15,6 +15,8 @@ from fibws.exit_signals import ExitSignals
 
 T = TypeVar("T")
 
+NO_PERMISSION = 77
+"""The exit code after a refusal by the hub: EX_NOPERM of sysexits.h."""
 PATIENCE = 5.0
 """Seconds in which a program's other tasks must end when it does."""
 MOST_NAMED = 5
@@ -53,7 +55,7 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
         return run_until_signal(main)
     except AccessDenied as error:
         print(error, file=sys.stderr)
-        sys.exit(error.exit_code)
+        sys.exit(NO_PERMISSION)
     except (NodeReplaced, NodeKilled, HubUnreachable) as error:
         sys.exit(str(error))
     except BrokenPipeError:

@@ -15,7 +15,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from fibws.errors import MapError
+from fibws.ros1.errors import MapError
 
 MOST_CELLS = 2**26
 """Most cells of a map, each a byte."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, hypot, inf, isfinite, sin
 
-from fibws.errors import UrdfError
 from fibws.ros1 import xml_tree
+from fibws.ros1.errors import UrdfError
 from fibws.tf.transform import Transform, Vector, of_yaw_pitch_roll
 
 ROTATING = ("revolute", "continuous")

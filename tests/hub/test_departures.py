@@ -13,8 +13,8 @@ from unittest.mock import Mock
 import pytest
 
 from fibws.access.rights import Principal, Rights
-from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
+from fibws.hub.errors import NotAllowed
 from fibws.hub.server import _login_checks
 from fibws.hub.websocket.endpoint import Endpoint, Work
 from fibws.hub.websocket.turns import Turns

@@ -10,8 +10,8 @@ import pytest
 import yaml
 from PIL import Image as pillow
 
-from fibws.errors import MapError
 from fibws.ros1 import map_files
+from fibws.ros1.errors import MapError
 from fibws.ros1.map_files import GridMap, read_image, read_map, write_map
 
 METADATA: dict[str, Any] = {

@@ -6,7 +6,7 @@ from math import inf, pi
 
 import pytest
 
-from fibws.errors import UrdfError
+from fibws.ros1.errors import UrdfError
 from fibws.ros1.urdf import read_urdf
 from fibws.tf.transform import roll_pitch_yaw
 

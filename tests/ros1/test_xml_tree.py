@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.errors import LaunchError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.xml_tree import MOST_LEVELS, Element, read
 
 

@@ -31,8 +31,9 @@ from fibws.access.limits import network_of
 from fibws.access.rights import RIGHTS, Principal, Rights, check_name
 from fibws.access.token_file import ANONYMOUS, Tokens
 from fibws.access.web_tokens import WebTokens
-from fibws.errors import AccessError, AuthenticationError, SettingError, TooManyAttempts
+from fibws.errors import AccessError, AuthenticationError, SettingError
 from fibws.hub.access.sessions import LoginSession, Sessions
+from fibws.hub.errors import TooManyAttempts
 from fibws.hub.log.text import is_power_of_ten
 from fibws.hub.settings import Settings
 from fibws.protocol.websocket import LONGEST_TOKEN, TOKEN_SUBPROTOCOL

@@ -12,7 +12,7 @@ import re
 from collections.abc import Hashable, Iterable
 
 from fibws.access.rights import Principal, Right, compile_globs
-from fibws.errors import NotAllowed
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.action import CANCEL_SUFFIX
 from fibws.hub.graph.graph import ROSBRIDGE
 

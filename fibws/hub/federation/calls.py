@@ -6,8 +6,9 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-from fibws.errors import CallFailed, FibwsError, InvalidMessage, UnknownDefinition
+from fibws.errors import FibwsError, InvalidMessage
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.errors import CallFailed, UnknownDefinition
 from fibws.hub.federation.backplane import Cancel, OnReply, Peer
 from fibws.hub.federation.records import ActionRecord, Kind, Reply, Request, ServiceRecord, failure
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus

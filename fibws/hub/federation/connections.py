@@ -20,7 +20,8 @@ from fibws import credentials
 from fibws.access.rights import Principal
 from fibws.client_handshake import ClientHandshake, RedirectedToTls
 from fibws.credentials import Credentials
-from fibws.errors import AuthenticationError, FederationError, FibwsError, HubUnreachable
+from fibws.errors import AuthenticationError, FibwsError, HubUnreachable
+from fibws.hub.errors import FederationError
 from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.federation import Federation
 from fibws.hub.federation.link import SUBPROTOCOL, UNSENT, Link, unique_node

@@ -18,8 +18,8 @@ from functools import partial
 from itertools import chain
 from typing import Any, Protocol
 
-from fibws.errors import NotAllowed
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.errors import NotAllowed
 from fibws.hub.federation.announced import PeerGraph
 from fibws.hub.federation.backplane import Backplane, Cancel, OnReply, Peer, Traffic
 from fibws.hub.federation.calls import Calls

@@ -35,8 +35,8 @@ from typing import Annotated, Any, Protocol
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fibws.access.rights import Principal
-from fibws.errors import FederationError, NotAllowed
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.errors import FederationError, NotAllowed
 from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer, call_all
 from fibws.hub.federation.lanes import CHUNK, OVERHEAD, Lanes
 from fibws.hub.federation.names import NameView, level_of

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 from pydantic import BaseModel, ConfigDict, FailFast, Field, TypeAdapter, ValidationError
 from pydantic_core import PydanticSerializationError, from_json, to_json
 
-from fibws.errors import FederationError
+from fibws.hub.errors import FederationError
 from fibws.names import MAX_LENGTH
 
 EARLIEST, LATEST = -(2**63), 2**63 - 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable
 
-from fibws.errors import NotAllowed
+from fibws.hub.errors import NotAllowed
 from fibws.hub.federation.announced import Announced, PeerGraph
 from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.precedence import Ages, NodeOffer, choose

@@ -8,8 +8,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, TypeAlias
 
-from fibws.errors import FibwsError, LimitReached, OperationError
+from fibws.errors import FibwsError, OperationError
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.errors import LimitReached
 from fibws.hub.federation.announced import Announced, PeerGraph
 from fibws.hub.federation.definitions import DefinitionPending, RemoteDefinitions
 from fibws.hub.federation.outlets import Outlets

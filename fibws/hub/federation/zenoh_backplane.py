@@ -43,7 +43,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import from_json, to_json
 
 from fibws.access.rights import Principal
-from fibws.errors import FederationError, NotAllowed
+from fibws.hub.errors import FederationError, NotAllowed
 from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer, call_all
 from fibws.hub.federation.change_log import ChangeLog
 from fibws.hub.federation.names import NameView

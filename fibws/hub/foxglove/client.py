@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fibws.access.rights import Right
-from fibws.errors import LimitReached, NotAllowed
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.errors import LimitReached, NotAllowed
 from fibws.hub.foxglove.messages import ERROR, WARNING, text_frame
 from fibws.hub.foxglove.turns import FeedTurns
 from fibws.hub.graph.graph import Graph

@@ -13,7 +13,8 @@ from typing import Any
 
 from pydantic_core import from_json, to_json
 
-from fibws.errors import FibwsError, InvalidName, LimitReached, ParameterError, ParameterNotSet
+from fibws.errors import FibwsError, InvalidName, ParameterError, ParameterNotSet
+from fibws.hub.errors import LimitReached
 from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.feeds import BATCH
 from fibws.hub.foxglove.messages import GetParameters, Parameter, SetParameters, list_frame

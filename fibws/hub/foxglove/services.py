@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 from pydantic_core import from_json
 
-from fibws.errors import CallFailed, FibwsError, OperationError, UnknownDefinition
+from fibws.errors import FibwsError, OperationError
+from fibws.hub.errors import CallFailed, UnknownDefinition
 from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.feeds import ServiceFeed
 from fibws.hub.foxglove.messages import (

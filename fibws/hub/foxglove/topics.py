@@ -7,8 +7,9 @@ from functools import partial
 
 from pydantic_core import from_json
 
-from fibws.errors import FibwsError, InterfaceError, LimitReached, OperationError
+from fibws.errors import FibwsError, InterfaceError, OperationError
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue, frame_of
+from fibws.hub.errors import LimitReached
 from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.feeds import Channel
 from fibws.hub.foxglove.messages import (

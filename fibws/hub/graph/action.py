@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol
 
-from fibws.errors import NotAllowed
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.body import Body, check_serialized
 from fibws.hub.graph.types import ActionType
 from fibws.interfaces import base64text

@@ -19,13 +19,12 @@ from weakref import WeakValueDictionary
 
 from fibws import names
 from fibws.access.rights import Principal, Right
-from fibws.errors import (
+from fibws.errors import InterfaceError, OperationError
+from fibws.hub.errors import (
     CallFailed,
     DefinitionMismatch,
-    InterfaceError,
     LimitReached,
     NotAllowed,
-    OperationError,
     TypeConflict,
     UnknownDefinition,
 )

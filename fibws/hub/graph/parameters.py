@@ -20,7 +20,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 from pydantic_core import from_json, to_json
 
-from fibws.errors import InvalidName, ParameterError, ParameterNotSet, ParametersFull
+from fibws.errors import InvalidName, ParameterError, ParameterNotSet
+from fibws.hub.errors import ParametersFull
 from fibws.interfaces import base64text
 from fibws.interfaces.json_text import exact_json_of
 from fibws.names import MAX_LENGTH

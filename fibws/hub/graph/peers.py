@@ -8,7 +8,7 @@ from typing import Protocol
 
 from pydantic_core import to_json
 
-from fibws.errors import LimitReached
+from fibws.hub.errors import LimitReached
 
 MOST_REQUESTS = 10
 """Requests of one owner that may watch: each change is sent to all of them."""

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol, TypeAlias
 
-from fibws.errors import CallFailed, FibwsError, NotAllowed
+from fibws.errors import FibwsError
+from fibws.hub.errors import CallFailed, NotAllowed
 from fibws.hub.graph.body import Body, check_serialized
 from fibws.hub.graph.totals import CallTotals
 from fibws.hub.graph.types import ServiceType

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from pydantic_core import to_json
 
-from fibws.errors import LimitReached
+from fibws.hub.errors import LimitReached
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.publication import Publication

@@ -17,10 +17,10 @@ from fibws.errors import (
     InterfaceError,
     InvalidMessage,
     OperationError,
-    UnknownDefinition,
     UnknownPackage,
 )
-from fibws.interfaces import Interfaces, MessageDefinition, base64text
+from fibws.hub.errors import UnknownDefinition
+from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64text
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.client_definitions import (

@@ -19,8 +19,9 @@ from websockets.datastructures import Headers
 from websockets.http11 import Response
 
 from fibws.access.rights import Principal
-from fibws.errors import AuthenticationError, TooManyAttempts
+from fibws.errors import AuthenticationError
 from fibws.hub.access.authentication import COOKIE, Authentication
+from fibws.hub.errors import TooManyAttempts
 from fibws.hub.http.proxies import is_secure
 from fibws.hub.http.requests import Get, HttpRequests, response, text_response
 from fibws.origins import origin_of_url

@@ -26,8 +26,8 @@ from websockets.datastructures import Headers
 from websockets.http11 import Response
 
 from fibws.access.rights import Principal, Right
-from fibws.errors import AssetRefused
 from fibws.hub.access.authentication import Authentication
+from fibws.hub.errors import AssetRefused
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.http.file_route import FileRoute

@@ -7,7 +7,7 @@ from collections import Counter, OrderedDict
 from dataclasses import dataclass
 from typing import Literal
 
-from fibws.errors import NotAllowed
+from fibws.hub.errors import NotAllowed
 
 logger = logging.getLogger("fibws.hub")
 

@@ -15,7 +15,8 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from fibws import names
-from fibws.errors import FibwsError, InvalidName, XmlRpcError
+from fibws.errors import FibwsError, InvalidName
+from fibws.hub.errors import XmlRpcError
 from fibws.hub.foreign.worklist import TURN
 from fibws.hub.ros1.http import Caller
 from fibws.hub.ros1.xmlrpc import Written, write_value

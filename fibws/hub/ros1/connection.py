@@ -8,8 +8,9 @@ import socket
 from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
-from fibws.errors import FibwsError, TcprosError
+from fibws.errors import FibwsError
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.errors import TcprosError
 from fibws.hub.log.text import printable, shortened
 from fibws.hub.ros1.tcpros import LENGTH, check_header_size, decode_header, encode_header
 

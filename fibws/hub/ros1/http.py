@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 import h11
 
-from fibws.errors import NodeUnreachable, XmlRpcError
+from fibws.hub.errors import NodeUnreachable, XmlRpcError
 from fibws.hub.foreign.worklist import TURN
 from fibws.hub.ros1.xmlrpc import CallParser, iter_response, write_call, write_fault
 

@@ -13,7 +13,8 @@ from collections.abc import Awaitable, Callable, Mapping
 from time import perf_counter
 from typing import Any, cast
 
-from fibws.errors import FibwsError, InvalidMessage, NodeUnreachable, Ros1Error, TcprosError
+from fibws.errors import FibwsError, InvalidMessage
+from fibws.hub.errors import NodeUnreachable, Ros1Error, TcprosError
 from fibws.hub.foreign.worklist import TURN
 from fibws.hub.graph.topic import Source
 from fibws.hub.log.text import is_power_of_ten, printable

@@ -20,11 +20,7 @@ from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
 from fibws.access.rights import Principal
-from fibws.errors import (
-    NodeUnreachable,
-    NotAllowed,
-    Ros1Error,
-)
+from fibws.hub.errors import NodeUnreachable, NotAllowed, Ros1Error
 from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.latched import LatchQuota

@@ -6,7 +6,8 @@ import logging
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 
-from fibws.errors import FibwsError, TcprosError
+from fibws.errors import FibwsError
+from fibws.hub.errors import TcprosError
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic

@@ -13,7 +13,7 @@ from contextlib import suppress
 from typing import NamedTuple, Self, TypeAlias
 from urllib.parse import urlsplit
 
-from fibws.errors import CallFailed, TcprosError
+from fibws.hub.errors import CallFailed, TcprosError
 from fibws.hub.ros1.tcpros import (
     LENGTH,
     check_header_size,

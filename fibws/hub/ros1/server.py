@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import Any, Protocol, TypeAlias, cast
 
 from fibws.access.rights import Principal
-from fibws.errors import NodeUnreachable, SettingError, XmlRpcError
+from fibws.errors import SettingError
 from fibws.files import state_folder
+from fibws.hub.errors import NodeUnreachable, XmlRpcError
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log.audit import Audit
 from fibws.hub.memory.account import Bound, Holding

@@ -10,14 +10,8 @@ from collections.abc import Coroutine, Iterator, Mapping
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from fibws.errors import (
-    CallFailed,
-    FibwsError,
-    InterfaceError,
-    OperationError,
-    TcprosError,
-    UnknownDefinition,
-)
+from fibws.errors import FibwsError, InterfaceError, OperationError
+from fibws.hub.errors import CallFailed, TcprosError, UnknownDefinition
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.service import Call, Service

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fibws.errors import TcprosError
+from fibws.hub.errors import TcprosError
 
 MOST_HEADER = 2**20
 """Bytes of a header: definitions with all their parts have been seen with 100,000."""

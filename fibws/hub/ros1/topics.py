@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping
 from itertools import chain, count
 from typing import Any
 
-from fibws.errors import TcprosError
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.errors import TcprosError
 from fibws.hub.foreign.topics import LINGER
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.topic import Topic

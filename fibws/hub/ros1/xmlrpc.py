@@ -15,7 +15,7 @@ from datetime import datetime
 from typing import Any
 from xml.parsers import expat
 
-from fibws.errors import XmlRpcError
+from fibws.hub.errors import XmlRpcError
 
 DEEPEST = 100
 """Values that may be nested."""

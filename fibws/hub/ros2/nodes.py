@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Protocol, TypeVar
 
 from fibws.access.rights import Principal
-from fibws.errors import NotAllowed, Ros2Error
+from fibws.errors import Ros2Error
+from fibws.hub.errors import NotAllowed
 from fibws.hub.foreign.nodes import ForeignNode
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log.text import is_power_of_ten, printable

@@ -8,12 +8,9 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from fibws.errors import (
-    FibwsError,
-    InterfaceError,
-    UnknownDefinition,
-)
+from fibws.errors import FibwsError, InterfaceError
 from fibws.hub.delivery.clock import Loop
+from fibws.hub.errors import UnknownDefinition
 from fibws.hub.foreign.worklist import Worklist
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph

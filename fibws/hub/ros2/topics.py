@@ -15,8 +15,9 @@ from functools import partial
 from itertools import chain
 from typing import Any
 
-from fibws.errors import FibwsError, LimitReached
+from fibws.errors import FibwsError
 from fibws.hub.delivery.clock import Loop, Timer
+from fibws.hub.errors import LimitReached
 from fibws.hub.foreign.topics import (
     LINGER,
     ForeignPublisher,

@@ -13,8 +13,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fibws.errors import NotAllowed, OperationError
+from fibws.errors import OperationError
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Function

@@ -12,7 +12,8 @@ from typing import Any
 from pydantic_core import from_json, to_json
 
 from fibws import names
-from fibws.errors import OperationError, ParameterNotSet, ParametersFull
+from fibws.errors import OperationError, ParameterNotSet
+from fibws.hub.errors import ParametersFull
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.parameters import Parameters
 from fibws.hub.graph.service import Function, Response

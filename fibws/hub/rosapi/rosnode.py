@@ -11,8 +11,8 @@ from functools import partial
 from itertools import count
 from typing import Any
 
-from fibws.errors import NotAllowed
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.graph import DistantNode, ExternalNode, Graph
 from fibws.hub.graph.service import Deferred, Function, Response
 from fibws.hub.log.audit import Audit

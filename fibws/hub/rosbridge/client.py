@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from fibws import names
 from fibws.access.rights import Right
-from fibws.errors import LimitReached, NotAllowed
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.errors import LimitReached, NotAllowed
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import Graph
 from fibws.hub.rosbridge.encodings import text_frames

@@ -6,14 +6,8 @@ import secrets
 from collections import OrderedDict
 from typing import Any, NamedTuple
 
-from fibws.errors import (
-    FibwsError,
-    InvalidMessage,
-    InvalidName,
-    NotAllowed,
-    NotSerialized,
-    OperationError,
-)
+from fibws.errors import FibwsError, InvalidMessage, InvalidName, NotSerialized, OperationError
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import RosbridgeClient, check_room

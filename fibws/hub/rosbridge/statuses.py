@@ -7,8 +7,8 @@ import re
 from collections.abc import Callable
 from typing import TypeAlias
 
-from fibws.errors import TypeConflict
 from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.errors import TypeConflict
 from fibws.hub.graph.types import AnyType
 from fibws.hub.log.text import ErrorLog, is_power_of_ten, printable, shortened
 from fibws.hub.rosbridge.encodings import text_frame

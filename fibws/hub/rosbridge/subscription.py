@@ -7,12 +7,13 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from fibws.errors import LimitReached, OperationError
+from fibws.errors import OperationError
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
 from fibws.hub.delivery.throttle import Throttling
 from fibws.hub.delivery.workers import Workers
+from fibws.hub.errors import LimitReached
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Topic

@@ -10,16 +10,9 @@ from itertools import chain, count
 from operator import itemgetter
 from typing import Any
 
-from fibws.errors import (
-    FibwsError,
-    InvalidMessage,
-    InvalidName,
-    LimitReached,
-    OperationError,
-    TypeConflict,
-    UnknownPublisher,
-)
+from fibws.errors import FibwsError, InvalidMessage, InvalidName, OperationError
 from fibws.hub.delivery.clock import Timer
+from fibws.hub.errors import LimitReached, TypeConflict, UnknownPublisher
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.topic import QUEUE_SIZE, Source, Topic

@@ -19,8 +19,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from fibws.errors import FibwsError, LimitReached
+from fibws.errors import FibwsError
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.errors import LimitReached
 from fibws.hub.graph.latched import LatchQuota
 from fibws.hub.graph.topic import Source
 from fibws.protocol.operations import json_of

@@ -26,7 +26,7 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 
 from fibws.access.rights import Principal
-from fibws.errors import AuthenticationError, LimitReached, NotAllowed, TooManyAttempts
+from fibws.errors import AuthenticationError
 from fibws.hub.access.authentication import (
     Authentication,
     AuthoritiesChanged,
@@ -34,6 +34,7 @@ from fibws.hub.access.authentication import (
     Login,
 )
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
+from fibws.hub.errors import LimitReached, NotAllowed, TooManyAttempts
 from fibws.hub.http.proxies import TrustedProxies
 from fibws.hub.http.request_head import (
     HandshakeProtocol,

@@ -17,7 +17,7 @@ from typing import Literal, Protocol, TypeAlias
 
 from fibws.access.limits import LIMIT_NAMES, Limits, network_of
 from fibws.access.rights import Principal
-from fibws.errors import LimitReached
+from fibws.hub.errors import LimitReached
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Registration
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fibws.command_names import command_name
-from fibws.errors import PackageNotFound, WorkspaceError
+from fibws.ros1.errors import PackageNotFound, WorkspaceError
 from fibws.ros1.workspace.discovery import find_files
 from fibws.ros1.workspace.packages import Packages
 from fibws.suggestions import nearest

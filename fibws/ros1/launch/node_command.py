@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from fibws.errors import FibwsError, LaunchError
+from fibws.errors import FibwsError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import split
 from fibws.ros1.launch.model import Node
 from fibws.ros1.workspace.packages import Packages, rosrun_command

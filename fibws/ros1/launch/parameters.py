@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fibws.errors import FibwsError, LaunchError
+from fibws.errors import FibwsError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import ReadYaml
 from fibws.ros1.launch.model import Launch, Step
 from fibws.ros1.launch.scope import PRIVATE, Scope, automatic, boolean, normalized

@@ -12,7 +12,8 @@ from dataclasses import replace
 from typing import Any
 
 from fibws import names
-from fibws.errors import InvalidName, LaunchError
+from fibws.errors import InvalidName
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import Environment
 from fibws.ros1.launch.model import Argument, Launch, Node
 from fibws.ros1.launch.parameters import read_param, read_rosparam, set_parameter

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fibws.errors import LaunchError
 from fibws.hub_address import LOOPBACK
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import split
 from fibws.ros1.launch.model import Launch, Node
 from fibws.ros1.launch.node_command import is_built_in

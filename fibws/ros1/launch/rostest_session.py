@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fibws.client.hub_client import HubClient
 from fibws.client.parameters import Parameters
-from fibws.errors import LaunchError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.model import Launch, Node
 from fibws.ros1.launch.node_command import node_command
 from fibws.ros1.launch.output import Screen

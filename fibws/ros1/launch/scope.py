@@ -137,7 +137,7 @@ def substitute(text: str, scope: Scope) -> str:
 
     Raises:
         ValueError: a substitution is invalid.
-        fibws.errors.WorkspaceError: a package is not found.
+        fibws.ros1.errors.WorkspaceError: a package is not found.
     """
     if "$(" not in text:
         return text

@@ -17,8 +17,9 @@ from urllib.parse import urlsplit
 
 from fibws.client.hub_client import HubClient, is_hub_running
 from fibws.client.hub_pages import master_variables
-from fibws.errors import HubUnreachable, LaunchError, NoHub
+from fibws.errors import HubUnreachable, NoHub
 from fibws.hub_address import DEFAULT_PORT, ENVIRONMENT, LOOPBACK
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.model import Launch, Node
 from fibws.ros1.launch.node_command import is_built_in, log_folder, node_command
 from fibws.ros1.launch.output import Screen, Terminal

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import overload
 
-from fibws.errors import FibwsError, LaunchError
+from fibws.errors import FibwsError
 from fibws.ros1 import xml_tree
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.scope import Scope, boolean, substitute
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fibws import processes
 from fibws.command_names import command_name
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.workspace.packages_outside_fibws import CPP, IN_CPP
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fibws.errors import FibwsError, PackageFileError, WorkspaceError
+from fibws.errors import FibwsError
+from fibws.ros1.errors import PackageFileError, WorkspaceError
 from fibws.ros1.shell.environment import shadows_ros
 from fibws.ros1.workspace.definitions import compile_definitions
 from fibws.ros1.workspace.devel_space import check_collisions, generated_files, modules_of

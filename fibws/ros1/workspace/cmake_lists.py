@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-from fibws.errors import FibwsError, PackageFileError
+from fibws.errors import FibwsError
 from fibws.processes import is_python
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.discovery import find_files
 from fibws.suggestions import suggestion
 

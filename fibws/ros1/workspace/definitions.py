@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fibws.errors import DefinitionError, FibwsError, PackageFileError, UnknownPackage
+from fibws.errors import DefinitionError, FibwsError, UnknownPackage
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.cmake_lists import ADD_FILES, ListedFile
 from fibws.ros1.workspace.source_tree import SourcePackage
 from fibws.suggestions import suggestion

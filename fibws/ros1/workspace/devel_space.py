@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 
-from fibws.errors import FibwsError, PackageFileError
+from fibws.errors import FibwsError
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.file_writer import File, Tree
 from fibws.ros1.workspace.package_xml import FILE as MANIFEST
 from fibws.ros1.workspace.python_setup import read_setup

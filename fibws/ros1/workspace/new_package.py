@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.workspace.cmake_lists import ADD_FILES
 from fibws.ros1.workspace.cmake_lists import FILE as LISTS
 from fibws.ros1.workspace.file_writer import File, Tree, write

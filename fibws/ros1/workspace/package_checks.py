@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
-from fibws.errors import PackageFileError
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.discovery import (
     SHEBANG,
     fault_of_script,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from fibws.errors import PackageFileError
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.shell import environment
 from fibws.ros1.workspace.cmake_lists import ListedTest
 from fibws.ros1.workspace.setup_files import entries

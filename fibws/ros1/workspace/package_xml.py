@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fibws.errors import PackageFileError
 from fibws.ros1 import xml_tree
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.shell.environment import OF_ROS
 from fibws.suggestions import suggestion
 

@@ -10,7 +10,7 @@ from typing import Self
 
 from fibws import processes
 from fibws.definition_folders import STANDARD
-from fibws.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
+from fibws.ros1.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
 from fibws.ros1.shell import ros_programs
 from fibws.ros1.workspace.discovery import (
     fault_of_script,

@@ -7,7 +7,7 @@ from pathlib import Path
 from shlex import quote
 
 from fibws.command_names import command_name
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.workspace.cmake_lists import FILE as LISTS
 from fibws.ros1.workspace.discovery import MANIFEST
 from fibws.ros1.workspace.file_writer import File, write

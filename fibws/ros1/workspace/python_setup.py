@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from fibws.errors import PackageFileError
+from fibws.ros1.errors import PackageFileError
 
 FILE = "setup.py"
 _CALLS = {"setup", "generate_distutils_setup"}

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from fibws.errors import PackageFileError
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.file_writer import File, Tree, write
 from fibws.ros1.workspace.setup_files import MODULES
 

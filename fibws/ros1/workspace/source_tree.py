@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fibws.errors import FibwsError, PackageFileError, WorkspaceError
+from fibws.errors import FibwsError
+from fibws.ros1.errors import PackageFileError, WorkspaceError
 from fibws.ros1.workspace.cmake_lists import FILE as LISTS
 from fibws.ros1.workspace.cmake_lists import CMakeLists, read_cmake_lists
 from fibws.ros1.workspace.discovery import find_packages

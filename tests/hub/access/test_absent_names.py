@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from fibws.access.rights import Principal, Rights
-from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
+from fibws.hub.errors import NotAllowed
 from fibws.hub.foxglove.session import Foxglove
 from fibws.hub.log.audit import Audit
 from fibws.hub.rosbridge.session import RosbridgeSession

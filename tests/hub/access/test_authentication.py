@@ -16,7 +16,7 @@ from cryptography.hazmat.primitives.asymmetric import ec, ed25519, rsa
 from websockets.datastructures import Headers
 
 from fibws.access.token_file import digest_of
-from fibws.errors import AccessError, AuthenticationError, HubError, TooManyAttempts
+from fibws.errors import AccessError, AuthenticationError, HubError
 from fibws.hub.access.authentication import (
     MOST_WRONG,
     Authentication,
@@ -25,6 +25,7 @@ from fibws.hub.access.authentication import (
     WrongTokens,
     token_in,
 )
+from fibws.hub.errors import TooManyAttempts
 from fibws.hub.settings import Settings
 
 NOW = 1_800_000_000.0

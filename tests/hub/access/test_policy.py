@@ -8,8 +8,8 @@ from typing import Any, get_args
 import pytest
 
 from fibws.access.rights import RIGHTS, Principal, Proof, Right, Rights
-from fibws.errors import NotAllowed
 from fibws.hub.access.policy import AccessPolicy
+from fibws.hub.errors import NotAllowed
 
 
 def principal(name: str, *, proof: Proof = "token", **rights: Any) -> Principal:

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from websockets.asyncio.client import connect
 
-from fibws.errors import FederationError
+from fibws.hub.errors import FederationError
 from fibws.hub.federation import link as links
 from fibws.hub.federation import records
 from fibws.interfaces import Interfaces

@@ -9,14 +9,8 @@ from typing import Any
 import pytest
 
 from fibws import names
-from fibws.errors import (
-    DefinitionMismatch,
-    InvalidTypeName,
-    OperationError,
-    TypeConflict,
-    UnknownPackage,
-    UnknownType,
-)
+from fibws.errors import InvalidTypeName, OperationError, UnknownPackage, UnknownType
+from fibws.hub.errors import DefinitionMismatch, TypeConflict
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Source
 from fibws.interfaces import Interfaces

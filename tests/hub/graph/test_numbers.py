@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.errors import NotAllowed, OperationError, UnknownType
+from fibws.errors import OperationError, UnknownType
+from fibws.hub.errors import NotAllowed
 from fibws.hub.foxglove.feeds import ServiceFeeds
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.numbers import Numbers

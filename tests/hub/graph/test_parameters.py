@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibws.errors import InvalidName, ParameterError, ParameterNotSet, ParametersFull
+from fibws.errors import InvalidName, ParameterError, ParameterNotSet
+from fibws.hub.errors import ParametersFull
 from fibws.hub.graph import parameters as module
 from fibws.hub.graph.parameters import (
     DEEPEST,

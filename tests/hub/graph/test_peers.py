@@ -9,7 +9,7 @@ from collections.abc import Callable
 import pytest
 from random_inputs import times
 
-from fibws.errors import LimitReached
+from fibws.hub.errors import LimitReached
 from fibws.hub.graph.peers import MOST_CHANGES, MOST_REQUESTS, PeerWatch
 
 

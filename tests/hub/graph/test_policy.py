@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from fibws.access.rights import Right
-from fibws.errors import NotAllowed
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll
 from fibws.interfaces import Interfaces

@@ -5,15 +5,13 @@ from __future__ import annotations
 import pytest
 
 from fibws.errors import (
-    CallFailed,
-    DefinitionMismatch,
     InvalidMessage,
     InvalidTypeName,
     OperationError,
-    UnknownDefinition,
     UnknownPackage,
     UnknownType,
 )
+from fibws.hub.errors import CallFailed, DefinitionMismatch, UnknownDefinition
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.graph import CANCEL_GOAL, Graph

@@ -8,7 +8,8 @@ from typing import Any, TypeAlias
 
 import pytest
 
-from fibws.errors import CallFailed, InvalidMessage, OperationError
+from fibws.errors import InvalidMessage, OperationError
+from fibws.hub.errors import CallFailed
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.service import (
     Call,

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import pytest
 from conftest import StartHub
 
-from fibws.errors import AssetRefused
+from fibws.hub.errors import AssetRefused
 from fibws.hub.graph.graph import Graph
 from fibws.hub.http import robot_assets
 from fibws.hub.http.robot_assets import CONTENT_TYPES, RobotAssets

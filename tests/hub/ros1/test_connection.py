@@ -10,7 +10,8 @@ from weakref import ref
 
 import pytest
 
-from fibws.errors import OperationError, TcprosError
+from fibws.errors import OperationError
+from fibws.hub.errors import TcprosError
 from fibws.hub.ros1.connection import CLOSE_TIMEOUT, Handler, TcprosConnection, describe
 from fibws.hub.ros1.tcpros import decode_header, encode_header
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import XmlRpcError
+from fibws.hub.errors import XmlRpcError
 from fibws.hub.ros1 import http
 from fibws.hub.ros1.http import Caller, XmlRpcConnection
 

@@ -15,7 +15,7 @@ from typing import Any, cast
 import pytest
 
 import fibws
-from fibws.errors import LimitReached
+from fibws.hub.errors import LimitReached
 from fibws.hub.foreign import worklist
 from fibws.hub.graph.topic import Source
 from fibws.hub.ros1 import inlet

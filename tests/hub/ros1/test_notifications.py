@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from patience import PATIENCE
 
-from fibws.errors import XmlRpcError
+from fibws.hub.errors import XmlRpcError
 from fibws.hub.ros1.http import NodeCalls
 
 NODE = "http://127.0.0.1:1/"

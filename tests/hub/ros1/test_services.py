@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import CallFailed
+from fibws.hub.errors import CallFailed
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Call
 from fibws.hub.ros1 import rosrpc

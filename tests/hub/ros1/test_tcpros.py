@@ -7,7 +7,7 @@ import struct
 
 import pytest
 
-from fibws.errors import TcprosError
+from fibws.hub.errors import TcprosError
 from fibws.hub.ros1.tcpros import (
     MOST_FIELDS,
     check_header_size,

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from random_inputs import times
 
-from fibws.errors import XmlRpcError
+from fibws.hub.errors import XmlRpcError
 from fibws.hub.ros1.xmlrpc import (
     DEEPEST,
     CallParser,

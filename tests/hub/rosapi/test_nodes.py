@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.errors import NotAllowed
+from fibws.hub.errors import NotAllowed
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.types import CheckedType
 from fibws.hub.rosapi.nodes import OwnNode

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from fibws.errors import LimitReached
+from fibws.hub.errors import LimitReached
 from fibws.hub.rosbridge.client import check_room
 from fibws.hub.rosbridge.encodings import text_frame
 from fibws.hub.settings import Settings

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fibws.access.limits import Limits, network_of
 from fibws.access.rights import Principal, Rights
-from fibws.errors import LimitReached
+from fibws.hub.errors import LimitReached
 from fibws.hub.settings import Settings
 from fibws.hub.websocket import quotas as module
 from fibws.hub.websocket.endpoint import Registration

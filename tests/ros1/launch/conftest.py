@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import pytest
 import yaml
 
-from fibws.errors import PackageNotFound
+from fibws.ros1.errors import PackageNotFound
 from fibws.ros1.launch.model import Launch
 from fibws.ros1.launch.reader import Reader
 

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from fibws import names
-from fibws.errors import PackageNotFound
+from fibws.ros1.errors import PackageNotFound
 from fibws.ros1.launch import environment as module
 from fibws.ros1.launch.environment import LocalEnvironment, split
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.launch.launch_files import find_launch_files, launch_files_in
 from fibws.ros1.workspace.packages import Packages
 

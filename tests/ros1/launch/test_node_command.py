@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import LaunchError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.model import Node
 from fibws.ros1.launch.node_command import (
     MODULES,

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
-from fibws.errors import LaunchError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.model import Step
 from fibws.ros1.launch.parameters import convert
 from fibws.ros1.launch.scope import boolean

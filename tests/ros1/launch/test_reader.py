@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import LaunchError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.model import Argument, Node
 from fibws.ros1.launch.reader import MOST_FILES, MOST_INCLUDES, Reader
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.errors import LaunchError
+from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.rosbridge import rosbridges
 
 from .conftest import Read

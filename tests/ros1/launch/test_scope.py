@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import InvalidValue, PackageNotFound
+from fibws.errors import InvalidValue
+from fibws.ros1.errors import PackageNotFound
 from fibws.ros1.launch.scope import ALLOWED_NAMES, Scope, evaluate, substitute
 
 from .conftest import FakeEnvironment

@@ -12,9 +12,9 @@ from click.testing import CliRunner
 
 from fibws.cli.aliases import aliases
 from fibws.cli.commands import command
-from fibws.errors import WorkspaceError
 from fibws.hub import Settings
 from fibws.hub.server import HubServer
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.shell import ros_programs
 
 

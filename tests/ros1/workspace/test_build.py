@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import WorkspaceError
 from fibws.interfaces import Interfaces
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.workspace.build import Workspace
 
 from .conftest import BIN, Layout

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.errors import PackageFileError
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.cmake_lists import CMakeLists, read_cmake_lists
 
 BIN = "${CATKIN_PACKAGE_BIN_DESTINATION}"

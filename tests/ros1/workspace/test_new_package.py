@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.workspace.new_package import EXTRAS, NewPackage
 from fibws.ros1.workspace.package_xml import read_manifest
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import PackageFileError
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.package_xml import Manifest, evaluate_condition, read_manifest, read_name
 
 from .conftest import manifest_of

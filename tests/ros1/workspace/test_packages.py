@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
+from fibws.ros1.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
 from fibws.ros1.workspace.packages import Packages, rosrun_command
 
 from .conftest import Layout

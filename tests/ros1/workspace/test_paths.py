@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.workspace import paths
 
 from .conftest import Layout

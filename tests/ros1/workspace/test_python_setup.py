@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.errors import PackageFileError
+from fibws.ros1.errors import PackageFileError
 from fibws.ros1.workspace.python_setup import PythonSetup, read_setup
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fibws.command_names import SETUP
-from fibws.errors import ExecutableNotFound, PackageNotFound
+from fibws.ros1.errors import ExecutableNotFound, PackageNotFound
 from fibws.ros1.workspace.packages import Packages
 
 from .conftest import Layout

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeAlias
 
-from fibws.errors import PackageFileError, PackageNotFound
+from fibws.ros1.errors import PackageFileError, PackageNotFound
 from fibws.ros1.workspace.package_xml import Manifest
 from fibws.ros1.workspace.packages import Package, Packages
 from rospkg.common import MANIFEST_FILE, ResourceNotFound

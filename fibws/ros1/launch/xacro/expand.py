@@ -9,7 +9,7 @@ import sys
 from importlib.util import find_spec
 from types import ModuleType
 
-from fibws.errors import PackageNotFound
+from fibws.ros1.errors import PackageNotFound
 from fibws.ros1.workspace.packages import Packages
 
 INDEX = "ament_index_python"

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import rospy
 from nav_msgs.msg import OccupancyGrid
 
-from fibws.errors import MapError
+from fibws.ros1.errors import MapError
 from fibws.ros1.map_files import GridMap, write_map
 from fibws.values.message_sizes import check_grid
 

@@ -14,7 +14,7 @@ import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse, LoadMap, LoadMapResponse
 
-from fibws.errors import MapError
+from fibws.ros1.errors import MapError
 from fibws.ros1.map_files import GridMap, read_map
 
 USAGE = "usage: map_server MAP.yaml"

@@ -15,7 +15,7 @@ from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
-from fibws.errors import UrdfError
+from fibws.ros1.errors import UrdfError
 from fibws.ros1.urdf import Joint, RobotModel, read_urdf
 from fibws.tf.transform import Transform, with_sign_of_matrix
 

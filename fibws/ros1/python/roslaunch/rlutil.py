@@ -8,7 +8,7 @@ from time import sleep
 
 import rosgraph
 
-from fibws.errors import WorkspaceError
+from fibws.ros1.errors import WorkspaceError
 from fibws.ros1.launch.launch_files import find_launch_files
 from fibws.ros1.workspace.packages import Packages
 from roslaunch.core import RLException, generate_run_id

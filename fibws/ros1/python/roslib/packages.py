@@ -35,7 +35,7 @@ def get_pkg_dir(
     Raises:
         InvalidROSPkgException: the package is unknown.
     """
-    from fibws.errors import PackageNotFound
+    from fibws.ros1.errors import PackageNotFound
     from fibws.ros1.workspace.packages import PATH, Packages
 
     path = os.environ.get(PATH, "") if ros_package_path is None else ros_package_path
