@@ -39,7 +39,7 @@ _FILES = "file://"
 """The origin of files in browsers that are part of another program."""
 
 
-class Origin(NamedTuple):
+class WebOrigin(NamedTuple):
     """A web page's origin: ``("https", "lab.example", 443)``.
 
     The host is in lower case, an IPv6 address without brackets in its shortest spelling. Schemes
@@ -98,10 +98,10 @@ class OwnHosts:
 
     def has(self, header: str) -> bool:
         """Return whether a ``Host`` header has one of them."""
-        here = Origin.of_host("http", header)
+        here = WebOrigin.of_host("http", header)
         return here is not None and self.is_own(here.host, here)
 
-    def is_own(self, host: str, dialled: Origin | None) -> bool:
+    def is_own(self, host: str, dialled: WebOrigin | None) -> bool:
         """Return whether a host is the port's; an address that was dialled cannot be rebound."""
         if host == "localhost" or host.endswith(".localhost") or host in self._names:
             return True
@@ -124,7 +124,7 @@ class AllowedOrigins:
         texts = [text.strip().rstrip("/").lower() for text in allowed]
         self._any = ANY in texts
         self._null = NULL in texts
-        parsed = (Origin.parse(_FILES if text == "file:" else text) for text in texts)
+        parsed = (WebOrigin.parse(_FILES if text == "file:" else text) for text in texts)
         self._allowed = frozenset(origin for origin in parsed if origin is not None)
         self._hosts = hosts
 
@@ -136,10 +136,10 @@ class AllowedOrigins:
             host: the request's ``Host`` header.
             secure: whether the browser's connection has TLS.
         """
-        page = Origin.parse(origin)
+        page = WebOrigin.parse(origin)
         if self._any or page in self._allowed or (self._null and origin == NULL):
             return None
-        here = Origin.of_host("http", host)
+        here = WebOrigin.of_host("http", host)
         if secure and page is not None and here is not None:
             if (page.scheme, page.host) == ("https", here.host):
                 return None
@@ -160,7 +160,7 @@ class AllowedOrigins:
         """
         if self._any or secure or self._hosts.has(host):
             return True
-        return any(Origin.of_host(scheme, host) in self._allowed for scheme in DEFAULT_PORTS)
+        return any(WebOrigin.of_host(scheme, host) in self._allowed for scheme in DEFAULT_PORTS)
 
 
 def machine_names(hostname: str) -> set[str]:
@@ -173,9 +173,9 @@ def machine_names(hostname: str) -> set[str]:
 def origin_of_url(url: str) -> str | None:
     """Return the origin at the beginning of a URL, such as a ``Referer``; None without one."""
     found = re.match(r"[^:/?#]+://[^/?#]*", url)
-    return found[0] if found is not None and Origin.parse(found[0]) is not None else None
+    return found[0] if found is not None and WebOrigin.parse(found[0]) is not None else None
 
 
 def is_allowable(text: str) -> bool:
     """Return whether a text may stand after ``--allow-origin``."""
-    return text in (ANY, NULL, _FILES) or Origin.parse(text.removesuffix("/")) is not None
+    return text in (ANY, NULL, _FILES) or WebOrigin.parse(text.removesuffix("/")) is not None

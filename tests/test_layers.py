@@ -168,6 +168,16 @@ NODES |= {"cli/keyboard.py", *(f"cli/bag/{name}.py" for name in ("play", "playba
 """Commands that are nodes themselves, or run some."""
 
 
+PUBLIC = "the graph's, and the public class of the node library for the other end of the wire"
+SAME_NAMES = {
+    **dict.fromkeys(["Action", "ActionClient", "ActionServer", "Graph", "Service"], PUBLIC),
+    "ServiceServer": PUBLIC,
+    "Connection": "a WebSocket's, and rosbag's word for a topic in a bag",
+    "Peers": "of the node library, and the operation, which are all called by their ``op``",
+}
+"""Names of several classes, each with the reason."""
+
+
 def modules(*patterns: str) -> list[Path]:
     return sorted({path for pattern in patterns for path in PACKAGE.glob(pattern)})
 
@@ -308,3 +318,17 @@ def test_library_knows_no_command_line() -> None:
     for path in modules("client/**/*.py", "values/**/*.py", "node/**/*.py", "ros1/**/*.py"):
         found = {name for name in imports(path) if name.partition(".")[0] in ("click", "rich")}
         assert not found, f"{name_of(path)} imports {found}"
+
+
+def test_one_name_is_one_class() -> None:
+    """ROS 1's modules have ROS's names, and generated classes those of their types."""
+    found: dict[str, list[str]] = {}
+    for path in modules("**/*.py"):
+        name = name_of(path)
+        if name.startswith(("ros1/python/", "ros1/fallback/", "msg/", "srv/", "action/")):
+            continue
+        for node in ast.walk(parsed(path)):
+            if isinstance(node, ast.ClassDef):
+                found.setdefault(node.name, []).append(name)
+    several = {name: places for name, places in found.items() if len(places) > 1}
+    assert several.keys() == SAME_NAMES.keys(), several

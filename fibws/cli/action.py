@@ -14,7 +14,7 @@ from fibws.cli.types import show
 from fibws.client.actions import (
     End,
     Feedback,
-    Goal,
+    OpenGoal,
     OperationGoal,
     StatusChange,
     TopicGoal,
@@ -131,8 +131,8 @@ def send(
     entry, type_, words = _choose(GraphSnapshot(client).actions_named(name), goal)
     values = parsing.message(words, if_known(Typedefs.of_message, client, f"{type_}Goal"))
     kind = TopicGoal if entry["over_topics"] else OperationGoal
-    printer = _Printer(client, type_, feedback=feedback, as_json=as_json)
-    sent: Goal = kind(client, name, type_, values)
+    printer = _GoalPrinter(client, type_, feedback=feedback, as_json=as_json)
+    sent: OpenGoal = kind(client, name, type_, values)
     try:
         end = _follow(sent, printer)
     except KeyboardInterrupt:
@@ -147,7 +147,7 @@ def send(
         raise click.ClickException(f"{name}: {end.status}{reason}")
 
 
-class _Printer:
+class _GoalPrinter:
     """Prints the updates of a goal."""
 
     def __init__(self, client: HubClient, type_: str, *, feedback: bool, as_json: bool) -> None:
@@ -173,7 +173,7 @@ class _Printer:
                     output.line(message_text(result, self._result))
 
 
-def _follow(goal: Goal, printer: _Printer, timeout: float | None = None) -> End | None:
+def _follow(goal: OpenGoal, printer: _GoalPrinter, timeout: float | None = None) -> End | None:
     """Print the updates of a goal and return its end; None if it has not ended in time."""
     for update in goal.updates(timeout):
         printer.print(update)

@@ -19,7 +19,7 @@ from fibws.client.graph_snapshot import GraphSnapshot
 from fibws.client.hub_client import HubClient
 from fibws.definition_folders import STANDARD, named_folders
 from fibws.errors import FibwsError, InvalidName
-from fibws.values.typedefs import Field, Typedefs
+from fibws.values.typedefs import TypedefField, Typedefs
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -154,7 +154,7 @@ def template(request: Callable[[HubClient, click.Context], Typedefs]) -> Complet
 
         def ask(client: HubClient) -> Found:
             typedefs = request(client, context)
-            return {_one_line(typedefs.default(Field("", typedefs.root))): ""}
+            return {_one_line(typedefs.default(TypedefField("", typedefs.root))): ""}
 
         found = _asked(ask, context.params.get("hub"))
         return [_item(text, type_=QUOTED) for text in found if len(text) <= LONGEST_TEMPLATE]

@@ -13,7 +13,7 @@ from fibws import names
 from fibws.cli import arguments, completers, output
 from fibws.cli.common_options import json_option, with_hub
 from fibws.client.hub_client import HubClient
-from fibws.client.parameters import ROOT, Parameters
+from fibws.client.parameters import ROOT, HubParameters
 from fibws.errors import FibwsError, ParameterNotSet
 from fibws.files import replace_file
 from fibws.suggestions import suggestion
@@ -102,7 +102,7 @@ def delete(client: HubClient, name: str, verbose: bool) -> None:
     """
     name = _global(client, name)
     try:
-        Parameters(client.call).delete(name)
+        HubParameters(client.call).delete(name)
     except ParameterNotSet:
         raise _not_set(client, name) from None
     if verbose:
@@ -176,18 +176,18 @@ def _piped() -> str:
 
 
 def _names(client: HubClient) -> list[str]:
-    return Parameters(client.call).names()
+    return HubParameters(client.call).names()
 
 
 def _get(client: HubClient, name: str) -> Any:
     try:
-        return Parameters(client.call).get(name)
+        return HubParameters(client.call).get(name)
     except ParameterNotSet:
         raise _not_set(client, name) from None
 
 
 def _set(client: HubClient, leaves: list[tuple[str, str]], *, verbose: bool) -> None:
-    parameters = Parameters(client.call)
+    parameters = HubParameters(client.call)
     for name, value in leaves:
         parameters.set_json(name, value)
         if verbose:

@@ -23,7 +23,7 @@ from fibws.ros1.errors import WorkspaceError
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from fibws.ros1.launch.model import Node
+    from fibws.ros1.launch.model import LaunchNode
     from fibws.ros1.launch.test_results import Outcome
 
 
@@ -147,7 +147,7 @@ class _Target:
         name = name or file_results_name(self._folder or Path.cwd(), file)
         return results_file(self._results_folder, self.package, name, is_rostest=True)
 
-    def file_of(self, test: Node) -> Path:
+    def file_of(self, test: LaunchNode) -> Path:
         """Return the file for the results of one test."""
         from fibws.ros1.launch.test_results import results_file
 
@@ -179,7 +179,7 @@ def _main(
     from fibws.cli.launch.sources import Sources
     from fibws.ros1.launch import test_results
     from fibws.ros1.launch.rostest_session import NEW_HUB, run_test
-    from fibws.ros1.launch.session import Console
+    from fibws.ros1.launch.session import LaunchConsole
 
     try:
         sources = Sources(words, workspace)
@@ -214,7 +214,7 @@ def _main(
                 file=target.file_of(test),
                 text=text,
                 clear=clear,
-                console=Console(output.line_as_is, output.has_colours(), end_line),
+                console=LaunchConsole(output.line_as_is, output.has_colours(), end_line),
                 report=output.line,
             )
         outcomes.append(outcome)

@@ -47,7 +47,7 @@ class End(NamedTuple):
 Update: TypeAlias = StatusChange | Feedback | End
 
 
-class Goal(ABC):
+class OpenGoal(ABC):
     """A goal, which is sent when it is created.
 
     Args:
@@ -110,7 +110,7 @@ class Goal(ABC):
             yield StatusChange(status)
 
 
-class TopicGoal(Goal):
+class TopicGoal(OpenGoal):
     """A goal on ``<action>/goal``, as actionlib's clients send it."""
 
     def _send(self, type_: str, values: dict[str, Any]) -> None:
@@ -164,7 +164,7 @@ class TopicGoal(Goal):
         yield from self._change(_status(status["status"]))
 
 
-class OperationGoal(Goal):
+class OperationGoal(OpenGoal):
     """A goal that the hub passes to the server, as rosbridge does for ROS 2."""
 
     def _send(self, type_: str, values: dict[str, Any]) -> None:

@@ -40,7 +40,7 @@ def is_hidden(name: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class DrawnTopic:
     """A topic with its publishers and subscribers; ``type`` is empty if it is unknown."""
 
     name: str
@@ -51,7 +51,7 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
-class Conflict:
+class DrawnConflict:
     """A node that uses a topic with another type, or otherwise as the hub cannot."""
 
     node: str
@@ -62,7 +62,7 @@ class Conflict:
 
 
 @dataclass(frozen=True, slots=True)
-class Service:
+class DrawnService:
     """A service with its server."""
 
     name: str
@@ -71,7 +71,7 @@ class Service:
 
 
 @dataclass(frozen=True, slots=True)
-class Action:
+class DrawnAction:
     """An action with its server and, if they are known, its clients."""
 
     name: str
@@ -85,13 +85,13 @@ class View:
     """A part of the graph: topics follow the flow of messages, other names are sorted."""
 
     nodes: list[str]
-    topics: list[Topic]
-    services: list[Service]
-    actions: list[Action]
+    topics: list[DrawnTopic]
+    services: list[DrawnService]
+    actions: list[DrawnAction]
     hidden_nodes: int = 0
     hidden_topics: int = 0
     hidden_services: int = 0
-    conflicts: list[Conflict] = field(default_factory=list)
+    conflicts: list[DrawnConflict] = field(default_factory=list)
     unreachable: dict[str, str] = field(default_factory=dict)
     """Why ROS 1 nodes do not answer, by their names."""
 
@@ -112,7 +112,7 @@ class View:
         by_name = {each.name: each for each in all_topics}
         all_topics = [each for each in all_topics if _is_within(namespace, _names(each))]
         all_services = [
-            Service(each["name"], each["type"], each["node"])
+            DrawnService(each["name"], each["type"], each["node"])
             for each in graph["services"]
             if each["node"] != exclude and _is_within(namespace, (each["name"], each["node"]))
         ]
@@ -144,7 +144,9 @@ class View:
             ]
         shown = {each.name for each in topics}
         conflicts = [
-            Conflict(each["node"], topic["name"], each["publishes"], conflict_text(each, topic))
+            DrawnConflict(
+                each["node"], topic["name"], each["publishes"], conflict_text(each, topic)
+            )
             for topic in graph["topics"]
             for each in topic["conflicts"]
             if topic["name"] in shown and each["node"] in nodes
@@ -182,7 +184,7 @@ class View:
         }
 
 
-def in_order_of_flow(topics: Iterable[Topic]) -> list[Topic]:
+def in_order_of_flow(topics: Iterable[DrawnTopic]) -> list[DrawnTopic]:
     """Return topics in an order in which, apart from cycles, messages flow from first to last."""
     by_name = {topic.name: topic for topic in sorted(topics, key=lambda each: each.name)}
     subscribed: defaultdict[str, set[str]] = defaultdict(set)
@@ -195,7 +197,7 @@ def in_order_of_flow(topics: Iterable[Topic]) -> list[Topic]:
     sources = [
         name for name, topic in by_name.items() if not any(map(subscribed.get, topic.publishers))
     ]
-    ordered: dict[str, Topic] = {}
+    ordered: dict[str, DrawnTopic] = {}
     for start in (*sources, *by_name):
         ahead = [start]
         while ahead:
@@ -209,21 +211,21 @@ def in_order_of_flow(topics: Iterable[Topic]) -> list[Topic]:
     return list(ordered.values())
 
 
-def _topic(topic: dict[str, Any], exclude: str) -> Topic:
+def _topic(topic: dict[str, Any], exclude: str) -> DrawnTopic:
     publishers = {each["node"] for each in topic["publishers"]} - {exclude}
     subscribers = {each["node"] for each in topic["subscriptions"]} - {exclude}
-    return Topic(
+    return DrawnTopic(
         topic["name"], topic["type"], topic["checked"], sorted(publishers), sorted(subscribers)
     )
 
 
-def _action(action: dict[str, Any], topics: dict[str, Topic]) -> Action:
+def _action(action: dict[str, Any], topics: dict[str, DrawnTopic]) -> DrawnAction:
     goal = topics.get(f"{action['name']}/goal") if action["over_topics"] else None
     clients = goal.publishers if goal is not None else []
-    return Action(action["name"], action["type"], action["node"], clients)
+    return DrawnAction(action["name"], action["type"], action["node"], clients)
 
 
-def _names(topic: Topic) -> list[str]:
+def _names(topic: DrawnTopic) -> list[str]:
     return [topic.name, *topic.publishers, *topic.subscribers]
 
 
@@ -232,13 +234,13 @@ def _is_within(namespace: str, names: Iterable[str]) -> bool:
     return any(f"{name}/".startswith(inner) for name in names)
 
 
-def _without(topic: Topic, nodes: set[str]) -> Topic:
+def _without(topic: DrawnTopic, nodes: set[str]) -> DrawnTopic:
     """Return a topic without nodes at its ends."""
     publishers = [each for each in topic.publishers if each not in nodes]
     subscribers = [each for each in topic.subscribers if each not in nodes]
     return replace(topic, publishers=publishers, subscribers=subscribers)
 
 
-def _is_only_used_by(topic: Topic, nodes: set[str]) -> bool:
+def _is_only_used_by(topic: DrawnTopic, nodes: set[str]) -> bool:
     used_by = {*topic.publishers, *topic.subscribers}
     return bool(used_by) and used_by <= nodes

@@ -89,9 +89,9 @@ class HubClient:
             self.node = names.resolve(name)
         """The tool's global node name."""
         self._operations: deque[Operation] = deque()
-        self._subscriptions: dict[str, _Subscription] = {}
+        self._subscriptions: dict[str, _RawSubscription] = {}
         """Subscriptions to raw messages by their topics."""
-        self._serialized: dict[int, tuple[_Subscription, str]] = {}
+        self._serialized: dict[int, tuple[_RawSubscription, str]] = {}
         """By the topics' numbers in binary frames: the subscription and the topic's type."""
         self._numbers = 0
         self._socket = WebSocket(self.url, self.node, self.credentials)
@@ -179,7 +179,7 @@ class HubClient:
             on_message: called with each message while the tool waits for the hub.
         """
         self._numbers += 1
-        subscription = _Subscription(topic, on_message, queue_length, f"raw:{self._numbers}")
+        subscription = _RawSubscription(topic, on_message, queue_length, f"raw:{self._numbers}")
         self._subscriptions[topic] = subscription
         self.send(subscription.request(serialized=self._socket.serialized))
 
@@ -342,7 +342,7 @@ class HubClient:
                 return True
         return False
 
-    def _subscription(self, id_: object) -> _Subscription | None:
+    def _subscription(self, id_: object) -> _RawSubscription | None:
         return next((each for each in self._subscriptions.values() if each.id == id_), None)
 
     def _operation(self, data: bytes | bytearray) -> Operation:
@@ -376,7 +376,7 @@ def is_hub_running(url: str | None = None, tool: str = "tool") -> bool:
     return True
 
 
-class _Subscription:
+class _RawSubscription:
     """A subscription to the raw messages of a topic."""
 
     def __init__(self, topic: str, on_message: OnMessage, queue_length: int, id_: str) -> None:

@@ -9,14 +9,14 @@ from typing import Any, TypeAlias
 from fibws.errors import ParameterError, ParameterNotSet, ServiceError
 
 UNSET: dict[str, Any] = {"$unset": []}
-"""The default for `Parameters.get`, a value that no parameter has; NaN is null."""
+"""The default for `HubParameters.get`, a value that no parameter has; NaN is null."""
 ROOT = "/"
 """The namespace of all parameters."""
 
 Call: TypeAlias = Callable[[str, dict[str, Any]], dict[str, Any]]
 
 
-class Parameters:
+class HubParameters:
     """The parameters of a hub; a dict is a namespace. All names are global.
 
     Args:

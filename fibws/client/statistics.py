@@ -15,7 +15,7 @@ TOTALS = ("messages_received", "bytes_received", "messages_sent", "bytes_sent")
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class TopicRates:
     """The messages of a topic between two responses."""
 
     topic: str
@@ -32,7 +32,7 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
-class Client:
+class ClientQueue:
     """A client's send queue; ``dropped`` counts since it connected."""
 
     node: str
@@ -49,8 +49,8 @@ class Measurement:
     stamp: float
     """The time of the newer response by the hub's clock, in seconds since 1970."""
     seconds: float
-    topics: list[Topic]
-    clients: list[Client]
+    topics: list[TopicRates]
+    clients: list[ClientQueue]
 
     @classmethod
     def between(
@@ -168,15 +168,15 @@ def _with_rates(
     return found
 
 
-def _rank(topic: Topic, sort: str) -> tuple[float, str]:
+def _rank(topic: TopicRates, sort: str) -> tuple[float, str]:
     return {"rate": -topic.rate, "bw": -topic.bandwidth}.get(sort, 0.0), topic.topic
 
 
-def _topic(before: dict[str, Any], now: dict[str, Any], seconds: float) -> Topic:
+def _topic(before: dict[str, Any], now: dict[str, Any], seconds: float) -> TopicRates:
     older, newer = before.get("publishers", []), now["publishers"]
     old_subscriptions, subscriptions = before.get("subscriptions", []), now["subscriptions"]
     per_second = 1 / seconds if seconds > 0 else 0.0
-    return Topic(
+    return TopicRates(
         topic=now["topic"],
         rate=_increase(older, newer, "messages") * per_second,
         bandwidth=_increase(older, newer, "bytes") * per_second,
@@ -187,8 +187,8 @@ def _topic(before: dict[str, Any], now: dict[str, Any], seconds: float) -> Topic
     )
 
 
-def _client(now: dict[str, Any]) -> Client:
-    return Client(**{field.name: now[field.name] for field in fields(Client)})
+def _client(now: dict[str, Any]) -> ClientQueue:
+    return ClientQueue(**{field.name: now[field.name] for field in fields(ClientQueue)})
 
 
 def _increase(before: Iterable[dict[str, Any]], now: Iterable[dict[str, Any]], number: str) -> int:

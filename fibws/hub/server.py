@@ -42,7 +42,7 @@ from fibws.hub.http.proxies import TrustedProxies
 from fibws.hub.http.recording_downloads import RecordingRoute
 from fibws.hub.http.requests import HttpRequests, built_files
 from fibws.hub.http.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
-from fibws.hub.log.audit import Audit, Identity
+from fibws.hub.log.audit import Audit, ClientIdentity
 from fibws.hub.memory.account import Account
 from fibws.hub.memory.byte_room import ByteRoom
 from fibws.hub.monitoring.loop_lag import LoopLag
@@ -730,13 +730,13 @@ class HubServer:
     def _refused(self, error: NotAllowed) -> None:
         self.audit.refused("right", str(error), node=error.node)
 
-    def _identify(self, node: str) -> Identity:
+    def _identify(self, node: str) -> ClientIdentity:
         """Return who a connected node is, for the audit events."""
         client = self._own.clients.find(node)
         if not isinstance(client, Connection):
-            return Identity()
+            return ClientIdentity()
         principal = client.principal.title if client.principal is not None else ""
-        return Identity(principal, client.address)
+        return ClientIdentity(principal, client.address)
 
     def _warn_if_public(self) -> None:
         address = self._server.sockets[0].getsockname()[0]

@@ -1,8 +1,8 @@
 """zenoh sessions (https://zenoh.io), and the threads between them and the event loop.
 
-Calls of zenoh may wait for the network, so they are made in threads: messages in those of `Lanes`
-and declarations in that of `Calls`, which wait for no receiver, and all others in those of
-`Receivers`. zenoh's callbacks come in threads, too, and hand their data to the event loop
+Calls of zenoh may wait for the network, so they are made in threads: messages in those of
+`ZenohLanes` and declarations in that of `ZenohCalls`, which wait for no receiver, and all others in
+those of `Receivers`. zenoh's callbacks come in threads, too, and hand their data to the event loop
 (`Inbox`).
 """
 
@@ -233,7 +233,7 @@ def preferred() -> dict[str, Any]:
     return {**lossy(), "priority": lossless()["priority"]}
 
 
-class Calls(threading.Thread):
+class ZenohCalls(threading.Thread):
     """Makes calls of zenoh one after the other: those that wait for no receiver.
 
     Attributes:
@@ -347,8 +347,8 @@ class Receivers:
                 self._bytes[receiver] -= size
 
 
-class Lane:
-    """The messages of one publisher that wait for a thread; see `Lanes`."""
+class ZenohLane:
+    """The messages of one publisher that wait for a thread; see `ZenohLanes`."""
 
     __slots__ = ("bytes", "is_open", "is_sending", "jobs")
 
@@ -360,7 +360,7 @@ class Lane:
         self.is_sending = False
 
 
-class Lanes:
+class ZenohLanes:
     """Sends messages in two threads, so that small ones do not wait for large ones.
 
     The messages of a publisher stay in order, as do small ones of all publishers. zenoh drops what
@@ -391,7 +391,7 @@ class Lanes:
         for thread in self._threads:
             thread.start()
 
-    def open(self, lane: Lane) -> None:
+    def open(self, lane: ZenohLane) -> None:
         """Begin to send the messages of a publisher, which is declared now."""
         with self._lock:
             lane.is_open = True
@@ -402,7 +402,7 @@ class Lanes:
         """Bytes of the messages that wait."""
         return self._bytes
 
-    def send(self, lane: Lane, job: Callable[[], object], size: int, limit: int) -> None:
+    def send(self, lane: ZenohLane, job: Callable[[], object], size: int, limit: int) -> None:
         """Send a message; the oldest ones of its publisher are dropped if too many wait.
 
         Args:
@@ -425,7 +425,7 @@ class Lanes:
                 self._take(lane)
                 self._dropped()
 
-    def drain(self, lane: Lane) -> None:
+    def drain(self, lane: ZenohLane) -> None:
         """Wait until the messages of a publisher are sent."""
         with self._lock:
             self._changed.wait_for(lambda: not (lane.jobs or lane.is_sending), LEASE)
@@ -442,7 +442,7 @@ class Lanes:
         for thread in self._threads:
             thread.join(timeout)
 
-    def _schedule(self, lane: Lane) -> None:
+    def _schedule(self, lane: ZenohLane) -> None:
         """Give a lane to the thread for its next message."""
         if lane.jobs and lane.is_open and not lane.is_sending:
             number, _, size = lane.jobs[0]
@@ -450,7 +450,7 @@ class Lanes:
             heappush(due.lanes, (number, lane))
             due.changed.notify()
 
-    def _take(self, lane: Lane) -> Callable[[], object]:
+    def _take(self, lane: ZenohLane) -> Callable[[], object]:
         _, job, size = lane.jobs.popleft()
         lane.bytes -= size
         self._bytes -= size
@@ -483,7 +483,7 @@ class _Due:
     """The lanes with messages for one thread, each by the number of its first one."""
 
     def __init__(self, lock: threading.Lock) -> None:
-        self.lanes: list[tuple[int, Lane]] = []
+        self.lanes: list[tuple[int, ZenohLane]] = []
         self.changed = threading.Condition(lock)
 
 

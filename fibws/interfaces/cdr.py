@@ -258,7 +258,7 @@ def _element(type_: str) -> _Chunk | None:
     return _Chunk(_SIZES[type_], _SIZES[type_])
 
 
-class _Code(ABC):
+class _CdrCode(ABC):
     """The source of one function."""
 
     parameters = ""
@@ -402,7 +402,7 @@ class _Code(ABC):
         """Add lines that convert a message by its own function."""
 
 
-class _ToCdr(_Code):
+class _ToCdr(_CdrCode):
     """The source of a function from ROS 1's serialization to CDR."""
 
     parameters = "data, o, p, out"
@@ -454,7 +454,7 @@ class _ToCdr(_Code):
         self.add(f"o, p = {self.constant(nested.to_cdr_function)}(data, o, p, out)")
 
 
-class _FromCdr(_Code):
+class _FromCdr(_CdrCode):
     """The source of a function from CDR to ROS 1's serialization."""
 
     parameters = "data, o, out"

@@ -31,7 +31,7 @@ def show_all(client: str, holder: Hashable) -> bool:
     return True
 
 
-class Limits(NamedTuple):
+class DefinitionLimits(NamedTuple):
     """Limits for the definitions that are kept.
 
     ``types`` is their number. ``characters`` are those of all texts. ``fields`` counts fields and
@@ -43,9 +43,9 @@ class Limits(NamedTuple):
     fields: int
 
 
-PER_CLIENT = Limits(types=1000, characters=2**22, fields=80_000)
+PER_CLIENT = DefinitionLimits(types=1000, characters=2**22, fields=80_000)
 """The limits for one client, which must not use up the room of others."""
-OF_ALL = Limits(types=4000, characters=2**24, fields=320_000)
+OF_ALL = DefinitionLimits(types=4000, characters=2**24, fields=320_000)
 """The limits for all clients together, which must not fill the memory."""
 
 
@@ -130,7 +130,7 @@ class Usage:
     def __bool__(self) -> bool:
         return bool(self._types)
 
-    def check_room(self, added: ClientDefinition, limits: Limits, whose: str) -> None:
+    def check_room(self, added: ClientDefinition, limits: DefinitionLimits, whose: str) -> None:
         """Raise `DefinitionLimit` if one more definition would exceed the limits.
 
         Args:
@@ -201,7 +201,9 @@ class RefusedDefinitions:
         if found is not None and found.revision in (None, revision):
             raise _copied(found.error)
 
-    def check_room(self, digest: bytes, name: str, text: str, limits: Limits, whose: str) -> None:
+    def check_room(
+        self, digest: bytes, name: str, text: str, limits: DefinitionLimits, whose: str
+    ) -> None:
         """Raise `DefinitionLimit` if so many were refused that no others are read."""
         if digest in self._refusals:
             return

@@ -36,7 +36,7 @@ SIMILAR = 0.85
 """Similarity from which a package is suggested for another: many names end in ``_msgs``."""
 
 
-class Package:
+class InterfacePackage:
     """The definition files of one package, listed on first use.
 
     Attributes:
@@ -48,7 +48,7 @@ class Package:
     def __init__(self, name: str, folder: Path) -> None:
         self.name = name
         self.folder = folder
-        self.standard: Package | None = None
+        self.standard: InterfacePackage | None = None
         self._files: dict[Kind, dict[str, Path]] = {}
         self._is_ros2s: bool | None = None
 
@@ -86,14 +86,14 @@ class Package:
         return {name: files[name] for name in files if messages.keys().isdisjoint(made[name])}
 
 
-def find_packages(folder: Path) -> Iterator[Package]:
+def find_packages(folder: Path) -> Iterator[InterfacePackage]:
     """Yield the packages in ``folder``, which may be a package itself."""
     if _is_package(folder):
-        yield Package(folder.resolve().name, folder)
+        yield InterfacePackage(folder.resolve().name, folder)
         return
     for entry in sorted(folder.iterdir()):
         if _is_package(entry):
-            yield Package(entry.name, entry)
+            yield InterfacePackage(entry.name, entry)
 
 
 def _is_package(folder: Path) -> bool:
@@ -127,7 +127,7 @@ class Folders:
         self._forget()
 
     def _forget(self) -> None:
-        self._packages: dict[str, Package] = {}
+        self._packages: dict[str, InterfacePackage] = {}
         self._messages: dict[str, MessageDefinition] = {}
         self._services: dict[str, ServiceDefinition] = {}
         self._actions: dict[str, ActionDefinition] = {}
@@ -189,7 +189,7 @@ class Folders:
             return found.action(*name.split("/"))
         return parser.parse_action(*found.text, ros2=found.is_ros2s) if found else None
 
-    def packages(self) -> dict[str, Package]:
+    def packages(self) -> dict[str, InterfacePackage]:
         """The packages by name."""
         if not self._packages:
             # Assigned at once: in rospy's programs several threads call this.

@@ -99,7 +99,7 @@ class _Struct(NamedTuple):
     enums: list[_Enum]
 
 
-class _Fault(ValueError):
+class _IdlFault(ValueError):
     """An error at a token."""
 
     def __init__(self, place: int, text: str) -> None:
@@ -121,10 +121,10 @@ class IdlFile:
 
     def __init__(self, text: str, source: str, include: Include = lambda path: None) -> None:
         self._source = source
-        reader = _Reader(include)
+        reader = _IdlReader(include)
         try:
             reader.read(text)
-        except _Fault as fault:
+        except _IdlFault as fault:
             number = text.count("\n", 0, fault.place) + 1
             line = text.split("\n")[number - 1][:200]
             raise DefinitionError(source, number, line, str(fault)) from None
@@ -213,7 +213,7 @@ def full_text(name: str, text: str) -> str:
     return f"\n{SEPARATOR}\n".join(parts)
 
 
-class _Reader:
+class _IdlReader:
     """Reads declarations; each has the scope of its module."""
 
     def __init__(self, include: Include) -> None:
@@ -230,7 +230,7 @@ class _Reader:
         self._next = 0
 
     def read(self, text: str) -> None:
-        """Read a file; raise `_Fault`."""
+        """Read a file; raise `_IdlFault`."""
         self._tokens, self._next = self._split(text), 0
         while self._peek().text:
             self._declaration()
@@ -245,7 +245,7 @@ class _Reader:
         while place < len(text):
             found = _TOKEN.match(text, place)
             if found is None:
-                raise _Fault(place, f"unexpected {text[place : place + 1]!r}")
+                raise _IdlFault(place, f"unexpected {text[place : place + 1]!r}")
             kind = str(found.lastgroup)
             if kind == "directive":
                 self._directive(found[0], place)
@@ -259,7 +259,7 @@ class _Reader:
             return
         found = _INCLUDE.fullmatch(line)
         if found is None:
-            raise _Fault(place, f"{line.strip()[:40]} is not supported")
+            raise _IdlFault(place, f"{line.strip()[:40]} is not supported")
         path = found[1]
         if path in self._included or self._depth >= DEEPEST_INCLUDE:
             return
@@ -272,8 +272,8 @@ class _Reader:
         self._depth += 1
         try:
             self.read(text)
-        except _Fault as fault:
-            raise _Fault(place, f"{path}: {fault}") from None
+        except _IdlFault as fault:
+            raise _IdlFault(place, f"{path}: {fault}") from None
         finally:
             self._depth -= 1
             self.structs, self._scope, self._tokens, self._next = kept
@@ -287,7 +287,7 @@ class _Reader:
         token = self._peek()
         if (text is not None and token.text != text) or (kind is not None and token.kind != kind):
             found = repr(token.text[:40]) if token.text else "the end"
-            raise _Fault(token.place, f"expected {text or f'a {kind}'}, got {found}")
+            raise _IdlFault(token.place, f"expected {text or f'a {kind}'}, got {found}")
         self._next += 1
         return token
 
@@ -300,7 +300,7 @@ class _Reader:
     def _name(self) -> str:
         token = self._take(kind="name")
         if "::" in token.text:
-            raise _Fault(token.place, f"expected a name, got {token.text[:40]}")
+            raise _IdlFault(token.place, f"expected a name, got {token.text[:40]}")
         # An underscore in front lets a name be a keyword.
         return token.text.removeprefix("_")
 
@@ -329,7 +329,7 @@ class _Reader:
     def _module(self) -> None:
         outer, place = self._scope, self._peek().place
         if len(outer) >= DEEPEST_MODULE:
-            raise _Fault(place, f"modules are nested too deeply (limit {DEEPEST_MODULE})")
+            raise _IdlFault(place, f"modules are nested too deeply (limit {DEEPEST_MODULE})")
         self._scope = (*outer, self._name())
         self._take("{")
         while not self._accept("}"):
@@ -342,7 +342,7 @@ class _Reader:
         if self._peek().text == ";":
             return  # A declaration in advance.
         if self._peek().text == ":":
-            raise _Fault(place, f"{scope[-1]}: a struct that inherits is not supported")
+            raise _IdlFault(place, f"{scope[-1]}: a struct that inherits is not supported")
         self._known[scope] = _Type(_message_name(scope, place))
         struct = _Struct(scope, {}, [])
         self._take("{")
@@ -358,7 +358,7 @@ class _Reader:
             name = self._name()
             whole = self._dimensions(type_)
             if name in struct.members:
-                raise _Fault(place, f"duplicate name {name}")
+                raise _IdlFault(place, f"duplicate name {name}")
             field = Field(name, whole.name, whole.array, whole.limit)
             if default is not None:
                 value = self._default(field, default, place)
@@ -386,7 +386,7 @@ class _Reader:
             given = self._annotations().get("value")
             place, label = self._peek().place, self._name()
             if label in names:
-                raise _Fault(place, f"duplicate name {label}")
+                raise _IdlFault(place, f"duplicate name {label}")
             last = next(reversed(names.values()), -1)
             value = self._evaluated(given, place) if given else last + 1
             names[label] = int(_checked("uint32", value, place))
@@ -401,14 +401,14 @@ class _Reader:
         place = self._peek().place
         type_ = self._type()
         if type_.array is not None or type_.name not in builtin.CONSTANTS:
-            raise _Fault(place, "a constant must be of a basic type, a string or an enum")
+            raise _IdlFault(place, "a constant must be of a basic type, a string or an enum")
         name = self._name()
         self._take("=")
         value = _checked(type_.name, self._value(), place)
         kind = "string" if type_.name in builtin.STRINGS else type_.name
         text = str(value)
         if isinstance(value, str) and ("\n" in value or "\r" in value):
-            raise _Fault(place, f"{name}: a constant with several lines is not supported")
+            raise _IdlFault(place, f"{name}: a constant with several lines is not supported")
         constant = self._known[*self._scope, name] = Constant(name, kind, value, text)
         self._constants.setdefault(self._scope, {})[name] = constant
 
@@ -428,7 +428,7 @@ class _Reader:
         if words in _BASIC:
             return _Type(_BASIC[words])
         if words in _UNSUPPORTED or " " in words or words == "unsigned":
-            raise _Fault(token.place, f"{words} is not supported")
+            raise _IdlFault(token.place, f"{words} is not supported")
         return self._named(token)
 
     def _sequence(self, token: _Token) -> _Type:
@@ -436,7 +436,7 @@ class _Reader:
         nested = self._peek().text == "sequence"
         element = _Type("") if nested else self._type()
         if nested or element.array is not None:
-            raise _Fault(token.place, "a sequence of sequences or arrays is not supported")
+            raise _IdlFault(token.place, "a sequence of sequences or arrays is not supported")
         bound = None
         if self._accept(","):
             bound = self._size()
@@ -458,13 +458,13 @@ class _Reader:
         size = self._size()
         self._take("]")
         if type_.array is not None or self._peek().text == "[":
-            raise _Fault(token.place, "an array of arrays or sequences is not supported")
+            raise _IdlFault(token.place, "an array of arrays or sequences is not supported")
         return type_._replace(array=Array(size))
 
     def _size(self) -> int:
         place, value = self._peek().place, self._value()
         if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 10**9:
-            raise _Fault(place, "a size must be an integer from 0 on")
+            raise _IdlFault(place, "a size must be an integer from 0 on")
         return value
 
     def _named(self, token: _Token) -> _Type:
@@ -474,7 +474,7 @@ class _Reader:
             return found
         scope = tuple(filter(None, token.text.split("::")))
         if found is not None or len(scope) == 1:
-            raise _Fault(token.place, f"{token.text[:40]} is not a type")
+            raise _IdlFault(token.place, f"{token.text[:40]} is not a type")
         # It is of a file that was not found; a message of this name may be.
         return _Type(_message_name(scope, token.place))
 
@@ -495,7 +495,7 @@ class _Reader:
         while self._accept("@"):
             token = self._take(kind="name")
             if token.text in _UNREAD:
-                raise _Fault(token.place, f"@{token.text} is not supported")
+                raise _IdlFault(token.place, f"@{token.text} is not supported")
             tokens = self._parameters() if self._peek().text == "(" else []
             is_named = [each.text for each in tokens[:2]] == ["value", "="]
             found[token.text] = tokens[2:] if is_named else tokens
@@ -508,7 +508,7 @@ class _Reader:
         while True:
             token = self._take()
             if token.kind == "end":
-                raise _Fault(token.place, "expected ), got the end")
+                raise _IdlFault(token.place, "expected ), got the end")
             depth += {"(": 1, ")": -1}.get(token.text, 0)
             if not depth:
                 return found
@@ -518,18 +518,18 @@ class _Reader:
         self, field: Field, tokens: list[_Token], place: int
     ) -> Scalar | tuple[Scalar, ...]:
         if field.type not in builtin.CONSTANTS:
-            raise _Fault(place, f"{field.name}: {field.type} cannot have a default")
+            raise _IdlFault(place, f"{field.name}: {field.type} cannot have a default")
         value = self._evaluated(tokens, place)
         if field.array is None:
             return _checked(field.type, value, place)
         # rosidl writes the default of an array as a string: "(1, 2)".
         if not isinstance(value, str) or not (value.startswith("(") and value.endswith(")")):
-            raise _Fault(place, f'{field.name}: the default of an array is like "(1, 2)"')
+            raise _IdlFault(place, f'{field.name}: the default of an array is like "(1, 2)"')
         try:
             texts = literals.elements(field.type, f"[{value[1:-1].removesuffix(',')}]")
             return tuple(literals.scalar(field.type, text) for text in texts)
         except LiteralError as fault:
-            raise _Fault(place, f"{field.name}: {fault}") from None
+            raise _IdlFault(place, f"{field.name}: {fault}") from None
 
     def _evaluated(self, tokens: list[_Token], place: int) -> Scalar:
         """Return the value that an annotation has."""
@@ -561,12 +561,12 @@ class _Reader:
             value = self._value()
             if not isinstance(value, str):
                 return -value if token.text == "-" else +value
-        raise _Fault(token.place, f"expected a value, got {token.text[:40] or 'the end'}")
+        raise _IdlFault(token.place, f"expected a value, got {token.text[:40] or 'the end'}")
 
     def _no_operator(self, value: Scalar) -> Scalar:
         token = self._peek()
         if token.text and token.text in "|^&<+-*/%":
-            raise _Fault(token.place, f"expressions ({token.text}) are not supported")
+            raise _IdlFault(token.place, f"expressions ({token.text}) are not supported")
         return value
 
     def _constant_value(self, token: _Token) -> Scalar:
@@ -574,14 +574,14 @@ class _Reader:
             return token.text.lower() == "true"
         found = self._find(token)
         if not isinstance(found, Constant):
-            raise _Fault(token.place, f"{token.text[:40]} is not a constant")
+            raise _IdlFault(token.place, f"{token.text[:40]} is not a constant")
         return found.value
 
 
-def _unsupported(token: _Token, expected: str) -> _Fault:
+def _unsupported(token: _Token, expected: str) -> _IdlFault:
     if token.text in _UNSUPPORTED:
-        return _Fault(token.place, f"{token.text} is not supported")
-    return _Fault(token.place, f"expected {expected}, got {token.text[:40] or 'the end'}")
+        return _IdlFault(token.place, f"{token.text} is not supported")
+    return _IdlFault(token.place, f"expected {expected}, got {token.text[:40] or 'the end'}")
 
 
 def _message_name(scope: tuple[str, ...], place: int) -> str:
@@ -589,7 +589,7 @@ def _message_name(scope: tuple[str, ...], place: int) -> str:
     name = scope[-1]
     if not (len(scope) == 2 or (len(scope) == 3 and scope[1] in KINDS)):
         text = f"{'::'.join(scope)}: a struct must be in a module package::msg, or in package"
-        raise _Fault(place, text)
+        raise _IdlFault(place, text)
     full = f"{scope[0]}/{name}"
     return builtin.ALIASES.get(full, full)
 
@@ -603,7 +603,7 @@ def _number(token: _Token) -> int | float:
             return int(text, 8) if len(text) > 1 and text.startswith("0") else int(text)
         return float(text.rstrip("dDfF"))
     except ValueError:
-        raise _Fault(token.place, f"{text[:40]} is not a number") from None
+        raise _IdlFault(token.place, f"{text[:40]} is not a number") from None
 
 
 def _unescaped(text: str) -> str:
@@ -612,16 +612,16 @@ def _unescaped(text: str) -> str:
 
 
 def _checked(kind: str, value: Scalar, place: int) -> Scalar:
-    """Return a value of a type; raise `_Fault` if it is none."""
+    """Return a value of a type; raise `_IdlFault` if it is none."""
     if kind in builtin.STRINGS:
         if isinstance(value, str):
             return value
-        raise _Fault(place, f"{value} is not a string")
+        raise _IdlFault(place, f"{value} is not a string")
     if isinstance(value, str):
-        raise _Fault(place, f"{value[:40]!r} is not a {kind}")
+        raise _IdlFault(place, f"{value[:40]!r} is not a {kind}")
     if kind == "bool" and isinstance(value, bool):
         return value
     try:
         return literals.scalar(kind, str(value) if kind == "bool" else repr(value))
     except LiteralError as fault:
-        raise _Fault(place, str(fault)) from None
+        raise _IdlFault(place, str(fault)) from None

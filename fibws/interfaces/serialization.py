@@ -169,7 +169,7 @@ class Serializer:
         """The error for invalid bytes."""
         try:
             _Diagnosis(data, self._types).message(self.definition)
-        except _Fault as fault:
+        except _EncodingFault as fault:
             return InvalidMessage(f"invalid bytes for {self.type}: {fault.path}: {fault}")
         raise AssertionError(f"found nothing wrong with these bytes of {self.type}")
 
@@ -331,12 +331,12 @@ def _serializers_of(interfaces: Definitions) -> Serializers:
     return Serializers(interfaces)
 
 
-class _Fault(Exception):
+class _EncodingFault(Exception):
     """An error in the bytes; ``path`` is the field, which is completed on the way out."""
 
     path = ""
 
-    def inside(self, step: str) -> _Fault:
+    def inside(self, step: str) -> _EncodingFault:
         """The fault as seen from the message or the array that holds the place."""
         dot = "." if self.path and not self.path.startswith("[") else ""
         self.path = f"{step}{dot}{self.path}"
@@ -358,7 +358,7 @@ class _Diagnosis:
         for field in definition.fields:
             try:
                 self._field(field)
-            except _Fault as fault:
+            except _EncodingFault as fault:
                 raise fault.inside(field.name) from None
 
     def _field(self, field: Field) -> None:
@@ -370,27 +370,29 @@ class _Diagnosis:
         if count is None:
             count = self._length()
             if field.array.bounded and field.array.size is not None and count > field.array.size:
-                raise _Fault(f"expected at most {field.array.size} elements, got {count}")
+                raise _EncodingFault(f"expected at most {field.array.size} elements, got {count}")
             rest = len(self._data) - self._offset
             if count * element.least > rest:
                 wanted = f"{count} elements of at least {element.least} bytes"
-                raise _Fault(f"expected {wanted}, got {rest} bytes")
+                raise _EncodingFault(f"expected {wanted}, got {rest} bytes")
             self._left -= count * element.excess
             if self._left < 0:
-                raise _Fault(f"too many values that need no bytes (limit is {MOST_WITHOUT_BYTES})")
+                raise _EncodingFault(
+                    f"too many values that need no bytes (limit is {MOST_WITHOUT_BYTES})"
+                )
         if element.size is not None:
             self._take(count * element.size)
             return
         for index in range(count):
             try:
                 self._element(field)
-            except _Fault as fault:
+            except _EncodingFault as fault:
                 raise fault.inside(f"[{index}]") from None
 
     def _element(self, field: Field) -> None:
         self._visits -= 1
         if self._visits < 0:
-            raise _Fault("invalid length of this or a later field")
+            raise _EncodingFault("invalid length of this or a later field")
         if field.is_nested:
             self.message(self._serializers.of(field.type).definition)
         elif field.type in builtin.STRINGS:
@@ -399,7 +401,7 @@ class _Diagnosis:
             self._take(size)
             count = characters(memoryview(self._data)[begin : begin + size]) if field.limit else 0
             if field.limit is not None and count > field.limit:
-                raise _Fault(f"expected at most {field.limit} characters, got {count}")
+                raise _EncodingFault(f"expected at most {field.limit} characters, got {count}")
         else:
             self._take(Layout.of_element(field, self._serializers).least)
 
@@ -411,5 +413,5 @@ class _Diagnosis:
     def _take(self, size: int) -> None:
         rest = len(self._data) - self._offset
         if size > rest:
-            raise _Fault(f"expected {size} bytes, got {rest}")
+            raise _EncodingFault(f"expected {size} bytes, got {rest}")
         self._offset += size

@@ -92,7 +92,7 @@ class Type(Protocol):
         """The same, except that arrays of numbers are as `CborDicts` says."""
 
 
-class Types(Protocol):
+class CodecTypes(Protocol):
     """All message types."""
 
     def of(self, name: str) -> Type:
@@ -124,7 +124,7 @@ class Layout(NamedTuple):
         return max(0, self.free - self.least)
 
     @classmethod
-    def of(cls, definition: MessageDefinition, types: Types) -> Layout:
+    def of(cls, definition: MessageDefinition, types: CodecTypes) -> Layout:
         """The layout of a message."""
         layouts = [cls.of_field(field, types) for field in definition.fields]
         least = sum(layout.least for layout in layouts)
@@ -138,7 +138,7 @@ class Layout(NamedTuple):
         )
 
     @classmethod
-    def of_field(cls, field: Field, types: Types) -> Layout:
+    def of_field(cls, field: Field, types: CodecTypes) -> Layout:
         """The layout of a field."""
         element = cls.of_element(field, types)
         if field.array is None:
@@ -151,7 +151,7 @@ class Layout(NamedTuple):
         return cls(size, count * element.least, 1, free, element.counted, loops)
 
     @classmethod
-    def of_element(cls, field: Field, types: Types) -> Layout:
+    def of_element(cls, field: Field, types: CodecTypes) -> Layout:
         """The layout of a field, or of one of its elements if it is an array."""
         if field.is_nested:
             return types.of(field.type).layout
@@ -172,7 +172,7 @@ class _Code:
 
     parameters = ""
 
-    def __init__(self, layout: Layout, types: Types) -> None:
+    def __init__(self, layout: Layout, types: CodecTypes) -> None:
         self.types = types
         self.lines: list[str] = []
         self._indent = "    "
@@ -335,7 +335,7 @@ class _Scales(_Checker):
 
     parameters = "data, o, left"
 
-    def __init__(self, layout: Layout, types: Types, *, numbers: bool) -> None:
+    def __init__(self, layout: Layout, types: CodecTypes, *, numbers: bool) -> None:
         super().__init__(layout._replace(counted=False), types)
         self._numbers = numbers
 
@@ -354,7 +354,7 @@ class _Scales(_Checker):
         """Do nothing: elements without bytes have been weighed."""
 
 
-def weight(type_: str, types: Types, *, numbers: bool) -> int:
+def weight(type_: str, types: CodecTypes, *, numbers: bool) -> int:
     """Return about how many nanoseconds it takes to make a value of a type, and then its text.
 
     Arrays of no fixed size count as empty.
@@ -384,7 +384,7 @@ class Dicts:
     checked = False
     """Whether a value that is written may be of a wrong type."""
 
-    def __init__(self, types: Types) -> None:
+    def __init__(self, types: CodecTypes) -> None:
         self._types = types
 
     def nested(self, field: Field) -> Dicts:
@@ -525,7 +525,7 @@ class _Writer(_Code):
 
     parameters = "m, out"
 
-    def __init__(self, layout: Layout, types: Types) -> None:
+    def __init__(self, layout: Layout, types: CodecTypes) -> None:
         super().__init__(layout._replace(counted=False), types)
         self._numbers: list[tuple[str, str]] = []
         self._pieces: list[str] = []
@@ -630,12 +630,12 @@ _Make: TypeAlias = Callable[[], str]
 """Adds the lines that convert a value that was read; returns the expression for it."""
 
 
-class _Reader(_Code):
+class _ReaderCode(_Code):
     """The source of a function that reads a message, and finds out where it ends."""
 
     parameters = "data, o, errors"
 
-    def __init__(self, layout: Layout, types: Types) -> None:
+    def __init__(self, layout: Layout, types: CodecTypes) -> None:
         super().__init__(layout, types)
         self._numbers: list[tuple[str, str]] = []
         self._skip = 0
@@ -739,7 +739,7 @@ class _Reader(_Code):
         self._skip = 0
 
 
-def compile_check(type_: Type, types: Types) -> Function:
+def compile_check(type_: Type, types: CodecTypes) -> Function:
     """Compile the function that checks messages."""
     checker = _Checker(type_.layout, types)
     checker.message(type_.definition)
@@ -747,7 +747,7 @@ def compile_check(type_: Type, types: Types) -> Function:
     return checker.function(type_.definition.type, "o")
 
 
-def compile_weigh(type_: Type, types: Types, *, numbers: bool) -> Function:
+def compile_weigh(type_: Type, types: CodecTypes, *, numbers: bool) -> Function:
     """Compile the function that weighs checked messages; see `weight`."""
     scales = _Scales(type_.layout, types, numbers=numbers)
     scales.message(type_.definition)
@@ -755,7 +755,7 @@ def compile_weigh(type_: Type, types: Types, *, numbers: bool) -> Function:
     return scales.function(type_.definition.type, "o")
 
 
-def compile_write(type_: Type, types: Types, form: Dicts) -> Function:
+def compile_write(type_: Type, types: CodecTypes, form: Dicts) -> Function:
     """Compile the function that writes messages of a form."""
     writer = _Writer(type_.layout, types)
     writer.message(type_.definition, form, "m")
@@ -763,9 +763,9 @@ def compile_write(type_: Type, types: Types, form: Dicts) -> Function:
     return writer.function(type_.definition.type)
 
 
-def compile_read(type_: Type, types: Types, form: Dicts) -> Function:
+def compile_read(type_: Type, types: CodecTypes, form: Dicts) -> Function:
     """Compile the function that reads messages of a form."""
-    reader = _Reader(type_.layout, types)
+    reader = _ReaderCode(type_.layout, types)
     make = reader.message(type_.definition, form)
     reader.settle()
     return reader.function(type_.definition.type, f"{make()}, o")

@@ -12,7 +12,7 @@ import sys
 from functools import partial
 
 from fibws.msg._finder import (
-    PackageFinder,
+    ModuleFinder,
     add_folder,
     default_interfaces,
     message_class,
@@ -21,7 +21,7 @@ from fibws.msg._finder import (
 
 __all__ = ["add_folder", "default_interfaces", "message_class"]
 
-if PackageFinder not in sys.meta_path:
-    sys.meta_path.insert(0, PackageFinder)
+if ModuleFinder not in sys.meta_path:
+    sys.meta_path.insert(0, ModuleFinder)
 
 __getattr__ = partial(no_such_package, sys.modules[__name__])

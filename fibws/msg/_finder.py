@@ -92,7 +92,7 @@ def _found(kind: Kind, definition: MessageDefinition | ServiceDefinition | Actio
     return getattr(module, definition.name)
 
 
-class PackageFinder:
+class ModuleFinder:
     """Finds the modules of the user's packages; it leaves all others to Python."""
 
     # Not derived from importlib.abc's classes: their import takes longer than ours.

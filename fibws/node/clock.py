@@ -14,7 +14,7 @@ CLOCK_QUEUE = 100
 it sends together with later ones."""
 
 
-class Clock:
+class NodeClock:
     """Tells the node's time, and waits for it (http://wiki.ros.org/Clock).
 
     Args:
@@ -99,7 +99,7 @@ class Schedule:
 class Rate(AsyncIterable):
     """Ticks ``hz`` times a second until the node ends: ``async for _ in node.rate(10)``."""
 
-    def __init__(self, hz: float, clock: Clock) -> None:
+    def __init__(self, hz: float, clock: NodeClock) -> None:
         self._schedule = Schedule(hz)
         self._clock = clock
 

@@ -18,7 +18,7 @@ from fibws.msg.roscpp import Logger
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header
 from fibws.node.checks import without_surrogates
-from fibws.node.clock import Clock
+from fibws.node.clock import NodeClock
 from fibws.node.services import NodeServices
 from fibws.node.topics import NodeTopics
 from fibws.node.types import MessageCodec
@@ -147,7 +147,7 @@ class Rosout(logging.Handler):
     """
 
     def __init__(
-        self, node: str, topics: NodeTopics, codec: MessageCodec[Log], clock: Clock
+        self, node: str, topics: NodeTopics, codec: MessageCodec[Log], clock: NodeClock
     ) -> None:
         super().__init__()
         self._clock = clock

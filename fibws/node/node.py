@@ -20,7 +20,7 @@ from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg.rosgraph_msgs import Log
 from fibws.node.calls import Calls
 from fibws.node.checks import check_queue_size, check_timeout
-from fibws.node.clock import CLOCK_QUEUE, Clock, Rate
+from fibws.node.clock import CLOCK_QUEUE, NodeClock, Rate
 from fibws.node.connection import HubConnection
 from fibws.node.log import Console, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
@@ -181,7 +181,7 @@ class Node(AsyncContext):
         """The node's logger: its records go to the console and, once the node is entered, to
         /rosout."""
         self._session = Session(self.log, choose_message_size(max_message_size))
-        self._clock = Clock(self._session)
+        self._clock = NodeClock(self._session)
         self._use_sim_time = use_sim_time
         self._types = NodeTypes(self._clock.now)
         self._calls = Calls(self._session, self._types)

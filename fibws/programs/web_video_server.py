@@ -79,7 +79,7 @@ class Frame(NamedTuple):
     data: bytes
 
 
-class Feed:
+class ImageFeed:
     """The newest frame of one topic.
 
     Args:
@@ -193,11 +193,11 @@ class Feeds:
 
     def __init__(self, node: fibws.Node) -> None:
         self.node = node
-        self._feeds: dict[tuple[str, int], Feed] = {}
+        self._feeds: dict[tuple[str, int], ImageFeed] = {}
         self._viewers = 0
 
     @asynccontextmanager
-    async def view(self, query: dict[str, str]) -> AsyncIterator[Feed]:
+    async def view(self, query: dict[str, str]) -> AsyncIterator[ImageFeed]:
         """View the topic that a query names; it is subscribed to while somebody does.
 
         Raises:
@@ -213,7 +213,7 @@ class Feeds:
             key = (topic, quality)
             feed = self._feeds.get(key)
             if feed is None:
-                feed = self._feeds[key] = Feed(self.node, topic, type_, quality)
+                feed = self._feeds[key] = ImageFeed(self.node, topic, type_, quality)
             feed.viewers += 1
             try:
                 yield feed
@@ -255,7 +255,7 @@ class Feeds:
         raise Refused(HTTPStatus.NOT_FOUND, f"topic {topic} is not published{hint}")
 
 
-class Refusals:
+class RefusalLog:
     """Logs what is refused: of each kind the first, the tenth, the hundredth and so on.
 
     Args:
@@ -289,7 +289,7 @@ class Viewer:
         self,
         feeds: Feeds,
         pages: AllowedOrigins,
-        refusals: Refusals,
+        refusals: RefusalLog,
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
     ) -> None:
@@ -475,7 +475,7 @@ async def serve(node: fibws.Node) -> None:
     port = int(await node.params.get("~port", PORT))
     feeds = Feeds(node)
     pages = AllowedOrigins((), OwnHosts([address, *machine_names(socket.gethostname())]))
-    refusals = Refusals(node.log)
+    refusals = RefusalLog(node.log)
     connections: set[asyncio.StreamWriter] = set()
 
     async def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

@@ -20,7 +20,7 @@ MOST_LINKS = 10_000
 
 
 @dataclass
-class _Element(xml_tree.Element):
+class _UrdfElement(xml_tree.Element):
     def fault(self, text: str) -> UrdfError:
         return UrdfError(f"{self.file}:{self.line}: {text}")
 
@@ -140,7 +140,7 @@ def read_urdf(text: str, file: str = "robot_description") -> RobotModel:
     Raises:
         UrdfError: it is invalid, or its links are not one tree.
     """
-    root = xml_tree.read(text.encode(), file, _Element)
+    root = xml_tree.read(text.encode(), file, _UrdfElement)
     if root.name != "robot":
         raise root.fault(f"expected <robot>, got <{root.name}>")
     links = _links(root)
@@ -154,7 +154,7 @@ def read_urdf(text: str, file: str = "robot_description") -> RobotModel:
     return RobotModel(root.attributes.get("name", ""), roots[0], tuple(links), joints)
 
 
-def _joints(root: _Element, links: dict[str, None]) -> tuple[dict[str, Joint], dict[str, str]]:
+def _joints(root: _UrdfElement, links: dict[str, None]) -> tuple[dict[str, Joint], dict[str, str]]:
     """Return the joints by their names, and the parent of each link that has one."""
     joints: dict[str, Joint] = {}
     parents: dict[str, str] = {}
@@ -176,7 +176,7 @@ def _joints(root: _Element, links: dict[str, None]) -> tuple[dict[str, Joint], d
     return joints, parents
 
 
-def _links(root: _Element) -> dict[str, None]:
+def _links(root: _UrdfElement) -> dict[str, None]:
     links: dict[str, None] = {}
     for element in root.all("link"):
         name = element.required("name")
@@ -190,7 +190,7 @@ def _links(root: _Element) -> dict[str, None]:
     return links
 
 
-def _joint(element: _Element) -> Joint:
+def _joint(element: _UrdfElement) -> Joint:
     name, type_ = element.required("name"), element.required("type")
     if type_ not in TYPES:
         raise element.fault(f"joint {name}: unknown type {type_}, expected {', '.join(TYPES)}")

@@ -50,7 +50,7 @@ Ros2Goal: TypeAlias = fibws.ServerGoal[
 ]
 
 
-class Request(Protocol):
+class SubscriptionRequest(Protocol):
     """The fields that goals and service requests have in common."""
 
     source_frames: list[str]
@@ -233,7 +233,7 @@ class Republisher:
         except fibws.OperationRejected as error:
             self._node.log.error("%s", error)
 
-    def _selection(self, request: Request) -> Selection:
+    def _selection(self, request: SubscriptionRequest) -> Selection:
         return Selection(
             request.target_frame,
             request.source_frames,
@@ -251,7 +251,7 @@ class Republisher:
         ]
 
 
-def _rate(request: Request) -> float:
+def _rate(request: SubscriptionRequest) -> float:
     if not 0 < request.rate <= MAX_RATE:
         raise InvalidMessage(f"rate must be above 0 and at most {MAX_RATE}, got {request.rate:g}")
     return request.rate

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from fibws.values.typedefs import FLOATS, STRINGS, TIMES, Field, Typedefs
+from fibws.values.typedefs import FLOATS, STRINGS, TIMES, TypedefField, Typedefs
 
 
 class Cell(NamedTuple):
@@ -26,7 +26,7 @@ class Rows:
     """
 
     def __init__(
-        self, typedefs: Typedefs, field: Field, *, noarr: bool = False, nostr: bool = False
+        self, typedefs: Typedefs, field: TypedefField, *, noarr: bool = False, nostr: bool = False
     ) -> None:
         self._typedefs = typedefs
         self._field = field
@@ -55,9 +55,9 @@ class Rows:
     def _cells(self, value: Any, zero: int = 0) -> Iterator[Cell]:
         return self._cells_of(value, self._field, "field", zero)
 
-    def _cells_of(self, value: Any, field: Field, head: str, zero: int) -> Iterator[Cell]:
+    def _cells_of(self, value: Any, field: TypedefField, head: str, zero: int) -> Iterator[Cell]:
         if field.length is not None:
-            element = Field("", field.type)
+            element = TypedefField("", field.type)
             for i, each in enumerate(field.elements(value)):
                 yield from self._cells_of(each, element, f"{head}{i}", zero)
         elif field.type in TIMES:
@@ -70,11 +70,13 @@ class Rows:
         elif isinstance(value, dict):
             for name, each in value.items():
                 length = 0 if isinstance(each, list) else None
-                yield from self._cells_of(each, Field(name, "", length), f"{head}.{name}", zero)
+                yield from self._cells_of(
+                    each, TypedefField(name, "", length), f"{head}.{name}", zero
+                )
         else:
             yield Cell(head, _text(value, field.type))
 
-    def _is_left_out(self, field: Field) -> bool:
+    def _is_left_out(self, field: TypedefField) -> bool:
         return (self._noarr and field.length is not None) or (self._nostr and field.type in STRINGS)
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from fibws.errors import InvalidValue, UnknownField
-from fibws.values.typedefs import TIMES, Field, Typedefs
+from fibws.values.typedefs import TIMES, TypedefField, Typedefs
 
 _STEP = re.compile(r"(\w+)(?:\[([^\]]*)\])?")
-_TIME = [Field("secs", "int32"), Field("nsecs", "int32")]
+_TIME = [TypedefField("secs", "int32"), TypedefField("nsecs", "int32")]
 
 
 class Step(NamedTuple):
@@ -39,13 +39,13 @@ class Path:
     def __str__(self) -> str:
         return "/".join(self._parts)
 
-    def field(self, typedefs: Typedefs) -> Field:
+    def field(self, typedefs: Typedefs) -> TypedefField:
         """Return the field of a type; the field of several elements' fields is an array.
 
         Raises:
             UnknownField: the type has no such field.
         """
-        field = Field("", typedefs.root)
+        field = TypedefField("", typedefs.root)
         is_list = False
         for step in self.steps:
             if field.length is not None:
@@ -58,13 +58,13 @@ class Path:
                 continue
             if field.length is None:
                 raise UnknownField(f"{step.name} is a {field.type}, not an array")
-            field = Field(step.name, field.type)
+            field = TypedefField(step.name, field.type)
             is_list = is_list or isinstance(step.chosen, slice)
-        return Field(field.name, field.type, 0) if is_list else field
+        return TypedefField(field.name, field.type, 0) if is_list else field
 
     def pick(self, message: Any, typedefs: Typedefs) -> Any:
         """Return the value in a message; raise `UnknownField` if an array is too short."""
-        return _pick(message, Field("", typedefs.root), self.steps, typedefs)
+        return _pick(message, TypedefField("", typedefs.root), self.steps, typedefs)
 
 
 def splits(name: str, topics: Iterable[str]) -> Iterator[tuple[str, str]]:
@@ -80,7 +80,7 @@ def splits(name: str, topics: Iterable[str]) -> Iterator[tuple[str, str]]:
         yield topic, name[len(topic) + 1 :]
 
 
-def _pick(value: Any, field: Field, steps: list[Step], typedefs: Typedefs) -> Any:
+def _pick(value: Any, field: TypedefField, steps: list[Step], typedefs: Typedefs) -> Any:
     for i, step in enumerate(steps):
         fields = _TIME if field.type in TIMES else typedefs.fields(field.type)
         field = _field(step.name, fields, field.type)
@@ -88,7 +88,7 @@ def _pick(value: Any, field: Field, steps: list[Step], typedefs: Typedefs) -> An
         if step.chosen is None:
             continue
         elements = field.elements(value)
-        field = Field(step.name, field.type)
+        field = TypedefField(step.name, field.type)
         try:
             value = elements[step.chosen]
         except IndexError:
@@ -98,7 +98,7 @@ def _pick(value: Any, field: Field, steps: list[Step], typedefs: Typedefs) -> An
     return value
 
 
-def _field(name: str, fields: list[Field], type_: str) -> Field:
+def _field(name: str, fields: list[TypedefField], type_: str) -> TypedefField:
     for field in fields:
         if field.name == name:
             return field

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibws.errors import InvalidValue
 from fibws.suggestions import suggestion_or_known
-from fibws.values.typedefs import FLOATS, HEADER, STRINGS, TIMES, Field, Typedefs
+from fibws.values.typedefs import FLOATS, HEADER, STRINGS, TIMES, TypedefField, Typedefs
 
 if TYPE_CHECKING:
     import yaml
@@ -173,7 +173,7 @@ class _Filler:
             raise InvalidValue(f"{amount} arguments{where}: {expected}, got {_shown(values)}")
         return dict(zip(names, values, strict=True))
 
-    def _value(self, value: Any, field: Field, path: str) -> Any:
+    def _value(self, value: Any, field: TypedefField, path: str) -> Any:
         if field.length is not None:
             return self._array(value, field, path)
         if field.type in TIMES:
@@ -190,14 +190,14 @@ class _Filler:
             raise _invalid(path, f"{field.type} (in quotes, such as '\"5\"')", value)
         return _plain(value, path)
 
-    def _array(self, value: Any, field: Field, path: str) -> Any:
+    def _array(self, value: Any, field: TypedefField, path: str) -> Any:
         if isinstance(value, bytes):
             return b64encode(value).decode()
         if not isinstance(value, list):
             raise _invalid(path, f"list of {field.type}", value)
         if field.length and len(value) != field.length:
             raise _invalid(path, f"{field.length} elements", len(value))
-        element = Field("", field.type)
+        element = TypedefField("", field.type)
         return [self._value(each, element, f"{path}[{i}]") for i, each in enumerate(value)]
 
     def _time(self, value: Any, type_: str, path: str) -> dict[str, Any]:
@@ -212,7 +212,7 @@ class _Filler:
         now = "now, " if type_ == "time" else ""
         raise _invalid(path, f"{now}{{secs: 1, nsecs: 0}} or an integer of nanoseconds", value)
 
-    def _zero_times(self, fields: Mapping[str, Field]) -> dict[str, Any]:
+    def _zero_times(self, fields: Mapping[str, TypedefField]) -> dict[str, Any]:
         """Return the fields that are times or contain times, with these as 0."""
         times: dict[str, Any] = {}
         for name, field in fields.items():

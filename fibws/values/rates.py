@@ -70,7 +70,7 @@ def as_object(summary: Summary) -> dict[str, float]:
     return {"min": summary.least, "max": summary.most, "std_dev": summary.deviation}
 
 
-class Rate:
+class MessageRate:
     """The rate of a topic.
 
     Args:
@@ -101,10 +101,10 @@ class Rate:
 
 
 Polled: TypeAlias = Mapping[str, tuple[float, Summary, int]]
-"""The rates of topics with new messages, as `Rate.poll` returns them."""
+"""The rates of topics with new messages, as `MessageRate.poll` returns them."""
 
 
-def poll(rates: Mapping[str, Rate]) -> Polled:
+def poll(rates: Mapping[str, MessageRate]) -> Polled:
     """Return the rates of the topics that have new messages."""
     return {topic: found for topic, rate in rates.items() if (found := rate.poll()) is not None}
 

@@ -92,17 +92,17 @@ class InstalledTypes:
         action = self._interfaces.action(name)
         return [action.goal, action.result, action.feedback]
 
-    def _members_of(self, type_: str) -> list[_Member]:
+    def _members_of(self, type_: str) -> list[_DefinitionMember]:
         return _members(self._interfaces.message(type_))
 
 
 def typedefs_lines(typedefs: Typedefs) -> Iterator[str]:
     """Yield the lines of a type as the hub reports it, without the types of its constants."""
 
-    def members(type_: str) -> list[_Member]:
+    def members(type_: str) -> list[_DefinitionMember]:
         constants = typedefs.constants(type_).items()
-        return [_Member(f"{name}={value}") for name, value in constants] + [
-            _Member(
+        return [_DefinitionMember(f"{name}={value}") for name, value in constants] + [
+            _DefinitionMember(
                 f"{each.written_type} {each.name}",
                 each.type if each.type in typedefs and each.type not in TIMES else None,
             )
@@ -112,7 +112,7 @@ def typedefs_lines(typedefs: Typedefs) -> Iterator[str]:
     return _lines(members(typedefs.root), members)
 
 
-class _Member(NamedTuple):
+class _DefinitionMember(NamedTuple):
     """A line of a definition: a constant or a field."""
 
     line: str
@@ -120,20 +120,24 @@ class _Member(NamedTuple):
     """The field's type, if it is a message."""
 
 
-_MembersOf: TypeAlias = Callable[[str], list[_Member]]
+_MembersOf: TypeAlias = Callable[[str], list[_DefinitionMember]]
 """Returns the members of a message type: constants first, then fields."""
 
 
-def _members(definition: MessageDefinition) -> list[_Member]:
-    constants = [_Member(f"{each.type} {each.name}={each.text}") for each in definition.constants]
+def _members(definition: MessageDefinition) -> list[_DefinitionMember]:
+    constants = [
+        _DefinitionMember(f"{each.type} {each.name}={each.text}") for each in definition.constants
+    ]
     fields = [
-        _Member(f"{each.full_type} {each.name}", each.type if each.is_nested else None)
+        _DefinitionMember(f"{each.full_type} {each.name}", each.type if each.is_nested else None)
         for each in definition.fields
     ]
     return constants + fields
 
 
-def _lines(members: list[_Member], members_of: _MembersOf, indent: str = "") -> Iterator[str]:
+def _lines(
+    members: list[_DefinitionMember], members_of: _MembersOf, indent: str = ""
+) -> Iterator[str]:
     """Yield the lines of members, each followed by those of its nested type, indented."""
     for line, nested in members:
         yield indent + line

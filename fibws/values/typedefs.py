@@ -28,7 +28,7 @@ class Caller(Protocol):
         """Return the response; raise `ServiceError` if the call fails."""
 
 
-class Field(NamedTuple):
+class TypedefField(NamedTuple):
     """A field of a message, or a whole message, whose name is empty."""
 
     name: str
@@ -60,12 +60,12 @@ class Typedefs:
     def __init__(self, root: str, typedefs: Iterable[Mapping[str, Any]] = ()) -> None:
         self.root = root
         """The type's name; that of a service's request ends in ``Request``."""
-        self._fields: dict[str, list[Field]] = {}
+        self._fields: dict[str, list[TypedefField]] = {}
         self._constants: dict[str, dict[str, str]] = {}
         for each in typedefs:
             lengths = (None if n < 0 else n for n in each["fieldarraylen"])
             self._fields[each["type"]] = [
-                Field(*parts)
+                TypedefField(*parts)
                 for parts in zip(each["fieldnames"], each["fieldtypes"], lengths, strict=True)
             ]
             self._constants[each["type"]] = dict(
@@ -105,7 +105,7 @@ class Typedefs:
     def _add(self, definitions: Definitions, type_: str) -> None:
         definition = definitions.message(type_)
         self._fields[type_] = [
-            Field(
+            TypedefField(
                 field.name,
                 "string" if field.type == "wstring" else field.type,
                 None if field.array is None else field.array.fixed or 0,
@@ -120,7 +120,7 @@ class Typedefs:
     def __contains__(self, type_: str) -> bool:
         return type_ in self._fields
 
-    def fields(self, type_: str) -> list[Field]:
+    def fields(self, type_: str) -> list[TypedefField]:
         """Return the fields of a message type in order; raise `KeyError` for an unknown type."""
         return self._fields[type_]
 
@@ -135,7 +135,7 @@ class Typedefs:
             for each in self._fields.get(self.root, ())
         )
 
-    def _kind(self, field: Field) -> type | tuple[type, ...]:
+    def _kind(self, field: TypedefField) -> type | tuple[type, ...]:
         """Return the Python type of a field in JSON, in which NaN is null."""
         if field.length is not None:
             return (str, list) if field.type in BYTES else list
@@ -152,10 +152,10 @@ class Typedefs:
         first = self._fields.get(HEADER, [])[:1]
         return self.has_header(type_) and [field.name for field in first] == ["seq"]
 
-    def default(self, field: Field) -> Any:
+    def default(self, field: TypedefField) -> Any:
         """Return the default of a field."""
         if field.length is not None:
-            return [self.default(Field("", field.type)) for _ in range(field.length)]
+            return [self.default(TypedefField("", field.type)) for _ in range(field.length)]
         if field.type in self._fields:
             return {each.name: self.default(each) for each in self._fields[field.type]}
         return _SCALARS.get(field.type, 0)

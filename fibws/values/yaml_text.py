@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from fibws.values.typedefs import FLOATS, STRINGS, TIMES, Field, Typedefs
+from fibws.values.typedefs import FLOATS, STRINGS, TIMES, TypedefField, Typedefs
 
 MAX_LINE = 80
 """Number of characters after which YAML breaks a line."""
@@ -35,10 +35,10 @@ def message_text(message: Mapping[str, Any], typedefs: Typedefs) -> str:
         message: a message as in the hub's JSON; missing fields are printed with their defaults.
         typedefs: the definition of its type; an unknown type is guessed from the values.
     """
-    return value_text(message, Field("", typedefs.root), typedefs)
+    return value_text(message, TypedefField("", typedefs.root), typedefs)
 
 
-def value_text(value: Any, field: Field, typedefs: Typedefs, style: Style = PLAIN) -> str:
+def value_text(value: Any, field: TypedefField, typedefs: Typedefs, style: Style = PLAIN) -> str:
     """Return the value of a field as YAML; see `message_text`."""
     return _Printer(typedefs, style).value(value, field, "", shorten=True)
 
@@ -50,7 +50,7 @@ class _Printer:
         self._typedefs = typedefs
         self._style = style
 
-    def value(self, value: Any, field: Field, indent: str, *, shorten: bool) -> str:
+    def value(self, value: Any, field: TypedefField, indent: str, *, shorten: bool) -> str:
         """Return a value; an indented one of several lines begins with a line break.
 
         Args:
@@ -62,7 +62,7 @@ class _Printer:
         if field.type in TIMES:
             return self._time(value, field.type, indent)
         if field.type in self._typedefs:
-            fields: Iterable[Field] = self._typedefs.fields(field.type)
+            fields: Iterable[TypedefField] = self._typedefs.fields(field.type)
             return self._message(value, fields, indent, shorten=shorten)
         if field.type in STRINGS:
             if shorten and self._style.nostr:
@@ -74,7 +74,12 @@ class _Printer:
         return self._scalar(value, field.type)
 
     def _message(
-        self, message: Mapping[str, Any], fields: Iterable[Field], indent: str, *, shorten: bool
+        self,
+        message: Mapping[str, Any],
+        fields: Iterable[TypedefField],
+        indent: str,
+        *,
+        shorten: bool,
     ) -> str:
         texts = []
         for field in fields:
@@ -89,7 +94,7 @@ class _Printer:
             secs, nsecs = divmod(secs * 10**9 + nsecs - self._style.offset, 10**9)
         return time_text(secs, nsecs, indent, self._style.width)
 
-    def _array(self, value: Any, field: Field, indent: str, *, shorten: bool) -> str:
+    def _array(self, value: Any, field: TypedefField, indent: str, *, shorten: bool) -> str:
         found = field.elements(value)
         if shorten and (self._style.noarr or (self._style.nostr and field.type in STRINGS)):
             return quoted(f"<array type: {field.type}, length: {len(found)}>")
@@ -98,7 +103,7 @@ class _Printer:
         if field.type in STRINGS:
             return listed(found, indent)
         if field.type in self._typedefs or field.type in TIMES or isinstance(found[0], Mapping):
-            element, deeper = Field("", field.type), indent + "  "
+            element, deeper = TypedefField("", field.type), indent + "  "
             return array_text(
                 (self.value(each, element, deeper, shorten=False) for each in found), indent
             )
@@ -116,11 +121,11 @@ class _Printer:
         return number_text(value, self._style.width)
 
 
-def _guess(name: str, value: Any) -> Field:
+def _guess(name: str, value: Any) -> TypedefField:
     """Return a field of an unknown type."""
     if isinstance(value, list):
-        return Field(name, "string" if value and isinstance(value[0], str) else "unknown", 0)
-    return Field(name, "string" if isinstance(value, str) else "unknown")
+        return TypedefField(name, "string" if value and isinstance(value[0], str) else "unknown", 0)
+    return TypedefField(name, "string" if isinstance(value, str) else "unknown")
 
 
 def fields_text(fields: Iterable[tuple[str, str]], indent: str) -> str:

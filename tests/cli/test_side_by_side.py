@@ -29,8 +29,8 @@ from fibws.interfaces.definition import Field as DefinedField
 from fibws.values import csv_rows, parsing
 from fibws.values import rates as windows
 from fibws.values.field_paths import Path as FieldPath
-from fibws.values.rates import Bandwidth, Rate, bandwidth_text, delay_text, poll, rates_text
-from fibws.values.typedefs import Field, Typedefs
+from fibws.values.rates import Bandwidth, MessageRate, bandwidth_text, delay_text, poll, rates_text
+from fibws.values.typedefs import TypedefField, Typedefs
 from fibws.values.yaml_text import Style, message_text, value_text
 
 PYTHON = "/usr/bin/python3"
@@ -169,7 +169,7 @@ def test_messages_are_printed_as_by_rostopic(ask: Ask, type_: str) -> None:
         found = typedefs(type_)
         assert message_text(value, found) == ask("echo", **asked(type_, value))
         style = Style(width=choose.choice([2, 5, 9]), offset=choose.choice([None, NOW]))
-        printed = value_text(value, Field("", type_), found, style)
+        printed = value_text(value, TypedefField("", type_), found, style)
         given = {"width": style.width, "offset": style.offset}
         assert printed == ask("echo", **asked(type_, value), **given)
 
@@ -181,7 +181,7 @@ def test_lengths_are_printed_as_by_rostopic(ask: Ask, type_: str) -> None:
     value = example(type_, random.Random(8))
     for noarr, nostr in ((True, False), (False, True), (True, True)):
         style = Style(noarr, nostr)
-        mine = value_text(value, Field("", type_), typedefs(type_), style)
+        mine = value_text(value, TypedefField("", type_), typedefs(type_), style)
         assert mine == ask("echo", **asked(type_, value), noarr=noarr, nostr=nostr)
 
 
@@ -249,7 +249,7 @@ def test_rows_are_those_of_rostopic(ask: Ask, type_: str) -> None:
     choose = random.Random(2)
     for noarr, nostr in ((False, False), (True, False), (False, True)):
         value = example(type_, choose)
-        rows = csv_rows.Rows(typedefs(type_), Field("", type_), noarr=noarr, nostr=nostr)
+        rows = csv_rows.Rows(typedefs(type_), TypedefField("", type_), noarr=noarr, nostr=nostr)
         mine = [rows.head(value), rows.row(value, now=NOW)]
         assert mine == ask("plot", **asked(type_, value), now=NOW, noarr=noarr, nostr=nostr)
 
@@ -303,13 +303,13 @@ def _as_floats(text: str) -> str:
     return text.replace(".0", "")
 
 
-def _print_rates(rates: dict[str, Rate]) -> None:
+def _print_rates(rates: dict[str, MessageRate]) -> None:
     output.line(rates_text(poll(rates), len(rates)))
 
 
 def test_rate_is_reported_as_by_rostopic(ask: Ask) -> None:
     deltas = [0.101, 0.099, 0.1003, 0.25]
-    rate = Rate()
+    rate = MessageRate()
     for moment in (0, *(sum(deltas[: i + 1]) for i in range(len(deltas)))):
         rate.add(moment)
     assert _printed(lambda: _print_rates({"/x": rate})) == ask("hz", topics={"/x": deltas})
@@ -317,7 +317,7 @@ def test_rate_is_reported_as_by_rostopic(ask: Ask) -> None:
 
 def test_rates_are_reported_as_by_rostopic(ask: Ask) -> None:
     topics = {"/x": [0.5, 0.25], "/a_longer_name": [0.001, 0.0023]}
-    rates = {name: Rate() for name in topics}
+    rates = {name: MessageRate() for name in topics}
     for name, deltas in topics.items():
         for moment in (0, deltas[0], sum(deltas)):
             rates[name].add(moment)
@@ -325,7 +325,7 @@ def test_rates_are_reported_as_by_rostopic(ask: Ask) -> None:
 
 
 def test_missing_messages_are_reported_as_by_rostopic(ask: Ask) -> None:
-    assert _printed(lambda: _print_rates({"/x": Rate()})) == ask("hz", topics={"/x": []})
+    assert _printed(lambda: _print_rates({"/x": MessageRate()})) == ask("hz", topics={"/x": []})
 
 
 def test_delays_are_reported_as_by_rostopic(ask: Ask) -> None:
@@ -404,6 +404,6 @@ def test_info_is_printed_as_by_rostopic(ask: Ask, run: Run, publish: Publish) ->
 def test_differences_from_rostopic() -> None:
     covariance = {"covariance": [0.0] * 36}
     type_ = "geometry_msgs/PoseWithCovariance"
-    short = value_text(covariance, Field("", type_), typedefs(type_), Style(noarr=True))
+    short = value_text(covariance, TypedefField("", type_), typedefs(type_), Style(noarr=True))
     assert short.endswith('covariance: "<array type: float64, length: 36>"')
     assert windows.MAX_WINDOW == 50_000

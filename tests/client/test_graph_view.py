@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from fibws.client.graph_view import Conflict, Topic, View, in_order_of_flow, is_hidden
+from fibws.client.graph_view import DrawnConflict, DrawnTopic, View, in_order_of_flow, is_hidden
 
 ME = "/fibws_graph_1_2"
 HUB_CLIENT = {"api": "", "fault": ""}
@@ -61,14 +61,14 @@ def view(response: dict[str, Any], **others: Any) -> View:
     return View.of(response, exclude=ME, **others)
 
 
-def names(topics: list[Topic]) -> list[str]:
+def names(topics: list[DrawnTopic]) -> list[str]:
     return [topic.name for topic in topics]
 
 
 def test_topic_has_its_publishers_and_subscribers_without_the_tool() -> None:
     shown = view(graph(topic("/chatter", f"/b /a {ME}", f"/c /c {ME}"), nodes="/a /b /c"))
     assert shown.nodes == ["/a", "/b", "/c"]
-    assert shown.topics == [Topic("/chatter", "std_msgs/String", True, ["/a", "/b"], ["/c"])]
+    assert shown.topics == [DrawnTopic("/chatter", "std_msgs/String", True, ["/a", "/b"], ["/c"])]
 
 
 def test_names_of_the_hub_are_hidden_and_counted() -> None:
@@ -98,7 +98,7 @@ def test_pages_and_commands_are_hidden() -> None:
     response["topics"].append(topic("/do/goal", f"{page} /a", "/a"))
     shown = view(response)
     assert shown.nodes == ["/a", publisher]
-    assert shown.topics == [Topic("/chatter", "std_msgs/String", True, [publisher], ["/a"])]
+    assert shown.topics == [DrawnTopic("/chatter", "std_msgs/String", True, [publisher], ["/a"])]
     assert (shown.services, shown.actions[0].clients) == ([], ["/a"])
     assert (shown.hidden_nodes, shown.hidden_topics, shown.hidden_services) == (3, 2, 1)
     assert {page, tool} <= set(view(response, everything=True).nodes)
@@ -174,7 +174,7 @@ def test_topics_are_in_the_order_of_the_flow() -> None:
 @pytest.mark.parametrize("length", [2, 5000])
 def test_cycles_are_ordered(length: int) -> None:
     circle = [
-        Topic(f"/t{number}", "", True, [f"/n{number}"], [f"/n{(number + 1) % length}"])
+        DrawnTopic(f"/t{number}", "", True, [f"/n{number}"], [f"/n{(number + 1) % length}"])
         for number in range(length)
     ]
     assert sorted(names(in_order_of_flow(circle))) == sorted(names(circle))
@@ -206,7 +206,7 @@ def test_conflicts_and_unreachable_ros1_nodes_are_in_the_view() -> None:
     response["nodes"][1].update(api="http://robot:1/", fault="Timed out")
     found = view(response)
     assert found.conflicts == [
-        Conflict("/camera", "/chatter", True, "publishes a/B, the topic is std_msgs/String")
+        DrawnConflict("/camera", "/chatter", True, "publishes a/B, the topic is std_msgs/String")
     ]
     assert found.unreachable == {"/camera": "Timed out"}
     assert found.idle() == ["/x"]

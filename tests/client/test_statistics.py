@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fibws.client.statistics import Client, Measurement, Topic
+from fibws.client.statistics import ClientQueue, Measurement, TopicRates
 
 ME = "/fibws_top_1_2"
 
@@ -54,7 +54,7 @@ def between(before: dict[str, Any], now: dict[str, Any], sort: str = "rate") -> 
     return Measurement.between(before, now, exclude=ME, sort=sort)
 
 
-def one(before: dict[str, Any], now: dict[str, Any], seconds: float = 2) -> Topic:
+def one(before: dict[str, Any], now: dict[str, Any], seconds: float = 2) -> TopicRates:
     (topic,) = between(statistics(0, before), statistics(seconds, now)).topics
     return topic
 
@@ -64,7 +64,7 @@ def test_rates_are_differences_by_the_hubs_clock() -> None:
         topic("/t", published={"/a": (100, 1000), "/b": (5, 50)}, x=3, y=0),
         topic("/t", published={"/a": (120, 1400), "/b": (6, 60)}, x=7, y=1),
     )
-    assert measured == Topic(
+    assert measured == TopicRates(
         "/t", rate=10.5, bandwidth=205, publishers=2, subscribers=2, dropped=5, dropped_in_all=8
     )
 
@@ -132,7 +132,7 @@ def test_slow_clients_come_first_without_the_tool() -> None:
     )
     measurement = between(statistics(0), now)
     assert [each.node for each in measurement.clients] == ["/b", "/c", "/a"]
-    assert measurement.clients[0] == Client("/b", "127.0.0.1:5", 0, 0, True)
+    assert measurement.clients[0] == ClientQueue("/b", "127.0.0.1:5", 0, 0, True)
 
 
 def test_measurement_as_json() -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from fibws.hub.graph.conflicts import MOST_TYPES
 from fibws.interfaces import client_definitions
-from fibws.interfaces.client_definitions import Limits
+from fibws.interfaces.client_definitions import DefinitionLimits
 from fibws.protocol.serialized import publish_head, read_delivery
 
 from .fakes import INT32, STRING, FakeHub, number
@@ -575,7 +575,7 @@ def test_publisher_with_the_md5_of_a_type_that_another_one_brought_has_that_type
 def test_without_room_for_its_definition_a_publisher_shares_no_type(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(client_definitions, "OF_ALL", Limits(1, 1000, 1000))
+    monkeypatch.setattr(client_definitions, "OF_ALL", DefinitionLimits(1, 1000, 1000))
     hub = FakeHub()
     first, second = hub.client(), hub.client(serialized=True)
     bring(first, "advertise", MINE)

@@ -11,7 +11,7 @@ import pytest
 from patience import PATIENCE
 
 from fibws.hub import zenoh_session
-from fibws.hub.zenoh_session import LANE_BYTES, LARGE, Inbox, Lane, Lanes, Receivers
+from fibws.hub.zenoh_session import LANE_BYTES, LARGE, Inbox, Receivers, ZenohLane, ZenohLanes
 
 
 async def test_inbox_drops_the_oldest_messages_and_no_other_calls() -> None:
@@ -53,7 +53,7 @@ class Sending:
 
     def __init__(self) -> None:
         self.dropped = 0
-        self.lanes = Lanes("test", 10 * LANE_BYTES, self.note_dropped)
+        self.lanes = ZenohLanes("test", 10 * LANE_BYTES, self.note_dropped)
         self.sent: list[object] = []
         self.go_on = threading.Event()
         self.is_stuck = threading.Event()
@@ -61,15 +61,15 @@ class Sending:
     def note_dropped(self) -> None:
         self.dropped += 1
 
-    def lane(self) -> Lane:
-        lane = Lane()
+    def lane(self) -> ZenohLane:
+        lane = ZenohLane()
         self.lanes.open(lane)
         return lane
 
-    def send(self, lane: Lane, name: object, size: int = 1, limit: int = 1000) -> None:
+    def send(self, lane: ZenohLane, name: object, size: int = 1, limit: int = 1000) -> None:
         self.lanes.send(lane, partial(self.sent.append, name), size, limit)
 
-    def stick(self, lane: Lane, size: int = 1) -> None:
+    def stick(self, lane: ZenohLane, size: int = 1) -> None:
         """Send a message that takes long."""
 
         def job() -> None:
@@ -79,7 +79,7 @@ class Sending:
         self.lanes.send(lane, job, size, 1)
         assert self.is_stuck.wait(PATIENCE)
 
-    def wait(self, lane: Lane) -> None:
+    def wait(self, lane: ZenohLane) -> None:
         """Wait until all messages of a publisher are sent."""
         done = threading.Event()
         self.lanes.send(lane, done.set, 1, 1000)
@@ -127,7 +127,7 @@ def test_small_message_waits_for_a_large_one_of_its_publisher(sending: Sending) 
 
 
 def test_messages_wait_for_the_declaration_of_their_publisher_alone(sending: Sending) -> None:
-    early, other = Lane(), sending.lane()
+    early, other = ZenohLane(), sending.lane()
     sending.send(early, "early")
     sending.wait(other)
     assert not sending.sent

@@ -16,7 +16,7 @@ from fibws.errors import (
 )
 from fibws.interfaces import Interfaces, client_definitions, full_text
 from fibws.interfaces.catalogue import Definitions
-from fibws.interfaces.client_definitions import ClientDefinitions, Limits
+from fibws.interfaces.client_definitions import ClientDefinitions, DefinitionLimits
 from fibws.interfaces.definition import (
     ActionDefinition,
     Field,
@@ -64,7 +64,7 @@ class Keeper(ClientDefinitions):
 
 def limit(monkeypatch: pytest.MonkeyPatch, name: str = "PER_CLIENT", **limits: int) -> None:
     """Change limits of one client, or of all."""
-    changed: Limits = getattr(client_definitions, name)._replace(**limits)
+    changed: DefinitionLimits = getattr(client_definitions, name)._replace(**limits)
     monkeypatch.setattr(client_definitions, name, changed)
 
 

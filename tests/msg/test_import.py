@@ -196,4 +196,4 @@ def test_missing_folder_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_finder_is_installed_once() -> None:
     importlib.reload(fibws.msg)
-    assert sys.meta_path.count(_finder.PackageFinder) == 1
+    assert sys.meta_path.count(_finder.ModuleFinder) == 1

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import fibws
-from fibws.node.clock import Clock, Rate, Schedule
+from fibws.node.clock import NodeClock, Rate, Schedule
 from fibws.node.session import Session
 
 
@@ -47,7 +47,7 @@ async def test_rate_ticks_until_the_node_ends() -> None:
     session = Session(logging.Logger("test"))
     session.begin()
     ticks = 0
-    async for _ in Rate(1000, Clock(session)):
+    async for _ in Rate(1000, NodeClock(session)):
         ticks += 1
         if ticks == 3:
             session.end()
@@ -57,7 +57,7 @@ async def test_rate_ticks_until_the_node_ends() -> None:
 async def test_end_of_the_node_ends_a_pending_tick() -> None:
     session = Session(logging.Logger("test"))
     session.begin()
-    rate = Rate(0.01, Clock(session))
+    rate = Rate(0.01, NodeClock(session))
     await anext(rate)
     waiting = asyncio.create_task(anext(rate, "the end"))
     await asyncio.sleep(0)
@@ -73,7 +73,7 @@ async def test_late_loop_lets_other_tasks_run() -> None:
         session.end()
 
     task = asyncio.create_task(other())
-    async for _ in Rate(1e9, Clock(session)):
+    async for _ in Rate(1e9, NodeClock(session)):
         pass
     await task
 
@@ -82,10 +82,10 @@ async def test_error_of_the_node_is_raised() -> None:
     session = Session(logging.Logger("test"))
     session.end(fibws.NodeReplaced("by another"))
     with pytest.raises(fibws.NodeReplaced, match="by another"):
-        await anext(Rate(1, Clock(session)))
+        await anext(Rate(1, NodeClock(session)))
 
 
-async def tick(clock: Clock, now: int) -> None:
+async def tick(clock: NodeClock, now: int) -> None:
     await asyncio.sleep(0)  # The waiter begins to wait.
     clock.set(now)
     for _ in range(3):
@@ -95,7 +95,7 @@ async def tick(clock: Clock, now: int) -> None:
 async def test_rate_follows_simulated_time() -> None:
     session = Session(logging.Logger("test"))
     session.begin()
-    clock = Clock(session)
+    clock = NodeClock(session)
     clock.set(0)
     rate = Rate(10, clock)
     await anext(rate)
@@ -114,7 +114,7 @@ async def test_rate_follows_simulated_time() -> None:
 async def test_rate_begins_again_when_simulated_time_is_set_back() -> None:
     session = Session(logging.Logger("test"))
     session.begin()
-    clock = Clock(session)
+    clock = NodeClock(session)
     clock.set(10**12)
     rate = Rate(10, clock)
     await anext(rate)

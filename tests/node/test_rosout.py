@@ -14,7 +14,7 @@ import pytest
 import fibws
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32
-from fibws.node.clock import Clock
+from fibws.node.clock import NodeClock
 from fibws.node.log import Rosout
 from fibws.node.session import Session
 from fibws.node.topics import NodeTopics
@@ -61,7 +61,7 @@ async def test_topics_are_read_only_in_the_event_loop(hub: ScriptedHub) -> None:
 def test_other_threads_may_log_after_the_loop_has_closed() -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout(
-        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), NodeClock(session)
     )
     rosout.loop = asyncio.new_event_loop()
     rosout.loop.close()
@@ -72,7 +72,7 @@ def test_other_threads_may_log_after_the_loop_has_closed() -> None:
 def test_newest_lines_are_kept_without_a_hub() -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout(
-        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), NodeClock(session)
     )
     for _ in range(1000):
         rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
@@ -82,7 +82,7 @@ def test_newest_lines_are_kept_without_a_hub() -> None:
 def test_lone_surrogate_is_sent_as_a_question_mark() -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout(
-        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), NodeClock(session)
     )
     rosout.handle(logging.LogRecord("test", logging.INFO, "\udcff.py", 1, "\ud83d", (), None))
     ((frame, lane),) = session.outgoing._queue
@@ -94,7 +94,7 @@ def test_lone_surrogate_is_sent_as_a_question_mark() -> None:
 def test_invalid_log_call_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout(
-        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), Clock(session)
+        "/talker", NodeTopics(session), NodeTypes(time.time_ns).codec(Log), NodeClock(session)
     )
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "%d", ("thirteen",), None))
     assert "%d format" in capsys.readouterr().err

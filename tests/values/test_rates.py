@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.values.rates import Rate, Summary, Window, as_object, in_seconds, rates_text
+from fibws.values.rates import MessageRate, Summary, Window, as_object, in_seconds, rates_text
 
 
 def test_summary_of_measurements() -> None:
@@ -36,7 +36,7 @@ def test_summary_as_text_and_as_an_object() -> None:
 
 
 def test_rate_is_computed_from_the_intervals() -> None:
-    rate = Rate()
+    rate = MessageRate()
     for moment in (1.0, 1.5, 2.0):
         rate.add(moment)
     polled = rate.poll()
@@ -46,7 +46,7 @@ def test_rate_is_computed_from_the_intervals() -> None:
 
 
 def test_poll_returns_nothing_without_new_messages() -> None:
-    rate = Rate()
+    rate = MessageRate()
     assert rate.poll() is None
     rate.add(1.0)
     assert rate.poll() is None, "one message has no rate"
@@ -58,7 +58,7 @@ def test_poll_returns_nothing_without_new_messages() -> None:
 
 
 def test_only_the_latest_messages_are_measured() -> None:
-    rate = Rate(window=2)
+    rate = MessageRate(window=2)
     for moment in (0.0, 10.0, 11.0):
         rate.add(moment)
     polled = rate.poll()
@@ -67,7 +67,7 @@ def test_only_the_latest_messages_are_measured() -> None:
 
 
 def test_rate_of_simultaneous_messages_is_0() -> None:
-    rate = Rate()
+    rate = MessageRate()
     rate.add(1.0)
     rate.add(1.0)
     polled = rate.poll()

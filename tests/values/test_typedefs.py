@@ -6,15 +6,15 @@ import pytest
 
 from fibws.client.hub_client import HubClient
 from fibws.errors import ServiceError
-from fibws.values.typedefs import Field, Typedefs, if_known
+from fibws.values.typedefs import TypedefField, Typedefs, if_known
 
 
 def test_message_has_its_fields_in_order(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "geometry_msgs/PoseWithCovariance")
     assert typedefs.root == "geometry_msgs/PoseWithCovariance"
     assert typedefs.fields(typedefs.root) == [
-        Field("pose", "geometry_msgs/Pose"),
-        Field("covariance", "float64", 36),
+        TypedefField("pose", "geometry_msgs/Pose"),
+        TypedefField("covariance", "float64", 36),
     ]
     assert [field.name for field in typedefs.fields("geometry_msgs/Point")] == ["x", "y", "z"]
 
@@ -22,19 +22,19 @@ def test_message_has_its_fields_in_order(client: HubClient) -> None:
 def test_array_of_any_length_has_length_0(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/Int32MultiArray")
     data = typedefs.fields(typedefs.root)[1]
-    assert data == Field("data", "int32", 0)
+    assert data == TypedefField("data", "int32", 0)
     assert data.written_type == "int32[]"
 
 
 @pytest.mark.parametrize(
     ("field", "written"),
     [
-        (Field("a", "int32"), "int32"),
-        (Field("a", "int32", 0), "int32[]"),
-        (Field("a", "std_msgs/Header", 3), "std_msgs/Header[3]"),
+        (TypedefField("a", "int32"), "int32"),
+        (TypedefField("a", "int32", 0), "int32[]"),
+        (TypedefField("a", "std_msgs/Header", 3), "std_msgs/Header[3]"),
     ],
 )
-def test_type_is_written_as_in_definitions(field: Field, written: str) -> None:
+def test_type_is_written_as_in_definitions(field: TypedefField, written: str) -> None:
     assert field.written_type == written
 
 
@@ -50,8 +50,8 @@ def test_constants_have_names_and_values(client: HubClient) -> None:
 def test_service_has_a_request_and_a_response(client: HubClient) -> None:
     request = Typedefs.of_request(client, "rospy_tutorials/AddTwoInts")
     response = Typedefs.of_response(client, "rospy_tutorials/AddTwoInts")
-    assert request.fields(request.root) == [Field("a", "int64"), Field("b", "int64")]
-    assert response.fields(response.root) == [Field("sum", "int64")]
+    assert request.fields(request.root) == [TypedefField("a", "int64"), TypedefField("b", "int64")]
+    assert response.fields(response.root) == [TypedefField("sum", "int64")]
 
 
 def test_unknown_type_is_an_error(client: HubClient) -> None:
@@ -64,11 +64,11 @@ def test_unknown_type_is_an_error(client: HubClient) -> None:
 
 def test_defaults_are_those_of_ros(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "geometry_msgs/PoseStamped")
-    default = typedefs.default(Field("", typedefs.root))
+    default = typedefs.default(TypedefField("", typedefs.root))
     assert default["header"] == {"seq": 0, "stamp": {"secs": 0, "nsecs": 0}, "frame_id": ""}
     assert default["pose"]["position"] == {"x": 0.0, "y": 0.0, "z": 0.0}
-    assert typedefs.default(Field("", "bool", 2)) == [False, False]
-    assert typedefs.default(Field("", "uint8", 0)) == []
+    assert typedefs.default(TypedefField("", "bool", 2)) == [False, False]
+    assert typedefs.default(TypedefField("", "uint8", 0)) == []
 
 
 def test_empty_definition_contains_no_type() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import yaml
 
-from fibws.values.typedefs import Field, Typedefs
+from fibws.values.typedefs import TypedefField, Typedefs
 from fibws.values.yaml_text import PLAIN, Style, listed, message_text, quoted, value_text
 
 MINE = "my_msgs/Mine"
@@ -38,7 +38,7 @@ def with_fields(*fields: tuple[str, str, int]) -> Typedefs:
 
 def printed(type_: str, value: Any, length: int = -1, style: Style = PLAIN) -> str:
     typedefs = with_fields(("data", type_, length))
-    text = value_text({"data": value}, Field("", MINE), typedefs, style)
+    text = value_text({"data": value}, TypedefField("", MINE), typedefs, style)
     assert text.startswith("data: ")
     return text.removeprefix("data: ")
 

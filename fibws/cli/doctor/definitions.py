@@ -13,7 +13,7 @@ from fibws.errors import DefinitionError, FibwsError
 
 if TYPE_CHECKING:
     from fibws.interfaces import Interfaces
-    from fibws.interfaces.folders import Package
+    from fibws.interfaces.folders import InterfacePackage
 
 MAX_LISTED = 20
 """Maximum number of errors that are listed."""
@@ -70,7 +70,7 @@ def _is_built(folder: Path) -> bool:
     return (folder.parent / RECORD).is_file()
 
 
-def _faults(interfaces: Interfaces, package: Package) -> Iterator[str | None]:
+def _faults(interfaces: Interfaces, package: InterfacePackage) -> Iterator[str | None]:
     """Yield the error of each type of a package, or None for a valid type."""
     for kind in ("msg", "srv", "action"):
         for path in sorted((package.folder / kind).glob(f"*.{kind}")):

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from fibws.cli.doctor.finding import Finding, join_names, ok, warning
 from fibws.cli.output import counted
 from fibws.client.graph_snapshot import OTHER_FIELDS, Entry, conflict_text, is_of_other_type
-from fibws.client.graph_view import Topic, View
+from fibws.client.graph_view import DrawnTopic, View
 from fibws.command_names import command_name
 from fibws.suggestions import misspelled
 
@@ -189,7 +189,7 @@ def clients(before: dict[str, Any], now: dict[str, Any], *, but: str) -> Iterato
             )
 
 
-def _may_be_one(topic: Topic, other: Topic) -> bool:
+def _may_be_one(topic: DrawnTopic, other: DrawnTopic) -> bool:
     return topic.type == other.type or not topic.type or not other.type
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from fibws.cli.output import counted, visible
-from fibws.client.graph_view import Action, Topic, View
+from fibws.client.graph_view import DrawnAction, DrawnTopic, View
 
 NO_PUBLISHER, NO_SUBSCRIBER = "(no publisher)", "(no subscriber)"
 
@@ -60,7 +60,7 @@ def drawing(view: View, pen: Pen, width: int) -> Iterator[tuple[str, bool]]:
     yield from ((line, False) for line in _summary(view))
 
 
-def topics(found: Sequence[Topic], pen: Pen, width: int) -> list[str]:
+def topics(found: Sequence[DrawnTopic], pen: Pen, width: int) -> list[str]:
     """Return the lines of topics: in columns, or one below the other if there is no room."""
     room = width - 2
     left = max((len(name) for topic in found for name in _publishers(topic)), default=0)
@@ -74,7 +74,7 @@ def topics(found: Sequence[Topic], pen: Pen, width: int) -> list[str]:
     return _joined([_below(topic, pen) for topic in found])
 
 
-def _beside(topic: Topic, pen: Pen, left: int, middle: int) -> list[str]:
+def _beside(topic: DrawnTopic, pen: Pen, left: int, middle: int) -> list[str]:
     """Return a topic between its publishers and subscribers, in columns of a minimum width."""
     publishers, subscribers = _publishers(topic), _subscribers(topic)
     left = max(left, *map(len, publishers))
@@ -94,7 +94,7 @@ def _beside(topic: Topic, pen: Pen, left: int, middle: int) -> list[str]:
     return lines
 
 
-def _below(topic: Topic, pen: Pen) -> list[str]:
+def _below(topic: DrawnTopic, pen: Pen) -> list[str]:
     """Return a topic above its publishers and its subscribers."""
     return [
         _box(topic),
@@ -114,16 +114,16 @@ def _dashed(name: str, width: int, pen: Pen) -> str:
     return f"{name} ".ljust(width, pen.dash)
 
 
-def _box(topic: Topic) -> str:
+def _box(topic: DrawnTopic) -> str:
     type_ = topic.type or "type unknown"
     return f"[{topic.name} {type_}{'' if topic.checked or not topic.type else ', unchecked'}]"
 
 
-def _publishers(topic: Topic) -> list[str]:
+def _publishers(topic: DrawnTopic) -> list[str]:
     return topic.publishers or [NO_PUBLISHER]
 
 
-def _subscribers(topic: Topic) -> list[str]:
+def _subscribers(topic: DrawnTopic) -> list[str]:
     return topic.subscribers or [NO_SUBSCRIBER]
 
 
@@ -135,7 +135,7 @@ def _columns(rows: Sequence[tuple[str, str, str]]) -> list[str]:
     return [f"{name:{names}}  {box:{types}}  by {node}" for name, box, node in boxes]
 
 
-def _action(action: Action) -> tuple[str, str, str]:
+def _action(action: DrawnAction) -> tuple[str, str, str]:
     goals = f", goals from {', '.join(action.clients)}" if action.clients else ""
     return action.name, action.type, f"{action.node or '(no server)'}{goals}"
 

@@ -23,7 +23,7 @@ from fibws.suggestions import suggestion
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from fibws.ros1.launch.model import Launch, Node
+    from fibws.ros1.launch.model import Launch, LaunchNode
     from fibws.ros1.workspace.packages import Packages
 
 _SECONDS = click.FloatRange(min=0, min_open=True)
@@ -151,7 +151,7 @@ def _list(listing: str, launch: Launch, packages: Packages, url: str) -> int:
 
 
 def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) -> int:
-    from fibws.ros1.launch.session import Console, Options, run
+    from fibws.ros1.launch.session import LaunchConsole, Options, run
 
     file: Path | None = options["pid"]
     if file is not None:
@@ -169,7 +169,7 @@ def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) 
                 sigint_timeout=options["sigint_timeout"],
                 sigterm_timeout=options["sigterm_timeout"],
             ),
-            Console(output.line_as_is, output.has_colours(), end_line),
+            LaunchConsole(output.line_as_is, output.has_colours(), end_line),
         )
     finally:
         if file is not None:
@@ -195,7 +195,7 @@ def _has_default_url(options: dict[str, Any]) -> bool:
     return not is_chosen and not os.environ.get(hub_address.ENVIRONMENT)
 
 
-def _node(launch: Launch, name: str) -> Node:
+def _node(launch: Launch, name: str) -> LaunchNode:
     wanted = names.resolve(name)
     if wanted not in launch.nodes:
         known = "".join(f"\n * {each}" for each in launch.nodes)
@@ -204,7 +204,7 @@ def _node(launch: Launch, name: str) -> Node:
     return launch.nodes[wanted]
 
 
-def _command_line(node: Node, packages: Packages, url: str) -> str:
+def _command_line(node: LaunchNode, packages: Packages, url: str) -> str:
     from fibws.ros1.launch.node_command import node_command, node_variables, shell_line
 
     command = node_command(node, packages, url, os.environ).command

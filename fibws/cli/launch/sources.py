@@ -14,7 +14,7 @@ from fibws.cli.run import put_on_paths
 from fibws.errors import FibwsError
 from fibws.ros1.launch import launch_files
 from fibws.ros1.launch.environment import LocalEnvironment
-from fibws.ros1.launch.reader import STANDARD_INPUT, Reader
+from fibws.ros1.launch.reader import STANDARD_INPUT, LaunchReader
 from fibws.ros1.workspace.packages import Packages
 from fibws.values import parameter_files
 
@@ -55,17 +55,17 @@ class Sources:
         self.files = launch_files.find_launch_files(files, self.packages)
         self._environment = LocalEnvironment(self.packages, parameter_files.parse)
 
-    def read(self) -> Reader:
+    def read(self) -> LaunchReader:
         """Read the files, or raise `LaunchError` or `OSError`."""
         namespace = self._values.get(NAMESPACE) or os.environ.get("ROS_NAMESPACE") or "/"
-        reader = Reader(self._environment, self._values, names.check_namespace(namespace))
+        reader = LaunchReader(self._environment, self._values, names.check_namespace(namespace))
         for file in self.files:
             reader.read(*_document(file))
         return reader
 
-    def read_arguments(self) -> Reader:
+    def read_arguments(self) -> LaunchReader:
         """Read only the arguments of the files; raises as `read`."""
-        reader = Reader(self._environment, self._values)
+        reader = LaunchReader(self._environment, self._values)
         for file in self.files:
             reader.read_arguments(*_document(file))
         return reader

@@ -10,7 +10,7 @@ import click
 
 from fibws.cli import output
 from fibws.cli.common_options import json_option, with_hub
-from fibws.cli.top.screen import KEYS, Screen
+from fibws.cli.top.screen import KEYS, TopScreen
 from fibws.cli.top.tables import print_tables
 from fibws.client.hub_client import HubClient
 from fibws.client.statistics import SORTS, Measurement
@@ -55,7 +55,7 @@ def command(client: HubClient, times: int | None, delay: float, sort: str, as_js
         for measurement in _measurements(client, delay, sort, times):
             output.as_json(measurement.as_json()) if as_json else print_tables(measurement)
     else:
-        with Screen.open() as screen:
+        with TopScreen.open() as screen:
             _watch(client, screen, delay, sort)
 
 
@@ -70,7 +70,7 @@ def _measurements(
         before = now
 
 
-def _watch(client: HubClient, screen: Screen, delay: float, sort: str) -> None:
+def _watch(client: HubClient, screen: TopScreen, delay: float, sort: str) -> None:
     before = now = client.call(STATISTICS)
     due = time.monotonic() + delay
     while True:

@@ -25,7 +25,7 @@ MAX_WAIT = 0.5
 """Seconds to wait for a key before processing messages: the hub disconnects unresponsive tools."""
 
 
-class Screen:
+class TopScreen:
     """The screen of a terminal: ``with Screen.open() as screen``."""
 
     def __init__(self, console: Console, show: Callable[[RenderableType], None]) -> None:
@@ -35,7 +35,7 @@ class Screen:
 
     @classmethod
     @contextmanager
-    def open(cls) -> Iterator[Screen]:
+    def open(cls) -> Iterator[TopScreen]:
         """Switch to an own screen, and restore the previous one, on SIGTERM, too."""
         from rich.console import Console
         from rich.live import Live

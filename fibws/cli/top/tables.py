@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fibws.cli import output
 from fibws.cli.quantities import amount
-from fibws.client.statistics import Client, Measurement, Topic
+from fibws.client.statistics import ClientQueue, Measurement, TopicRates
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -16,7 +16,7 @@ TOPIC_HEADS = ("TOPIC", "RATE", "BANDWIDTH", "PUBS", "SUBS", "DROPS")
 CLIENT_HEADS = ("NODE", "ADDRESS", "KEPT", "DROPS", "STATE")
 
 
-def topic_cells(topic: Topic, *, is_measured: bool = True) -> tuple[str, ...]:
+def topic_cells(topic: TopicRates, *, is_measured: bool = True) -> tuple[str, ...]:
     """Return the cells of a topic's row, under `TOPIC_HEADS`; rates only if ``is_measured``."""
     grown = f" (+{topic.dropped})" if topic.dropped else ""
     return (
@@ -29,7 +29,7 @@ def topic_cells(topic: Topic, *, is_measured: bool = True) -> tuple[str, ...]:
     )
 
 
-def client_cells(client: Client) -> tuple[str, ...]:
+def client_cells(client: ClientQueue) -> tuple[str, ...]:
     """Return the cells of a client's row, under `CLIENT_HEADS`."""
     state = "slow" if client.slow else "ok"
     return client.node, client.address, amount(client.kept_bytes), str(client.dropped), state

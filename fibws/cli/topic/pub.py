@@ -89,7 +89,7 @@ def command(
         raise click.UsageError("args conflict with -f setting")
     values = [parsing.parse(word) for word in words]
     name = client.resolve(names.check(topic))
-    publisher = Publisher(client, name, full_name(type_), latch=latch or rate is None)
+    publisher = TopicPublisher(client, name, full_name(type_), latch=latch or rate is None)
     typedefs = publisher.typedefs
     if values or _has_no_fields(typedefs):
         messages = _from_arguments(values, typedefs, substitute=substitute)
@@ -146,7 +146,7 @@ def _has_no_fields(typedefs: Typedefs) -> bool:
     return typedefs.root in typedefs and not typedefs.fields(typedefs.root)
 
 
-class Publisher:
+class TopicPublisher:
     """A topic that a tool publishes until its client is closed.
 
     Args:
@@ -200,7 +200,7 @@ class Publisher:
         self.client.process(0)
 
 
-def documents_from_stdin(publisher: Publisher) -> Iterator[Any]:
+def documents_from_stdin(publisher: TopicPublisher) -> Iterator[Any]:
     """Yield each YAML value on standard input as soon as its end is received.
 
     A document ends with a line of ``---`` or with the input. Meanwhile the publisher's client
@@ -225,7 +225,7 @@ def documents_from_stdin(publisher: Publisher) -> Iterator[Any]:
         yield parsing.parse("".join(lines))
 
 
-def _lines(publisher: Publisher) -> Iterator[str]:
+def _lines(publisher: TopicPublisher) -> Iterator[str]:
     incomplete: list[str] = []
     size = 0
     for text in _chunks(publisher):
@@ -247,7 +247,7 @@ def _checked(size: int) -> int:
     return size
 
 
-def _chunks(publisher: Publisher) -> Iterator[str]:
+def _chunks(publisher: TopicPublisher) -> Iterator[str]:
     try:
         stdin = sys.stdin.fileno()
     except OSError:  # It is not a file of the system, so reading does not wait.

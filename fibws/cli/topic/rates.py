@@ -19,7 +19,7 @@ from fibws.values.rates import (
     BANDWIDTH_WINDOW,
     MAX_WINDOW,
     Bandwidth,
-    Rate,
+    MessageRate,
     Summary,
     Window,
     as_object,
@@ -103,10 +103,10 @@ def hz(
     client: HubClient, topics: tuple[str, ...], window: int, count: int | None, as_json: bool
 ) -> None:
     """Show the publishing rate of each TOPIC every second."""
-    rates: dict[str, Rate] = {}
+    rates: dict[str, MessageRate] = {}
     for topic in topics:
         name = global_name(client, topic)
-        rates[name] = Rate(window)
+        rates[name] = MessageRate(window)
         subscribe(client, name, _counter(rates[name]), quiet=as_json)
 
     def show() -> None:
@@ -119,7 +119,7 @@ def hz(
     report(client, show, count)
 
 
-def _counter(rate: Rate) -> OnMessage:
+def _counter(rate: MessageRate) -> OnMessage:
     def count(message: object) -> None:
         rate.add(time.perf_counter())
 

@@ -12,7 +12,7 @@ from fibws.client.hub_client import HubClient
 from fibws.errors import ServiceError, UnknownField
 from fibws.suggestions import suggestion
 from fibws.values.field_paths import Path, splits
-from fibws.values.typedefs import Field, Typedefs, if_known
+from fibws.values.typedefs import TypedefField, Typedefs, if_known
 
 INTERVAL = 0.1
 """Seconds between two checks whether a topic is published now, as in rostopic."""
@@ -27,7 +27,7 @@ class FoundTopic(NamedTuple):
     """The definition of the type; empty if it is unknown."""
     path: Path
     """The path to the field; empty for the whole message."""
-    field: Field
+    field: TypedefField
     """The field at `path`."""
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError
-from fibws.origins import Origin
+from fibws.origins import WebOrigin
 
 LIFETIME = 86400.0
 """Seconds since its last use after which a session ends."""
@@ -37,7 +37,7 @@ class LoginSession:
 
     owner: str
     check: Callable[[], Principal]
-    origin: Origin | None
+    origin: WebOrigin | None
     used: float
     has_ended: bool = False
 
@@ -78,7 +78,7 @@ class Sessions:
         elif len(self._sessions) >= MOST:
             self.close(next(iter(self._sessions)))
         id_ = secrets.token_urlsafe(32)
-        page = Origin.parse(origin) if origin is not None else None
+        page = WebOrigin.parse(origin) if origin is not None else None
         self._sessions[id_] = LoginSession(owner, check, page, self._now())
         return id_
 
@@ -116,7 +116,7 @@ class Sessions:
 
 
 def _is_own(session: LoginSession, origin: str, host: str) -> bool:
-    page = Origin.parse(origin)
+    page = WebOrigin.parse(origin)
     if page is None:
         return False
-    return page == (session.origin or Origin.of_host(page.scheme, host))
+    return page == (session.origin or WebOrigin.of_host(page.scheme, host))

@@ -15,7 +15,7 @@ from fibws.hub.federation.records import (
     Announcement,
     Kind,
     NodeRecord,
-    Publisher,
+    PublisherRecord,
     TopicRecord,
     TypeUsers,
 )
@@ -47,7 +47,7 @@ class RemoteUsers(NamedTuple):
 
     type: str
     md5sum: str
-    publishers: dict[str, Publisher]
+    publishers: dict[str, PublisherRecord]
     """By node."""
     subscribers: frozenset[str]
 
@@ -237,7 +237,7 @@ def _translated(record: TopicRecord | None, name: str, peer: Peer) -> RemoteTopi
 
 def _translated_users(record: TypeUsers, name: str, peer: Peer) -> RemoteUsers:
     view = peer.backplane.view
-    publishers: Iterator[tuple[str | None, Publisher]] = iter(())
+    publishers: Iterator[tuple[str | None, PublisherRecord]] = iter(())
     subscribers: Iterator[str | None] = iter(())
     if view.may_import(name):
         publishers = ((view.inward(each.node), each) for each in record.publishers)

@@ -15,7 +15,7 @@ from typing import Protocol, TypeAlias
 
 from fibws.access.rights import Principal
 from fibws.hub.federation.names import NameView
-from fibws.hub.federation.records import Announcement, HubInfo, Message, Reply, Request
+from fibws.hub.federation.records import Announcement, HubInfo, LinkMessage, Reply, Request
 
 QUICKEST_GROWTH = 1.02
 """The growth, with each ping, of the time in which an answer counts as quick."""
@@ -140,7 +140,7 @@ class Backplane(ABC):
         """Send changes of what this hub has to all hubs."""
 
     @abstractmethod
-    def publish(self, message: Message, *, limit: int) -> None:
+    def publish(self, message: LinkMessage, *, limit: int) -> None:
         """Send a message to the hubs that are interested in its publisher.
 
         Args:
@@ -203,7 +203,7 @@ class Network(Protocol):
     def is_flowing(self, peer: Peer, number: int) -> None:
         """Take note that messages of a publisher, which were asked for, pass from now on."""
 
-    def received(self, peer: Peer, message: Message) -> None:
+    def received(self, peer: Peer, message: LinkMessage) -> None:
         """Take a message; its data belong to the hub."""
 
     def requested(self, peer: Peer, request: Request, reply: OnReply) -> Cancel:

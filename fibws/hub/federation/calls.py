@@ -135,7 +135,7 @@ class RemoteActionServer:
         """Do nothing: its goals end with their results."""
 
 
-class Calls:
+class RemoteCalls:
     """Attaches services and actions of other hubs, and handles the requests of other hubs.
 
     Args:

@@ -222,7 +222,7 @@ class _End(NamedTuple):
     asked: float = 0.0
 
 
-class _Refused(FederationError):
+class _HandshakeRefused(FederationError):
     """The handshake was answered with an HTTP status other than that for a WebSocket."""
 
     def __init__(self, end: _End) -> None:
@@ -302,7 +302,7 @@ class Join:
             self._joined_at = math.inf
             try:
                 end = await self._connect_once()
-            except _Refused as error:
+            except _HandshakeRefused as error:
                 end = error.end
             except (OSError, WebSocketException, FibwsError, TimeoutError, ValueError) as error:
                 pace = REFUSED if isinstance(error, HubUnreachable) else LOST
@@ -383,7 +383,7 @@ class Join:
         except RedirectedToTls as redirect:
             return await self._open(token, redirect.url)
         except InvalidStatus as error:
-            raise _Refused(_end_of_handshake(error.response)) from None
+            raise _HandshakeRefused(_end_of_handshake(error.response)) from None
 
     def _on_joined(self, peer: Peer) -> None:
         self._joined_at = time.monotonic()

@@ -2,11 +2,11 @@
 
     graph ── Offers ── Backplane ── other hubs ── Backplane ── RemoteGraph ── graph
 
-A message passes from its source to the `Outlet` that the remote subscribers share, and from there,
-if the other hub has asked for that publisher, by the backplane to the `RemotePublisher` there,
-which publishes it. A hub in between does the same again. Every hub announces to each backplane what
-has not come by it, with the hubs on the way, and takes each node by its shortest way: so there are
-no loops, and no message arrives twice.
+A message passes from its source to the `HubOutlet` that the remote subscribers share, and from
+there, if the other hub has asked for that publisher, by the backplane to the `RemotePublisher`
+there, which publishes it. A hub in between does the same again. Every hub announces to each
+backplane what has not come by it, with the hubs on the way, and takes each node by its shortest
+way: so there are no loops, and no message arrives twice.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from fibws.hub.delivery.clock import Clock
 from fibws.hub.errors import NotAllowed
 from fibws.hub.federation.announced import PeerGraph
 from fibws.hub.federation.backplane import Backplane, Cancel, OnReply, Peer, Traffic
-from fibws.hub.federation.calls import Calls
+from fibws.hub.federation.calls import RemoteCalls
 from fibws.hub.federation.offers import LinkNode, Offers
 from fibws.hub.federation.outlets import Outlets
 from fibws.hub.federation.records import (
     Announcement,
     HubInfo,
     Kind,
-    Message,
+    LinkMessage,
     ParameterRecord,
     Reply,
     Request,
@@ -52,7 +52,7 @@ MOST_TOTALS = 1000
 KIND_OF: dict[Watched, Kind] = {"node": "nodes", "service": "services", "action": "actions"}
 
 
-class Loop(Clock, Protocol):
+class FederationLoop(Clock, Protocol):
     """The event loop, or what stands for it in tests."""
 
     def call_soon(self, callback: Callable[[], object], /) -> object:
@@ -70,7 +70,7 @@ class Federation:
         self,
         graph: Graph,
         hub: HubInfo,
-        loop: Loop,
+        loop: FederationLoop,
         settings: Settings,
         audit: Audit,
         loaded: Mapping[str, int],
@@ -86,7 +86,7 @@ class Federation:
         self._watchers: list[Callable[[], object]] = []
         self._traffic: OrderedDict[tuple[str, str], Traffic] = OrderedDict()
         """The totals of each hub that is or was reached, by kind of backplane and id."""
-        self._calls = Calls(graph, loop, settings.service_timeout)
+        self._calls = RemoteCalls(graph, loop, settings.service_timeout)
         self._outlets = Outlets(graph, self._progress)
         self._remote = RemoteGraph(
             graph,
@@ -303,7 +303,7 @@ class Federation:
         """Take note that messages pass that were asked for."""
         self._remote.topics.is_flowing(self._remote.home(peer), number)
 
-    def received(self, peer: Peer, message: Message) -> None:
+    def received(self, peer: Peer, message: LinkMessage) -> None:
         """Deliver a message."""
         self._remote.topics.received(self._remote.home(peer), message)
 

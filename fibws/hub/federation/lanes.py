@@ -29,7 +29,7 @@ ROOM = 7 / 8
 """The share of all bytes that still wait when messages have been dropped for lack of room."""
 
 
-class Record(NamedTuple):
+class LinkRecord(NamedTuple):
     """A record that waits.
 
     Attributes:
@@ -78,13 +78,13 @@ class _Lane:
     __slots__ = ("at", "begun", "records", "weight")
 
     def __init__(self) -> None:
-        self.records: deque[Record] = deque()
+        self.records: deque[LinkRecord] = deque()
         self.weight = 0
-        self.begun: Record | None = None
+        self.begun: LinkRecord | None = None
         self.at = 0
 
 
-class Lanes:
+class LinkLanes:
     """The lanes of a link.
 
     Args:
@@ -159,7 +159,7 @@ class Lanes:
             self.shorten(int(self._most_bytes * ROOM))
         self._put(number, head, body)
 
-    def take_all(self) -> list[Record]:
+    def take_all(self) -> list[LinkRecord]:
         """Take all records, in the order in which they came, if there is room for them."""
         if self._begun_bytes or self._bytes > CHUNK:
             return []
@@ -213,7 +213,7 @@ class Lanes:
         raise LookupError("nothing waits")
 
     def _put(self, key: int, head: bytes, body: Any) -> None:
-        record = Record(next(self._arrivals), head, body)
+        record = LinkRecord(next(self._arrivals), head, body)
         lane = self._lanes.get(key)
         if lane is None:
             lane = self._lanes[key] = _Lane()
@@ -222,7 +222,7 @@ class Lanes:
         self._bytes += record.size
         self._weight += record.size + OVERHEAD
 
-    def _pop(self, lane: _Lane) -> Record:
+    def _pop(self, lane: _Lane) -> LinkRecord:
         record = lane.records.popleft()
         lane.weight -= record.size + OVERHEAD
         self._bytes -= record.size

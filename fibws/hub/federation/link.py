@@ -38,13 +38,13 @@ from fibws.access.rights import Principal
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.errors import FederationError, NotAllowed
 from fibws.hub.federation.backplane import Backplane, Cancel, Network, OnReply, Peer, call_all
-from fibws.hub.federation.lanes import CHUNK, OVERHEAD, Lanes
+from fibws.hub.federation.lanes import CHUNK, OVERHEAD, LinkLanes
 from fibws.hub.federation.names import NameView, level_of
 from fibws.hub.federation.records import (
     KINDS,
     Announcement,
     HubInfo,
-    Message,
+    LinkMessage,
     Reply,
     Request,
     decode_announcement,
@@ -174,7 +174,7 @@ class Link(Backplane):
         self._control_bytes = 0
         self._pong = b""
         """The answer to the newest ping."""
-        self._lanes = Lanes(
+        self._lanes = LinkLanes(
             max_queued, 4 * max_queued + max_size, self._count_sent, self._count_dropped
         )
         self._parts: dict[int, bytearray] = {}
@@ -247,7 +247,7 @@ class Link(Backplane):
             return
         self._send_control(ANNOUNCE, data)
 
-    def publish(self, message: Message, *, limit: int) -> None:
+    def publish(self, message: LinkMessage, *, limit: int) -> None:
         """Send a message; see `Backplane`."""
         head = _MESSAGE.pack(message.number, message.sequence, message.stamp)
         if not self._is_closed:
@@ -438,7 +438,7 @@ class Link(Backplane):
             if kind == MESSAGE:
                 number, sequence, stamp = _MESSAGE.unpack_from(body)
                 self.peer.traffic.messages_received += 1
-                message = Message(number, sequence, stamp, bytearray(body[_MESSAGE.size :]))
+                message = LinkMessage(number, sequence, stamp, bytearray(body[_MESSAGE.size :]))
                 self._network.received(self.peer, message)
             elif (receive := _RECEIVERS.get(kind)) is not None:
                 return receive(self, self.peer, body) or ()

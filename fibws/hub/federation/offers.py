@@ -19,7 +19,7 @@ from fibws.hub.federation.records import (
     Kind,
     NodeRecord,
     ParameterRecord,
-    Publisher,
+    PublisherRecord,
     Record,
     ServiceRecord,
     TopicRecord,
@@ -39,7 +39,7 @@ logger = logging.getLogger("fibws.hub")
 
 
 class LinkNode(NodeOfLink):
-    """The node of this graph that stands for a backplane; a `Node`."""
+    """The node of this graph that stands for a backplane; a `GraphNode`."""
 
     def __init__(self, backplane: Backplane) -> None:
         self.backplane = backplane
@@ -202,7 +202,7 @@ class Offers:
     def _users_of(self, topic: Topic, group: TypeGroup) -> TypeUsers:
         """Return who uses a topic with one type; those that name none are users of all."""
         name, view = topic.name, self._view
-        publishers: tuple[Publisher, ...] = ()
+        publishers: tuple[PublisherRecord, ...] = ()
         if self._may(name, "subscribe", exports=True):
             publishers = self._publishers(topic, group)
         subscribers: tuple[str, ...] = ()
@@ -217,7 +217,7 @@ class Offers:
             subscribers=tuple(map(self.backplane.view.node_outward, subscribers)),
         )
 
-    def _publishers(self, topic: Topic, group: TypeGroup) -> tuple[Publisher, ...]:
+    def _publishers(self, topic: Topic, group: TypeGroup) -> tuple[PublisherRecord, ...]:
         found = []
         for source in sorted(group.sources.values(), key=lambda each: each.node):
             node = source.node
@@ -229,7 +229,7 @@ class Offers:
                     self._outlets.number(source),
                 )
                 found.append(
-                    Publisher.model_construct(
+                    PublisherRecord.model_construct(
                         node=self.backplane.view.node_outward(node),
                         number=number,
                         origin=remote.publisher.origin if remote is not None else number,

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 from fibws.errors import FibwsError
 from fibws.hub.federation.backplane import Backplane
-from fibws.hub.federation.records import Message
+from fibws.hub.federation.records import LinkMessage
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Source, Topic
@@ -21,7 +21,7 @@ UNLIMITED = 1000
 """Messages that wait for another hub, of a publisher whose queue_size sets no limit."""
 
 
-class Outlet:
+class HubOutlet:
     """Sends the messages of one topic; the `Receiver` that all its remote subscribers share."""
 
     __slots__ = ("__weakref__", "_faults", "_outlets", "_topic")
@@ -61,7 +61,7 @@ class Outlets:
         self._numbers: WeakKeyDictionary[Source, int] = WeakKeyDictionary()
         self._sources: WeakValueDictionary[int, Source] = WeakValueDictionary()
         self._wanted_by: dict[int, dict[Backplane, None]] = {}
-        self._outlets: WeakValueDictionary[str, Outlet] = WeakValueDictionary()
+        self._outlets: WeakValueDictionary[str, HubOutlet] = WeakValueDictionary()
 
     def number(self, source: Source) -> int:
         """Return the number by which other hubs know a source."""
@@ -75,11 +75,11 @@ class Outlets:
         """Return the source of a number, unless it is gone."""
         return self._sources.get(number)
 
-    def outlet(self, topic: str) -> Outlet:
+    def outlet(self, topic: str) -> HubOutlet:
         """Return what sends the messages of a topic."""
         found = self._outlets.get(topic)
         if found is None:
-            found = self._outlets[topic] = Outlet(topic, self)
+            found = self._outlets[topic] = HubOutlet(topic, self)
         return found
 
     def begin(self, backplane: Backplane, number: int) -> None:
@@ -128,4 +128,4 @@ class Outlets:
         progress = self._progress(source)
         sequence, stamp = progress or (source.messages, publication.received)
         limit = source.queue_size if source.queue_size > 0 else UNLIMITED
-        backplane.publish(Message(number, sequence, stamp, publication.ros1()), limit=limit)
+        backplane.publish(LinkMessage(number, sequence, stamp, publication.ros1()), limit=limit)

@@ -80,7 +80,7 @@ class NodeRecord(_Record):
         return self.path[0]
 
 
-class Publisher(_Record):
+class PublisherRecord(_Record):
     """A publisher of a topic.
 
     Attributes:
@@ -109,7 +109,7 @@ class TypeUsers(_Record):
 
     type: Text = ""
     md5sum: Text = ""
-    publishers: Annotated[tuple[Publisher, ...], FailFast()] = ()
+    publishers: Annotated[tuple[PublisherRecord, ...], FailFast()] = ()
     subscribers: Annotated[tuple[Name, ...], FailFast()] = ()
 
 
@@ -179,11 +179,11 @@ class Announcement(_Record):
 Record: TypeAlias = NodeRecord | TopicRecord | ServiceRecord | ActionRecord | ParameterRecord
 
 
-class Message(NamedTuple):
+class LinkMessage(NamedTuple):
     """A message of a topic on its way between hubs.
 
     Attributes:
-        number: its `Publisher.number`.
+        number: its `PublisherRecord.number`.
         sequence: counts the messages of its publisher, at the publisher's own hub.
         stamp: when that hub received it, in nanoseconds since 1970.
         data: in ROS 1's serialization.
@@ -246,7 +246,7 @@ _RECORDS: dict[Kind, TypeAdapter[Any]] = {
     "parameters": TypeAdapter(ParameterRecord),
 }
 _USERS: dict[str, TypeAdapter[Any]] = {
-    "publishers": TypeAdapter(Publisher),
+    "publishers": TypeAdapter(PublisherRecord),
     "subscribers": TypeAdapter(Name),
 }
 _FIELDS = TypeAdapter(dict[str, Any])

@@ -14,7 +14,7 @@ from itertools import chain
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.federation.announced import Announced, PeerGraph
 from fibws.hub.federation.backplane import Peer
-from fibws.hub.federation.calls import Calls
+from fibws.hub.federation.calls import RemoteCalls
 from fibws.hub.federation.definitions import RemoteDefinitions
 from fibws.hub.federation.outlets import Outlets
 from fibws.hub.federation.precedence import Ages
@@ -44,7 +44,7 @@ class RemoteGraph:
         clock: Clock,
         call_soon: Callable[[Callable[[], None]], object],
         outlets: Outlets,
-        calls: Calls,
+        calls: RemoteCalls,
         *,
         max_latched_bytes: int,
         flowing: Callable[[RemotePublisher], None],

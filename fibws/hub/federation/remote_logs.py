@@ -44,7 +44,7 @@ class _Subscription:
 
 
 class LogReader:
-    """A node that subscribes to the logs of other hubs; a `Node`.
+    """A node that subscribes to the logs of other hubs; a `GraphNode`.
 
     Nodes of another hub log to ``/rosout``, and those below a prefix to ``/robot7/rosout``.
 

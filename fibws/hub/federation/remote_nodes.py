@@ -18,7 +18,7 @@ logger = logging.getLogger("fibws.hub")
 
 
 class RemoteNode(ForeignNode, NodeOfHub):
-    """A node of another hub; a `Node` of this graph.
+    """A node of another hub; a `GraphNode` of this graph.
 
     Attributes:
         home: the hub that announced it, on the shortest way to it.

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from fibws.errors import FibwsError
 from fibws.hub.federation.announced import Announced, PeerGraph
-from fibws.hub.federation.calls import Calls
+from fibws.hub.federation.calls import RemoteCalls
 from fibws.hub.federation.definitions import DefinitionPending, RemoteDefinitions
 from fibws.hub.federation.precedence import Ages
 from fibws.hub.federation.records import ActionRecord, Kind, ServiceRecord
@@ -46,7 +46,7 @@ class RemoteServices:
         announced: Announced,
         ages: Ages,
         definitions: RemoteDefinitions,
-        calls: Calls,
+        calls: RemoteCalls,
         *,
         warn: Callable[[str], None],
     ) -> None:

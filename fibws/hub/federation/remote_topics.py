@@ -14,7 +14,7 @@ from fibws.hub.errors import LimitReached
 from fibws.hub.federation.announced import Announced, PeerGraph
 from fibws.hub.federation.definitions import DefinitionPending, RemoteDefinitions
 from fibws.hub.federation.outlets import Outlets
-from fibws.hub.federation.records import Message, Publisher
+from fibws.hub.federation.records import LinkMessage, PublisherRecord
 from fibws.hub.federation.remote_logs import ROSOUT
 from fibws.hub.federation.remote_nodes import RemoteNode, attached_node
 from fibws.hub.foreign.topics import (
@@ -45,7 +45,7 @@ class RemotePublisher(ForeignPublisher):
         is_wanted: whether the hub was asked for its messages.
         is_flowing: whether they pass.
         sequence: that of the last message; None before the first.
-        stamp: that of the last message; see `Message`.
+        stamp: that of the last message; see `LinkMessage`.
         lost: messages that it has sent and that have not arrived.
     """
 
@@ -65,7 +65,9 @@ class RemotePublisher(ForeignPublisher):
     node: RemoteNode
     type: tuple[str, str]
 
-    def __init__(self, node: RemoteNode, type_: tuple[str, str], publisher: Publisher) -> None:
+    def __init__(
+        self, node: RemoteNode, type_: tuple[str, str], publisher: PublisherRecord
+    ) -> None:
         super().__init__(node, type_, publisher)
         self.home = node.home
         self.publisher = publisher
@@ -83,7 +85,7 @@ class RemotePublisher(ForeignPublisher):
         """Its identity on all ways to it."""
         return self.node.hub.id, self.publisher.origin
 
-    def receive(self, message: Message) -> None:
+    def receive(self, message: LinkMessage) -> None:
         """Deliver a message, unless it has been delivered before."""
         source, last, is_first = self.source, self.sequence, self._is_first
         if source is None or not self.is_wanted:
@@ -154,7 +156,7 @@ class RemoteTopics(ForeignTopics[RemotePublisher, RemoteSubscriber]):
 
     # Messages.
 
-    def received(self, home: PeerGraph, message: Message) -> None:
+    def received(self, home: PeerGraph, message: LinkMessage) -> None:
         """Deliver a message."""
         publisher = self._by_number.get((home, message.number))
         if publisher is not None:

@@ -50,9 +50,9 @@ from fibws.hub.federation.names import NameView
 from fibws.hub.federation.records import (
     Announcement,
     HubInfo,
-    Message,
+    LinkMessage,
     Number,
-    Publisher,
+    PublisherRecord,
     Reply,
     Request,
     Skipped,
@@ -68,11 +68,11 @@ from fibws.hub.log.text import is_power_of_ten, printable
 from fibws.hub.zenoh_session import (
     LEASE,
     RETRY,
-    Calls,
     Inbox,
-    Lane,
-    Lanes,
     Receivers,
+    ZenohCalls,
+    ZenohLane,
+    ZenohLanes,
     call_in_thread,
     close_session,
     direct,
@@ -130,7 +130,7 @@ class _State(BaseModel):
     """Whether the hub has more to tell."""
 
 
-class _Known:
+class _KnownHub:
     """What is known of the announcements of another hub.
 
     Attributes:
@@ -172,14 +172,14 @@ class _Known:
         return bool(self._ahead)
 
 
-class _Publisher:
+class _ZenohPublisher:
     """A publisher of this hub that was announced."""
 
     __slots__ = ("key", "lane", "listener", "md5sum", "node", "publisher", "users")
 
     def __init__(self, key: str, node: str, md5sum: str) -> None:
         self.key = key
-        self.lane = Lane()
+        self.lane = ZenohLane()
         self.node = node.encode()
         self.md5sum = bytes.fromhex(md5sum) if len(md5sum) == 32 else bytes(16)
         self.users: set[str] = set()
@@ -230,20 +230,20 @@ class ZenohBackplane(Backplane):
         self._config = config
         self._session: zenoh.Session
         self._inbox = Inbox(loop, max_queued)
-        self._control = Calls("zenoh-control")
+        self._control = ZenohCalls("zenoh-control")
         self._receivers = Receivers("zenoh-receivers")
         """For what waits for a hub, by its id."""
         self._max_queued = max_queued
-        self._lanes = Lanes("zenoh", max_queued, self._count_dropped)
+        self._lanes = ZenohLanes("zenoh", max_queued, self._count_dropped)
         self._peers: dict[str, Peer] = {}
         """By the ids of the hubs."""
         self._alive: set[str] = set()
         """The hubs that have a token."""
-        self._known: dict[str, _Known] = {}
+        self._known: dict[str, _KnownHub] = {}
         self._early_queries: dict[str, list[zenoh.Query]] = {}
         """Requests of hubs that are not known yet, by their ids."""
         self._log = ChangeLog()
-        self._publishers: dict[int, _Publisher] = {}
+        self._publishers: dict[int, _ZenohPublisher] = {}
         self._wanted: set[tuple[str, int]] = set()
         """The publishers of other hubs, by hub and number, whose messages are asked for."""
         self._subscribers: dict[tuple[str, int], Any] = {}
@@ -419,7 +419,7 @@ class ZenohBackplane(Backplane):
             before.discard(each.number)
             if each.number not in self._publishers:
                 key = _data_key(self._base, self._hub.id, each.number, topic)
-                found = self._publishers[each.number] = _Publisher(key, each.node, md5sum)
+                found = self._publishers[each.number] = _ZenohPublisher(key, each.node, md5sum)
                 self._control.call(partial(self._open, each.number, found))
         for number in before:
             gone = self._publishers.pop(number, None)
@@ -427,18 +427,18 @@ class ZenohBackplane(Backplane):
                 self._control.call(partial(self._close_publisher, gone))
                 self._network.interested(self, number, wanted=False)
 
-    def _open(self, number: int, publisher: _Publisher) -> None:
+    def _open(self, number: int, publisher: _ZenohPublisher) -> None:
         publisher.publisher = self._session.declare_publisher(publisher.key, **lossy())
         publisher.listener = publisher.publisher.declare_matching_listener(
             direct(lambda status: self._inbox.put(self._matched, number))
         )
         self._lanes.open(publisher.lane)
 
-    def _close_publisher(self, publisher: _Publisher) -> None:
+    def _close_publisher(self, publisher: _ZenohPublisher) -> None:
         self._lanes.drain(publisher.lane)
         _undeclare(publisher.listener, publisher.publisher)
 
-    def publish(self, message: Message, *, limit: int) -> None:
+    def publish(self, message: LinkMessage, *, limit: int) -> None:
         """Send a message; see `Backplane`."""
         found = self._publishers.get(message.number)
         if found is None:
@@ -461,7 +461,7 @@ class ZenohBackplane(Backplane):
             put = partial(self._session.put, found.key, b"", attachment=_FLOWING, **preferred())
             self._control.call(put)
 
-    def _put(self, publisher: _Publisher, data: bytes | bytearray, attachment: bytes) -> None:
+    def _put(self, publisher: _ZenohPublisher, data: bytes | bytearray, attachment: bytes) -> None:
         publisher.publisher.put(data, attachment=attachment)
 
     def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
@@ -544,7 +544,7 @@ class ZenohBackplane(Backplane):
         """Leave a hub that has announced too much; it is asked again after `ABSENCE`."""
         hub, reason = peer.hub.id, "it has announced too much"
         self._lose(hub, reason)
-        self._known[hub] = known = _Known()
+        self._known[hub] = known = _KnownHub()
         known.is_asked = True
         self._loop.call_later(ABSENCE, self._ask, hub, known)
 
@@ -594,10 +594,10 @@ class ZenohBackplane(Backplane):
         """Ask a hub for everything that it has, if hubs may join."""
         if not self._is_attached:
             return
-        self._known[hub] = known = _Known()
+        self._known[hub] = known = _KnownHub()
         self._ask(hub, known)
 
-    def _ask(self, hub: str, known: _Known) -> None:
+    def _ask(self, hub: str, known: _KnownHub) -> None:
         """Ask a hub for what it has announced since what is known."""
         if self._known.get(hub) is not known:
             return
@@ -620,7 +620,7 @@ class ZenohBackplane(Backplane):
 
         self._receivers.call(hub, get)
 
-    def _told(self, hub: str, known: _Known, answers: list[bytes], times: list[int]) -> None:
+    def _told(self, hub: str, known: _KnownHub, answers: list[bytes], times: list[int]) -> None:
         """Take what a hub has told, or ask again.
 
         Args:
@@ -714,7 +714,7 @@ class ZenohBackplane(Backplane):
             if peer is not None and not known.is_asked:
                 self._catch_up(peer, known)
 
-    def _catch_up(self, peer: Peer, known: _Known) -> None:
+    def _catch_up(self, peer: Peer, known: _KnownHub) -> None:
         """Take the announcements that follow what is known; ask for those that are missing."""
         hub = peer.hub.id
         while (data := known.take_next()) is not None:
@@ -780,13 +780,13 @@ class ZenohBackplane(Backplane):
         elif not wanted:
             self._forget_user(number, found, hub)
 
-    def _forget_user(self, number: int, publisher: _Publisher, hub: str) -> None:
+    def _forget_user(self, number: int, publisher: _ZenohPublisher, hub: str) -> None:
         """Send a publisher's messages to a hub no more."""
         if hub in publisher.users:
             publisher.users.discard(hub)
             self._end_unused(number, publisher)
 
-    def _end_unused(self, number: int, publisher: _Publisher) -> None:
+    def _end_unused(self, number: int, publisher: _ZenohPublisher) -> None:
         if not publisher.users:
             self._network.interested(self, number, wanted=False)
 
@@ -803,7 +803,7 @@ class ZenohBackplane(Backplane):
         sequence, stamp, _ = _ATTACHMENT.unpack_from(head)
         peer.traffic.messages_received += 1
         peer.traffic.bytes_received += len(data)
-        self._network.received(peer, Message(number, sequence, stamp, data))
+        self._network.received(peer, LinkMessage(number, sequence, stamp, data))
 
     # Requests.
 
@@ -967,7 +967,7 @@ def _undeclare(*declared: Any) -> None:
             each.undeclare()
 
 
-def _publishers(record: TopicRecord | None) -> Iterator[tuple[Publisher, str]]:
+def _publishers(record: TopicRecord | None) -> Iterator[tuple[PublisherRecord, str]]:
     """Yield the publishers of all types of a topic, with the md5 of their type."""
     for users in record.by_type() if record is not None else ():
         for each in users.publishers:

@@ -9,7 +9,7 @@ from fibws.hub.graph.graph import DistantNode
 
 
 class ForeignNode(DistantNode):
-    """A node of another graph; a `Node` of this one.
+    """A node of another graph; a `GraphNode` of this one.
 
     Args:
         since: when it was found, in nanoseconds since 1970.

@@ -57,7 +57,7 @@ class PlayerState(NamedTuple):
         return cls(status, start, end, position, min(max(rate, 0.0), MOST_RATE))
 
 
-class Playback:
+class PlaybackControl:
     """One client's control of the first player that it may use; a `Sink` of the player's state.
 
     Args:

@@ -51,7 +51,7 @@ from fibws.hub.foxglove.messages import (
     time_frame,
 )
 from fibws.hub.foxglove.parameters import ParameterAccess
-from fibws.hub.foxglove.playback import NANOSECONDS, Playback
+from fibws.hub.foxglove.playback import NANOSECONDS, PlaybackControl
 from fibws.hub.foxglove.services import FoxgloveCalls
 from fibws.hub.foxglove.topics import Groups, Publications, Subscriptions, unknown_channel
 from fibws.hub.foxglove.turns import FeedTurns
@@ -183,7 +183,7 @@ class Foxglove:
 
 
 class FoxgloveSession(NodeSession[FoxgloveClient], Application):
-    """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
+    """One client's session, from its handshake until it leaves; an `Endpoint` and a `GraphNode`."""
 
     __slots__ = (
         "_assets",
@@ -227,7 +227,7 @@ class FoxgloveSession(NodeSession[FoxgloveClient], Application):
         self._undefined = UndefinedFeed(client)
         self._services = ServiceFeed(client, foxglove.services)
         self._graph_feed: GraphFeed | None = None
-        self._playback = Playback(client, self.introduce)
+        self._playback = PlaybackControl(client, self.introduce)
         self._assets = Assets(client, foxglove.assets, foxglove.readers, foxglove.asset_room)
         self.calls = FoxgloveCalls(client, self._services)
         self.parameters = ParameterAccess(client)

@@ -84,7 +84,7 @@ def exhaust(work: Iterator[None]) -> None:
         pass
 
 
-class Node(Protocol):
+class GraphNode(Protocol):
     """A node of the graph: a client, or a part of the hub itself."""
 
     def replaced(self) -> None:
@@ -101,7 +101,7 @@ class Node(Protocol):
 
 
 class DistantNode(ABC):
-    """A `Node` that is not connected to this hub, and answers in another way.
+    """A `GraphNode` that is not connected to this hub, and answers in another way.
 
     Attributes:
         since: when it registered, or connected to its own hub, in nanoseconds since 1970.
@@ -156,7 +156,7 @@ class NodeOfHub(DistantNode):
 
 
 class NodeOfLink:
-    """A `Node` that stands for a link to other hubs, and uses nothing itself."""
+    """A `GraphNode` that stands for a link to other hubs, and uses nothing itself."""
 
     __slots__ = ()
 
@@ -183,7 +183,7 @@ class Graph:
         policy: Policy | None = None,
         ticks: Callable[[], int] | None = None,
     ) -> None:
-        self.nodes: dict[str, Node] = {}
+        self.nodes: dict[str, GraphNode] = {}
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.actions: dict[str, Action] = {}
@@ -267,7 +267,7 @@ class Graph:
 
     def enter(
         self,
-        node: Node,
+        node: GraphNode,
         name: str | None,
         principal: Principal | None = None,
         *,
@@ -315,7 +315,7 @@ class Graph:
             if name not in self.nodes:
                 return name
 
-    def leave(self, node: Node, name: str) -> None:
+    def leave(self, node: GraphNode, name: str) -> None:
         """Remove a node, unless another one has taken its name."""
         if self.nodes.get(name) is node:
             del self.nodes[name]
@@ -361,7 +361,7 @@ class Graph:
             return None
         return action
 
-    def authorize(self, node: Node, name: str, principal: Principal) -> None:
+    def authorize(self, node: GraphNode, name: str, principal: Principal) -> None:
         """Give a living node the rights of a principal.
 
         Raises:
@@ -373,7 +373,7 @@ class Graph:
         self.policy.enter(name, principal, is_chosen=is_chosen, is_taken=False)
         self.revision += 1
 
-    def revoke(self, node: Node, name: str) -> None:
+    def revoke(self, node: GraphNode, name: str) -> None:
         """Take all rights from a node that is about to leave, as its token is gone.
 
         Nothing is taken from another one that has its name by now.

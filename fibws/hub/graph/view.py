@@ -20,7 +20,7 @@ from fibws.hub.graph.topic import Conflict, Sink, Source, Topic
 from fibws.hub.graph.type_group import TypeGroup
 
 if TYPE_CHECKING:
-    from fibws.hub.graph.graph import Graph, Node
+    from fibws.hub.graph.graph import Graph, GraphNode
 
 _node_of = attrgetter("node")
 
@@ -178,24 +178,24 @@ class GraphView:
         """Return the names of all nodes."""
         return sorted(self._shown(self._graph.nodes))
 
-    def all_nodes(self) -> list[tuple[str, Node]]:
+    def all_nodes(self) -> list[tuple[str, GraphNode]]:
         """Return all nodes with their names, sorted by these."""
         return [(name, self._graph.nodes[name]) for name in self.nodes()]
 
-    def node(self, name: str) -> Node | None:
+    def node(self, name: str) -> GraphNode | None:
         """Return a node; read what it uses by the methods here."""
         node = self._graph.nodes.get(name)
         return node if node is not None and self.sees_node(name) else None
 
-    def published_by(self, node: Node) -> list[str]:
+    def published_by(self, node: GraphNode) -> list[str]:
         """Return the topics that a node publishes."""
         return self._visible("topic", node.publishing())
 
-    def subscribed_by(self, node: Node) -> list[str]:
+    def subscribed_by(self, node: GraphNode) -> list[str]:
         """Return the topics that a node subscribes to."""
         return self._visible("topic", node.subscribing())
 
-    def provided_by(self, node: Node) -> list[str]:
+    def provided_by(self, node: GraphNode) -> list[str]:
         """Return the services that a node provides."""
         return self._visible("service", node.providing())
 

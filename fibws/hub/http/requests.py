@@ -34,7 +34,7 @@ from fibws.errors import InvalidName
 from fibws.hub.access.authentication import Certificate
 from fibws.hub.http.proxies import PROTO, is_secure
 from fibws.hub.settings import KIB, Settings
-from fibws.origins import AllowedOrigins, Origin, OwnHosts, origin_of_url
+from fibws.origins import AllowedOrigins, OwnHosts, WebOrigin, origin_of_url
 
 logger = logging.getLogger("fibws.hub")
 
@@ -266,7 +266,7 @@ class HttpRequests:
         self._folders: dict[str, Route] = {}
         for path, content in files.items():
             if not path.endswith(tuple(CODINGS.values())):
-                self._routes[f"/{path}"] = File(path, content, packed(files, path)).respond
+                self._routes[f"/{path}"] = PageFile(path, content, packed(files, path)).respond
         if "/index.html" in self._routes:
             self._routes["/"] = self._routes.pop("/index.html")
 
@@ -326,7 +326,7 @@ class HttpRequests:
         """
         try:
             host = request.headers.get("Host")
-            if host is not None and Origin.of_host("http", host) is None:
+            if host is not None and WebOrigin.of_host("http", host) is None:
                 return text_response(http.HTTPStatus.BAD_REQUEST, "Invalid header Host")
             if self._base and (elsewhere := self._enter_base(request)) is not None:
                 return elsewhere
@@ -463,7 +463,7 @@ class HttpRequests:
         return found
 
 
-class File:
+class PageFile:
     """A file, and how it is sent.
 
     Args:

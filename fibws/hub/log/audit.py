@@ -40,7 +40,7 @@ WRITES = 1000
 """Lines a second about parameters that all clients set."""
 
 
-class Identity(NamedTuple):
+class ClientIdentity(NamedTuple):
     """A client, as far as it is known; empty texts stand for unknown."""
 
     principal: str = ""
@@ -58,7 +58,7 @@ class Audit:
     def __init__(
         self,
         now: Callable[[], float],
-        identify: Callable[[str], Identity] = lambda node: Identity(),
+        identify: Callable[[str], ClientIdentity] = lambda node: ClientIdentity(),
     ) -> None:
         self.refusals: dict[Reason, int] = dict.fromkeys(get_args(Reason), 0)
         """How often something was refused so far, by the reason."""
@@ -188,7 +188,7 @@ class Audit:
         self._record(logging.ERROR, "reload_failed", text, {"what": what, "error": error})
 
     def _client(self, node: str, principal: str = "", ip: str = "") -> dict[str, str]:
-        known = self._identify(node) if node else Identity()
+        known = self._identify(node) if node else ClientIdentity()
         return {"node": node, "principal": principal or known.principal, "ip": ip or known.ip}
 
     def _record(self, level: int, event: str, text: str, fields: dict[str, str]) -> None:

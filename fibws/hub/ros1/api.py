@@ -18,7 +18,7 @@ from fibws import names
 from fibws.errors import FibwsError, InvalidName
 from fibws.hub.errors import XmlRpcError
 from fibws.hub.foreign.worklist import TURN
-from fibws.hub.ros1.http import Caller
+from fibws.hub.ros1.http import XmlRpcCaller
 from fibws.hub.ros1.xmlrpc import Written, write_value
 
 logger = logging.getLogger("fibws.hub")
@@ -44,7 +44,7 @@ class Method:
     """A method of an API.
 
     Attributes:
-        function: takes the `Caller`, the caller's name and the checked arguments.
+        function: takes the `XmlRpcCaller`, the caller's name and the checked arguments.
         failed: the value of an answer that is an error.
         checks: one for each argument behind the caller's name.
         optional: how many of these may be missing.
@@ -55,7 +55,9 @@ class Method:
     checks: Sequence[Check] = ()
     optional: int = 0
 
-    def call(self, name: str, params: Sequence[Any], caller: Caller) -> Answer | Awaitable[Answer]:
+    def call(
+        self, name: str, params: Sequence[Any], caller: XmlRpcCaller
+    ) -> Answer | Awaitable[Answer]:
         """Check the arguments and call the function; a large call has an answer later."""
         if not params:
             return -1, "missing required caller_id parameter", self.failed

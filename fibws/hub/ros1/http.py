@@ -49,7 +49,7 @@ NOT_POST = (
 RESPONSE = b"HTTP/1.1 200 OK\r\nContent-Type: text/xml\r\nContent-length: %d\r\n%b\r\n"
 
 
-class Caller(NamedTuple):
+class XmlRpcCaller(NamedTuple):
     """Where a call comes from."""
 
     host: str
@@ -60,10 +60,10 @@ class Caller(NamedTuple):
     """The bytes of the call."""
 
 
-Refusal: TypeAlias = Callable[[str | None, str | None, Caller], str | None]
+Refusal: TypeAlias = Callable[[str | None, str | None, XmlRpcCaller], str | None]
 """Returns why a request with these headers ``Origin`` and ``Host`` is refused; None if it is not.
 A header that the request lacks is None."""
-Answer: TypeAlias = Callable[[str, str, list[Any], Caller], object]
+Answer: TypeAlias = Callable[[str, str, list[Any], XmlRpcCaller], object]
 """Returns the value for the path, the method and the parameters of a call, or an awaitable of it if
 that takes a while; raises `XmlRpcError`."""
 
@@ -86,7 +86,7 @@ class _Request(NamedTuple):
     """Whether the connection ends after it."""
 
 
-class _Refused(Exception):
+class _RequestRefused(Exception):
     """A request is refused with a status, a text and a header or none."""
 
     def __init__(self, status: int, text: str, header: str = "") -> None:
@@ -129,7 +129,7 @@ class XmlRpcConnection(asyncio.Protocol):
         self._task: asyncio.Task[None] | None = None
         """Serves a call that takes a while."""
         self._transport: asyncio.Transport
-        self._caller: Caller
+        self._caller: XmlRpcCaller
         self._loop: asyncio.AbstractEventLoop
         self._timer: asyncio.TimerHandle
         self._writable = asyncio.Event()
@@ -140,7 +140,7 @@ class XmlRpcConnection(asyncio.Protocol):
         # Not checked: uvloop's transports are not subclasses of asyncio's.
         self._transport = transport = cast(asyncio.Transport, transport)
         peer, local = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
-        self._caller = Caller(peer[0] if peer else "", local[0] if local else "")
+        self._caller = XmlRpcCaller(peer[0] if peer else "", local[0] if local else "")
         self._loop = asyncio.get_running_loop()
         self._timer = self._loop.call_later(IDLE_TIMEOUT, transport.close)
 
@@ -219,20 +219,20 @@ class XmlRpcConnection(asyncio.Protocol):
                     body = bytes(memoryview(self._received)[: request.length])
                     del self._received[: request.length]
                     self._serve(request, body)
-        except _Refused as refusal:
+        except _RequestRefused as refusal:
             self._refuse(refusal)
 
     def _next_request(self) -> _Request | None:
-        """Return the head of the next call, if it has arrived; raises `_Refused`."""
+        """Return the head of the next call, if it has arrived; raises `_RequestRefused`."""
         end = self._received.find(b"\r\n\r\n")
         if end > MOST_HEAD or (end < 0 and len(self._received) > MOST_HEAD):
-            raise _Refused(431, f"The limit of a head is {MOST_HEAD} bytes")
+            raise _RequestRefused(431, f"The limit of a head is {MOST_HEAD} bytes")
         if end < 0:
             return None
         head = _read_head(bytes(self._received[:end]))
         text = self._refusal(head.fields.get("origin"), head.fields.get("host"), self._caller)
         if text is not None:
-            raise _Refused(403, text)
+            raise _RequestRefused(403, text)
         request = _read_request(head, self._max_body)
         del self._received[: end + 4]
         self._request = request
@@ -337,7 +337,7 @@ class XmlRpcConnection(asyncio.Protocol):
         if request.is_last:
             self._transport.close()
 
-    def _refuse(self, refusal: _Refused) -> None:
+    def _refuse(self, refusal: _RequestRefused) -> None:
         text = f"{refusal}\n".encode()
         phrase = HTTPStatus(refusal.status).phrase
         head = (
@@ -355,36 +355,36 @@ class XmlRpcConnection(asyncio.Protocol):
 
 
 def _read_head(head: bytes) -> _Head:
-    """Return the request line and the headers; raises `_Refused`."""
+    """Return the request line and the headers; raises `_RequestRefused`."""
     first, *lines = head.decode("latin-1").split("\r\n")
     fields: dict[str, str] = {}
     for line in lines:
         name, colon, value = line.partition(":")
         name = name.lower()
         if not colon or name != name.strip() or (name in ONCE and name in fields):
-            raise _Refused(400, f"invalid header: {line[:100]!r}")
+            raise _RequestRefused(400, f"invalid header: {line[:100]!r}")
         fields[name] = value.strip()
     return _Head(first, fields)
 
 
 def _read_request(head: _Head, max_body: int) -> _Request:
-    """Return what a head says of a call; raises `_Refused`."""
+    """Return what a head says of a call; raises `_RequestRefused`."""
     first, fields = head
     match first.split(" "):
         case ["POST", path, "HTTP/1.1" | "HTTP/1.0" as version]:
             pass
         case [_, _, "HTTP/1.1" | "HTTP/1.0"]:
             host = fields.get("host", "HOST:11311")
-            raise _Refused(405, NOT_POST.format(host=host), "Allow: POST\r\n")
+            raise _RequestRefused(405, NOT_POST.format(host=host), "Allow: POST\r\n")
         case _:
-            raise _Refused(400, f"invalid request: {first[:100]!r}")
+            raise _RequestRefused(400, f"invalid request: {first[:100]!r}")
     length = fields.get("content-length")
     if length is None or "transfer-encoding" in fields:
-        raise _Refused(411, "A Content-Length is needed")
+        raise _RequestRefused(411, "A Content-Length is needed")
     if not (length.isascii() and length.isdigit()):
-        raise _Refused(400, f"invalid Content-Length: {length[:100]!r}")
+        raise _RequestRefused(400, f"invalid Content-Length: {length[:100]!r}")
     if len(length) > 18 or int(length) > max_body:
-        raise _Refused(413, f"The limit of a call is {max_body} bytes")
+        raise _RequestRefused(413, f"The limit of a call is {max_body} bytes")
     connection = fields.get("connection", "").lower()
     is_last = connection != "keep-alive" if version == "HTTP/1.0" else connection == "close"
     return _Request(path, int(length), is_last)

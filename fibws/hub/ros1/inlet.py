@@ -50,7 +50,7 @@ MD5_OF_EMPTY = "d41d8cd98f00b204e9800998ecf8427e"
 """The md5 of types without fields, whose definition is an empty text."""
 
 
-class Inlet:
+class TcprosInlet:
     """A link to one publisher, reopened until it is closed.
 
     Args:

@@ -21,7 +21,7 @@ from fibws.hub.graph.parameters import Prepared, native, prepare
 from fibws.hub.log.audit import Audit
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Check, Method
-from fibws.hub.ros1.http import Caller, NodeCalls
+from fibws.hub.ros1.http import NodeCalls, XmlRpcCaller
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.topic_registrations import ANY, CLIENT, MASTER
 from fibws.hub.ros1.xmlrpc import Written, escaped, write_value
@@ -100,7 +100,7 @@ class Master:
     # Topics.
 
     def register_publisher(
-        self, caller: Caller, node: str, topic: str, type_: str, uri: str
+        self, caller: XmlRpcCaller, node: str, topic: str, type_: str, uri: str
     ) -> Answer:
         """Register a publisher; the value is the URIs of the topic's subscribers."""
         self._nodes.add_publisher(node, topic, type_, uri, caller.hub_host)
@@ -108,7 +108,7 @@ class Master:
         return 1, text, self._nodes.topics.subscriber_apis(topic, caller.hub_host)
 
     def register_subscriber(
-        self, caller: Caller, node: str, topic: str, type_: str, uri: str
+        self, caller: XmlRpcCaller, node: str, topic: str, type_: str, uri: str
     ) -> Answer:
         """Register a subscriber; the value is the URIs of the topic's publishers."""
         self._nodes.add_subscriber(node, topic, type_, uri, caller.hub_host)
@@ -118,11 +118,13 @@ class Master:
             subscriber.sent = apis
         return 1, f"Subscribed to [{topic}]", apis
 
-    def unregister_publisher(self, caller: Caller, node: str, topic: str, uri: str) -> Answer:
+    def unregister_publisher(self, caller: XmlRpcCaller, node: str, topic: str, uri: str) -> Answer:
         """Remove a publisher; the value is how many were removed."""
         return self._removed(self._nodes.remove_publisher(node, topic, uri), node, topic)
 
-    def unregister_subscriber(self, caller: Caller, node: str, topic: str, uri: str) -> Answer:
+    def unregister_subscriber(
+        self, caller: XmlRpcCaller, node: str, topic: str, uri: str
+    ) -> Answer:
         """Remove a subscriber; the value is how many were removed."""
         return self._removed(self._nodes.remove_subscriber(node, topic, uri), node, topic)
 
@@ -133,7 +135,7 @@ class Master:
             return 1, f"[{node}] is not a registered node", 0
         return 1, f"[{node}] is not a known provider of [{topic}]", 0
 
-    def get_published_topics(self, caller: Caller, node: str, namespace: str) -> Answer:
+    def get_published_topics(self, caller: XmlRpcCaller, node: str, namespace: str) -> Answer:
         """Return the topics with publishers in a namespace, with their types."""
         below = f"{namespace}/" if namespace else ""
         found = [
@@ -143,7 +145,7 @@ class Master:
         ]
         return 1, "current topics", found
 
-    def get_topic_types(self, caller: Caller, node: str) -> Answer:
+    def get_topic_types(self, caller: XmlRpcCaller, node: str) -> Answer:
         """Return all topics with their types."""
         found = [[topic, self._type_of(topic)] for topic, _, _ in self._topics()]
         return 1, "current system state", found
@@ -151,20 +153,20 @@ class Master:
     # Services.
 
     def register_service(
-        self, caller: Caller, node: str, service: str, service_uri: str, uri: str
+        self, caller: XmlRpcCaller, node: str, service: str, service_uri: str, uri: str
     ) -> Answer:
         """Register a service, which takes the place of an older one of its name."""
         self._nodes.add_service(node, service, service_uri, uri, caller.hub_host)
         return 1, f"Registered [{node}] as provider of [{service}]", 1
 
-    def unregister_service(self, caller: Caller, node: str, service: str, uri: str) -> Answer:
+    def unregister_service(self, caller: XmlRpcCaller, node: str, service: str, uri: str) -> Answer:
         """Remove a service; the value is how many were removed."""
         if not self._nodes.remove_service(service, uri):
             text = f"[{uri}] is no longer the current service api handle for [{service}]"
             return 1, text, 0
         return 1, f"Unregistered [{node}] as provider of [{service}]", 1
 
-    def lookup_service(self, caller: Caller, node: str, service: str) -> Answer:
+    def lookup_service(self, caller: XmlRpcCaller, node: str, service: str) -> Answer:
         """Return the URI of a service: a ROS 1 node's own, or the hub's."""
         found = self._nodes.service(service)
         uri = found[1] if found is not None else ""
@@ -176,7 +178,7 @@ class Master:
 
     # The graph.
 
-    def lookup_node(self, caller: Caller, node: str, name: str) -> Answer:
+    def lookup_node(self, caller: XmlRpcCaller, node: str, name: str) -> Answer:
         """Return the URI of a node; of a node of the hub, a path at the hub."""
         found = self._nodes.by_name.get(name)
         if found is not None:
@@ -185,19 +187,19 @@ class Master:
             return 1, "node api", self._nodes.topics.hub_api(caller.hub_host, name)
         return -1, f"unknown node [{name}]", ""
 
-    def get_system_state(self, caller: Caller, node: str) -> Answer:
+    def get_system_state(self, caller: XmlRpcCaller, node: str) -> Answer:
         """Return the publishers and subscribers of all topics, and the nodes of all services."""
         return 1, "current system state", self._cached("state", self._system_state)
 
-    def get_uri(self, caller: Caller, node: str) -> Answer:
+    def get_uri(self, caller: XmlRpcCaller, node: str) -> Answer:
         """Return the master's URI."""
         return 1, "", self._nodes.topics.hub_api(caller.hub_host)
 
-    def get_pid(self, caller: Caller, node: str) -> Answer:
+    def get_pid(self, caller: XmlRpcCaller, node: str) -> Answer:
         """Return the hub's process."""
         return 1, "", os.getpid()
 
-    def shutdown(self, caller: Caller, node: str, reason: Any = "") -> Answer:
+    def shutdown(self, caller: XmlRpcCaller, node: str, reason: Any = "") -> Answer:
         """End the hub, if the caller is on this machine."""
         if not is_loopback(caller.host) or not self._graph.policy.allows_all:
             logger.warning("%s (%s) may not end the hub.", node, caller.host)
@@ -252,7 +254,7 @@ class Master:
     # Parameters.
 
     def set_param(
-        self, caller: Caller, node: str, key: str, value: Any
+        self, caller: XmlRpcCaller, node: str, key: str, value: Any
     ) -> Answer | Awaitable[Answer]:
         """Set a parameter, or a namespace, which replaces the one that was there."""
         if caller.size > LARGE and isinstance(value, dict | list):
@@ -271,7 +273,7 @@ class Master:
         self._audit.parameter_written(key, node=node)
         return 1, f"parameter {key} set", 0
 
-    def get_param(self, caller: Caller, node: str, key: str) -> Answer | Awaitable[Answer]:
+    def get_param(self, caller: XmlRpcCaller, node: str, key: str) -> Answer | Awaitable[Answer]:
         """Return a parameter, or a namespace as a struct."""
         try:
             text = self._view.parameter(key)
@@ -284,7 +286,7 @@ class Master:
     async def _get_large(self, key: str, text: bytes) -> Answer:
         return 1, f"Parameter [{key}]", await asyncio.to_thread(_native, text)
 
-    def delete_param(self, caller: Caller, node: str, key: str) -> Answer:
+    def delete_param(self, caller: XmlRpcCaller, node: str, key: str) -> Answer:
         """Delete a parameter, or a namespace."""
         if not self._view.has_parameter(key):
             return -1, f"parameter [{key}] is not set", 0
@@ -296,22 +298,22 @@ class Master:
         self._audit.parameter_written(key, node=node, deleted=True)
         return 1, f"parameter {key} deleted", 0
 
-    def has_param(self, caller: Caller, node: str, key: str) -> Answer:
+    def has_param(self, caller: XmlRpcCaller, node: str, key: str) -> Answer:
         """Return whether there is a parameter or a namespace of this name."""
         return 1, key, self._view.has_parameter(key)
 
-    def search_param(self, caller: Caller, node: str, key: str) -> Answer:
+    def search_param(self, caller: XmlRpcCaller, node: str, key: str) -> Answer:
         """Return the nearest parameter of a name, in the caller's namespace and those above it."""
         found = self._view.search_parameter(key, node)
         if found:
             return 1, f"Found [{found}]", found
         return -1, f"Cannot find parameter [{key}] in an upwards search", ""
 
-    def get_param_names(self, caller: Caller, node: str) -> Answer:
+    def get_param_names(self, caller: XmlRpcCaller, node: str) -> Answer:
         """Return the names of all parameters."""
         return 1, "Parameter names", self._view.parameters()
 
-    def subscribe_param(self, caller: Caller, node: str, uri: str, key: str) -> Answer:
+    def subscribe_param(self, caller: XmlRpcCaller, node: str, uri: str, key: str) -> Answer:
         """Report changes of a parameter to a node; the value is the present one, or {}."""
         subscribers = self._parameter_subscribers
         if sum(map(len, subscribers.values())) >= MOST_PARAMETER_SUBSCRIPTIONS:
@@ -319,7 +321,7 @@ class Master:
         subscribers.setdefault(_namespace(key), {})[node] = uri
         return 1, f"Subscribed to parameter [{key}]", self._parameter_or_empty(key)
 
-    def unsubscribe_param(self, caller: Caller, node: str, uri: str, key: str) -> Answer:
+    def unsubscribe_param(self, caller: XmlRpcCaller, node: str, uri: str, key: str) -> Answer:
         """Report changes of a parameter no more."""
         namespace = _namespace(key)
         subscribers = self._parameter_subscribers.get(namespace, {})

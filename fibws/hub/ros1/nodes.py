@@ -36,7 +36,7 @@ CHECKS_AT_ONCE = 10
 """Nodes that are checked in a second at most."""
 
 
-class ServiceLinks(Protocol):
+class RegisteredServices(Protocol):
     """The connections by which ROS 1 nodes' services are called."""
 
     def register(self, node: Ros1Node, service: str, uri: str) -> None:
@@ -64,7 +64,7 @@ class SavedNode(NamedTuple):
 
 
 class Ros1Node(Registrant):
-    """A ROS 1 node; a `Node` of the graph.
+    """A ROS 1 node; a `GraphNode` of the graph.
 
     Args:
         name: its global name.
@@ -128,7 +128,7 @@ class Ros1Nodes:
         port: Callable[[], int],
     ) -> None:
         self.by_name: dict[str, Ros1Node] = {}
-        self.service_links: ServiceLinks
+        self.service_links: RegisteredServices
         self.changed: Callable[[], object] = lambda: None
         self.principal = principal
         self._graph = graph

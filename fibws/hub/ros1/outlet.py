@@ -26,7 +26,7 @@ JOINED = 32 * 1024
 """Bytes of a message up to which copying it costs less than writing its length by itself."""
 
 
-class Outlet:
+class TcprosOutlet:
     """All links of one topic; the `Receiver` of its ROS 1 subscribers.
 
     Args:
@@ -56,7 +56,7 @@ class Outlet:
         if not links or self._nodes.topics.is_publisher(publication.node, self.name):
             return  # ROS 1 publishers send their messages themselves.
         try:
-            message = Message(publication.ros1())
+            message = OutgoingMessage(publication.ros1())
         except FibwsError as error:
             self._log(error)
             return
@@ -95,7 +95,7 @@ class Outlet:
             try:
                 publication = source.recall()
                 if publication is not None:
-                    link.send(Message(publication.ros1()))
+                    link.send(OutgoingMessage(publication.ros1()))
             except FibwsError as error:
                 self._log(error)
         self.links[link] = None
@@ -154,7 +154,7 @@ class Outlet:
             logger.warning("%s (%d so far)", text, self._faults)
 
 
-class Message:
+class OutgoingMessage:
     """A message with its length before it, as links write it.
 
     Attributes:
@@ -181,7 +181,7 @@ class OutletLink:
     def __init__(
         self,
         number: int,
-        outlet: Outlet,
+        outlet: TcprosOutlet,
         group: TypeGroup,
         subscriber: Ros1Subscriber,
         md5sum: str,
@@ -197,14 +197,14 @@ class OutletLink:
         self.dropped = 0
         self._outlet = outlet
         self._write = connection.transport.write
-        self._queue: deque[Message] = deque()
+        self._queue: deque[OutgoingMessage] = deque()
         self._queued = 0
 
     def receive(self, publication: Publication) -> None:
         """Send a message."""
-        self.send(Message(publication.ros1()))
+        self.send(OutgoingMessage(publication.ros1()))
 
-    def send(self, message: Message) -> None:
+    def send(self, message: OutgoingMessage) -> None:
         """Send a message, or let it wait while the subscriber reads slowly."""
         self.messages += 1
         if self.connection.is_paused:

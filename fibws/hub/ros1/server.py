@@ -27,8 +27,8 @@ from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.connection import Acceptor, TcprosConnection
 from fibws.hub.ros1.definition_search import DefinitionSearch
-from fibws.hub.ros1.http import Caller, NodeCalls, XmlRpcConnection
-from fibws.hub.ros1.inlet import Inlet
+from fibws.hub.ros1.http import NodeCalls, XmlRpcCaller, XmlRpcConnection
+from fibws.hub.ros1.inlet import TcprosInlet
 from fibws.hub.ros1.master import Master, is_loopback
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.services import ServiceLinks
@@ -51,7 +51,7 @@ BODIES = 4
 """A call may have this many times the bytes that all parameters may have: XML has long tags."""
 
 
-class Limits(Protocol):
+class ConnectionLimits(Protocol):
     """The limits of all of the hub's connections."""
 
     def admit(self, descriptor: int) -> bool:
@@ -78,7 +78,7 @@ class Ros1Server:
         settings: Settings,
         audit: Audit,
         *,
-        limits: Limits,
+        limits: ConnectionLimits,
         principal: Principal | None,
         kill: Callable[[str, str], bool],
         shut_down: Callable[[str], object],
@@ -278,7 +278,9 @@ class Ros1Server:
 
     # Calls.
 
-    def _page_refusal(self, origin: str | None, host: str | None, caller: Caller) -> str | None:
+    def _page_refusal(
+        self, origin: str | None, host: str | None, caller: XmlRpcCaller
+    ) -> str | None:
         """Return why a request is refused that a web page may have sent."""
         if origin is not None:
             text = f"Web pages may not call the ROS master: this request has the origin {origin}"
@@ -293,7 +295,7 @@ class Ros1Server:
         self._audit.refused("origin", text, ip=caller.host)
         return text
 
-    def _answer(self, path: str, name: str, params: list[Any], caller: Caller) -> object:
+    def _answer(self, path: str, name: str, params: list[Any], caller: XmlRpcCaller) -> object:
         methods, host = self._methods(path), self._settings.ros1_host
         if host:
             caller = caller._replace(hub_host=host)
@@ -382,7 +384,7 @@ def _waiting_bytes(connection: Connection) -> int:
     return connection.waiting_bytes
 
 
-def _incomplete_bytes(holder: Connection | Inlet) -> int:
+def _incomplete_bytes(holder: Connection | TcprosInlet) -> int:
     return holder.incomplete_bytes
 
 
@@ -394,5 +396,5 @@ def _abort(connection: Connection, bound: Bound) -> None:
     connection.abort()
 
 
-def _interrupt(inlet: Inlet, bound: Bound) -> None:
+def _interrupt(inlet: TcprosInlet, bound: Bound) -> None:
     inlet.interrupt()

@@ -14,7 +14,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
-from fibws.hub.ros1.http import Caller
+from fibws.hub.ros1.http import XmlRpcCaller
 from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.topic_registrations import ANY, CLIENT
 
@@ -90,17 +90,17 @@ class Slave:
         }
 
     def _request_topic(
-        self, caller: Caller, caller_id: str, topic: str, protocols: list[Any]
+        self, caller: XmlRpcCaller, caller_id: str, topic: str, protocols: list[Any]
     ) -> Answer:
         return self._topics.request_topic(
             caller_id, topic, protocols, caller.hub_host, self._port()
         )
 
-    def _ignore(self, caller: Caller, caller_id: str, *arguments: object) -> Answer:
+    def _ignore(self, caller: XmlRpcCaller, caller_id: str, *arguments: object) -> Answer:
         """Take note of nothing: the hub has the master's knowledge itself."""
         return 1, "", 0
 
-    def _master_uri(self, caller: Caller, caller_id: str) -> Answer:
+    def _master_uri(self, caller: XmlRpcCaller, caller_id: str) -> Answer:
         uri = self._nodes.topics.hub_api(caller.hub_host)
         return 1, uri, uri
 

@@ -35,7 +35,7 @@ ANY = "*"
 """The type of a subscriber that takes every message."""
 
 
-class Links(Protocol):
+class RegisteredLinks(Protocol):
     """The connections by which ROS 1 nodes exchange messages with the hub's clients."""
 
     def outlet(self, topic: str) -> Receiver:
@@ -45,7 +45,7 @@ class Links(Protocol):
         """Take note that publishers or subscribers of a topic have changed."""
 
 
-class Link(Receiver, Protocol):
+class TopicLink(Receiver, Protocol):
     """A connection to a ROS 1 subscriber."""
 
     def report(self) -> SinkReport:
@@ -109,7 +109,7 @@ class Ros1Subscriber(ForeignSubscriber):
         self.topic = topic
         self.sent: list[str] | None = None
         self.md5sum: str | None = None
-        self.link: Link | None = None
+        self.link: TopicLink | None = None
         self._messages = 0
         self._dropped = 0
 
@@ -130,7 +130,7 @@ class Ros1Subscriber(ForeignSubscriber):
             messages=present.messages + self._messages, dropped=present.dropped + self._dropped
         )
 
-    def unlink(self, ended: Link, other: Link | None) -> None:
+    def unlink(self, ended: TopicLink, other: TopicLink | None) -> None:
         """Keep the totals of a connection that has ended, and use another one if there is one."""
         totals = ended.report()
         self._messages += totals.messages
@@ -163,7 +163,7 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
         changed: Callable[[], object],
     ) -> None:
         super().__init__(graph, OneTimeWarnings())
-        self.links: Links
+        self.links: RegisteredLinks
         self._calls = calls
         self._names = names
         self._quota = quota

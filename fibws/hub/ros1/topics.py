@@ -20,9 +20,9 @@ from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1.api import Answer
 from fibws.hub.ros1.connection import TcprosConnection, describe
 from fibws.hub.ros1.http import NodeCalls
-from fibws.hub.ros1.inlet import Inlet
+from fibws.hub.ros1.inlet import TcprosInlet
 from fibws.hub.ros1.nodes import Ros1Nodes
-from fibws.hub.ros1.outlet import Outlet, OutletLink
+from fibws.hub.ros1.outlet import OutletLink, TcprosOutlet
 from fibws.hub.ros1.tcpros import require
 from fibws.hub.ros1.topic_registrations import Ros1Publisher
 from fibws.hub.settings import Settings
@@ -39,23 +39,23 @@ class TopicLinks:
         self._calls = calls
         self._clock = clock
         self._settings = settings
-        self._inlets: dict[str, dict[str, Inlet]] = {}
+        self._inlets: dict[str, dict[str, TcprosInlet]] = {}
         """By topic and publisher."""
         self._lingering: dict[str, Timer] = {}
-        self._outlets: dict[str, Outlet] = {}
+        self._outlets: dict[str, TcprosOutlet] = {}
         self._numbers = count(1)
         """The ids of links, as for getBusInfo."""
 
-    def outlet(self, topic: str) -> Outlet:
+    def outlet(self, topic: str) -> TcprosOutlet:
         """Return what takes the messages of a topic for all ROS 1 subscribers."""
         found = self._outlets.get(topic)
         if found is None:
             most = self._settings.max_queued_bytes
-            found = Outlet(topic, self._graph, self._nodes, most, self._numbers)
+            found = TcprosOutlet(topic, self._graph, self._nodes, most, self._numbers)
             self._outlets[topic] = found
         return found
 
-    def inlets(self) -> Iterator[Inlet]:
+    def inlets(self) -> Iterator[TcprosInlet]:
         """Return the links from publishers."""
         return chain.from_iterable(each.values() for each in self._inlets.values())
 
@@ -130,12 +130,12 @@ class TopicLinks:
         ]
         return [published, subscribed, []]
 
-    def _published(self, node: str) -> Iterator[tuple[str, Outlet]]:
+    def _published(self, node: str) -> Iterator[tuple[str, TcprosOutlet]]:
         for name, outlet in self._outlets.items():
             if not node or node in self._graph.topic(name).publishers:
                 yield name, outlet
 
-    def _subscribed(self, node: str) -> Iterator[tuple[str, dict[str, Inlet]]]:
+    def _subscribed(self, node: str) -> Iterator[tuple[str, dict[str, TcprosInlet]]]:
         for name, inlets in self._inlets.items():
             if not node or node in self._graph.topic(name).all_subscribers():
                 yield name, inlets
@@ -167,7 +167,7 @@ class TopicLinks:
             inlet = self._inlets.get(topic.name, {}).get(publisher.node.name)
             if inlet is None and publisher.is_relayed and self._is_needed(publisher):
                 inlets = self._inlets.setdefault(topic.name, {})
-                inlets[publisher.node.name] = Inlet(
+                inlets[publisher.node.name] = TcprosInlet(
                     next(self._numbers),
                     publisher,
                     self._calls,

@@ -22,11 +22,11 @@ from fibws.hub.ros2.key_layout import Attachment, tokens_key
 from fibws.hub.zenoh_session import (
     LEASE,
     QUEUES,
-    Calls,
     Inbox,
-    Lane,
-    Lanes,
     Receivers,
+    ZenohCalls,
+    ZenohLane,
+    ZenohLanes,
     close_session,
     direct,
     lossless,
@@ -73,7 +73,7 @@ class Declared:
         make: declares it, in the thread for control; it returns what has ``undeclare``.
     """
 
-    def __init__(self, control: Calls, make: Callable[[], Any]) -> None:
+    def __init__(self, control: ZenohCalls, make: Callable[[], Any]) -> None:
         self.found: Any = None
         """What was declared, for the thread for control; None if that failed, or it is closed."""
         self._control = control
@@ -100,10 +100,14 @@ class DeclaredPublisher(Declared):
     """
 
     def __init__(
-        self, control: Calls, lanes: Lanes, make: Callable[[], Any], report: Callable[[str], object]
+        self,
+        control: ZenohCalls,
+        lanes: ZenohLanes,
+        make: Callable[[], Any],
+        report: Callable[[str], object],
     ) -> None:
         self._lanes = lanes
-        self._lane = Lane()
+        self._lane = ZenohLane()
         self._report = report
         super().__init__(control, make)
 
@@ -160,7 +164,7 @@ class _Publisher:
         self._publisher.undeclare()
 
 
-class Network:
+class Ros2Network:
     """A session on a zenoh network.
 
     Args:
@@ -197,10 +201,10 @@ class Network:
         self._max_message_size = max_message_size
         self._session: zenoh.Session
         self.inbox = Inbox(loop, max_queued)
-        self._control = Calls("ros2-control")
+        self._control = ZenohCalls("ros2-control")
         self._receivers = Receivers("ros2-receivers")
         """For requests, by client of a service here, and responses, by client there."""
-        self._lanes = Lanes("ros2", max_queued, self._count_dropped)
+        self._lanes = ZenohLanes("ros2", max_queued, self._count_dropped)
         self._tokens: Declared
         self._is_open = False
 

@@ -26,7 +26,7 @@ MOST_TOKENS = 100_000
 
 
 class Ros2Node(ForeignNode):
-    """A ROS 2 node; a `Node` of the graph."""
+    """A ROS 2 node; a `GraphNode` of the graph."""
 
     __slots__ = ()
 
@@ -40,7 +40,7 @@ class Ros2Node(ForeignNode):
         return asyncio.get_running_loop().call_soon(done, text).cancel
 
 
-class Endpoints(Protocol):
+class Ros2Endpoints(Protocol):
     """Attaches the topics, or the services, of ROS 2 nodes."""
 
     def changed(self, name: str) -> None:
@@ -69,8 +69,8 @@ class Ros2Nodes:
         self, graph: Graph, session_id: Callable[[], str], principal: Principal | None
     ) -> None:
         self.attached: dict[str, Ros2Node] = {}
-        self.topics: Endpoints
-        self.services: Endpoints
+        self.topics: Ros2Endpoints
+        self.services: Ros2Endpoints
         self._graph = graph
         self._session_id = session_id
         self._principal = principal

@@ -7,7 +7,7 @@ from itertools import count
 
 from fibws.hub.graph.graph import Graph, NodeOfLink
 from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_left_out, is_legal
-from fibws.hub.ros2.network import Declared, Network
+from fibws.hub.ros2.network import Declared, Ros2Network
 from fibws.hub.ros2.nodes import Ros2Node
 
 HUB = "/fibws_hub"
@@ -24,7 +24,7 @@ class OwnEntity:
 
     __slots__ = ("declared", "entity", "gid")
 
-    def __init__(self, entity: Entity, network: Network) -> None:
+    def __init__(self, entity: Entity, network: Ros2Network) -> None:
         token = entity.token()
         self.entity = entity
         self.gid = gid_of(token)
@@ -42,7 +42,7 @@ class Ros2Tokens:
     does not allow.
     """
 
-    def __init__(self, graph: Graph, network: Network) -> None:
+    def __init__(self, graph: Graph, network: Ros2Network) -> None:
         self._graph = graph
         self._network = network
         self._tokens: dict[str, OwnEntity] = {}

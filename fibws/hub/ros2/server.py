@@ -12,7 +12,7 @@ import asyncio
 
 from fibws.access.rights import Principal
 from fibws.hub.graph.graph import Graph
-from fibws.hub.ros2.network import Network
+from fibws.hub.ros2.network import Ros2Network
 from fibws.hub.ros2.nodes import Ros2Nodes
 from fibws.hub.ros2.own_nodes import Ros2Tokens
 from fibws.hub.ros2.services import Ros2Services
@@ -30,7 +30,7 @@ class Ros2:
 
     def __init__(self, graph: Graph, settings: Settings, principal: Principal | None) -> None:
         loop = asyncio.get_running_loop()
-        self.network = Network(
+        self.network = Ros2Network(
             loop,
             listen=settings.ros2,
             connect=settings.ros2_connect,

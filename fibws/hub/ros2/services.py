@@ -18,7 +18,7 @@ from fibws.hub.graph.service import Call, InternalServer, Service
 from fibws.hub.graph.types import read_values
 from fibws.hub.log.text import printable
 from fibws.hub.ros2.key_layout import GID_SIZE, NO_HASH, Attachment, Entity, Qos, data_key
-from fibws.hub.ros2.network import Declared, Network
+from fibws.hub.ros2.network import Declared, Ros2Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
 from fibws.hub.ros2.own_nodes import OwnEntity, Ros2Tokens
 from fibws.hub.ros2.types import Ros2Service, Ros2Types, check_hash
@@ -165,7 +165,7 @@ class Ros2Services:
     def __init__(
         self,
         graph: Graph,
-        network: Network,
+        network: Ros2Network,
         nodes: Ros2Nodes,
         own: Ros2Tokens,
         types: Ros2Types,

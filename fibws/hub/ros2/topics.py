@@ -33,7 +33,7 @@ from fibws.hub.graph.topic import Source, Topic
 from fibws.hub.graph.type_group import TypeGroup
 from fibws.hub.graph.types import MessageType
 from fibws.hub.ros2.key_layout import Attachment, Entity, Qos, data_key
-from fibws.hub.ros2.network import Declared, DeclaredPublisher, Network
+from fibws.hub.ros2.network import Declared, DeclaredPublisher, Ros2Network
 from fibws.hub.ros2.nodes import CLIENT, Ros2Node, Ros2Nodes
 from fibws.hub.ros2.own_nodes import HUB, OwnEntity, Ros2Tokens
 from fibws.hub.ros2.types import Ros2Message, Ros2Types, check_hash
@@ -80,7 +80,7 @@ class Ros2Subscriber(ForeignSubscriber):
 
     type: tuple[str, str]
 
-    def __init__(self, owner: Ros2Node, type_: tuple[str, str], outlet: Outlet) -> None:
+    def __init__(self, owner: Ros2Node, type_: tuple[str, str], outlet: Ros2Outlet) -> None:
         super().__init__(owner, type_, outlet)
         self.message: Ros2Message | None = None
 
@@ -113,7 +113,7 @@ class OwnPublisher:
         source: Source,
         message: Ros2Message,
         own: OwnEntity,
-        network: Network,
+        network: Ros2Network,
         matched: Callable[[], object],
     ) -> None:
         self.source = source
@@ -168,12 +168,12 @@ class OwnPublisher:
         self.own.close()
 
 
-class Outlet:
+class Ros2Outlet:
     """Sends the messages of one topic; the `Receiver` that all its ROS 2 subscribers share."""
 
     __slots__ = ("_links", "_topics")
 
-    def __init__(self, links: Links, topics: Ros2Topics) -> None:
+    def __init__(self, links: Ros2Links, topics: Ros2Topics) -> None:
         self._links = links
         self._topics = topics
 
@@ -185,7 +185,7 @@ class Outlet:
             self._topics.network.report(f"{self._links.topic}: {error}")
 
 
-class Inlet:
+class Ros2Inlet:
     """A subscription to one key.
 
     Attributes:
@@ -218,14 +218,14 @@ class Inlet:
         self.declared.close()
 
 
-class Links(ForeignUsers[Ros2Publisher, Ros2Subscriber]):
+class Ros2Links(ForeignUsers[Ros2Publisher, Ros2Subscriber]):
     """The connections of a topic with ROS 2; publishers and subscribers by node."""
 
     def __init__(self, topic: str, topics: Ros2Topics) -> None:
         super().__init__()
         self.topic = topic
-        self.outlet = Outlet(self, topics)
-        self.inlets: dict[tuple[str, str], Inlet] = {}
+        self.outlet = Ros2Outlet(self, topics)
+        self.inlets: dict[tuple[str, str], Ros2Inlet] = {}
         """By the name and the hash of the type."""
         self.lingering: Timer | None = None
         self.own_publishers: dict[str, OwnPublisher] = {}
@@ -254,7 +254,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
     def __init__(
         self,
         graph: Graph,
-        network: Network,
+        network: Ros2Network,
         nodes: Ros2Nodes,
         own: Ros2Tokens,
         types: Ros2Types,
@@ -268,7 +268,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
         self._types = types
         self._loop = loop
         self._max_latched = max_latched
-        self._links: dict[str, Links] = {}
+        self._links: dict[str, Ros2Links] = {}
         self._work = Worklist(loop.call_soon, {"topics": self._settle})
         graph.watch_topics(lambda topic: self.changed(topic.name))
 
@@ -309,7 +309,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
         """Attach what should be attached to a topic, and detach what should not."""
         links = self._links.get(name)
         if links is None:
-            links = self._links[name] = Links(name, self)
+            links = self._links[name] = Ros2Links(name, self)
         publishers: dict[str, list[Entity]] = {}
         subscribers: dict[str, list[Entity]] = {}
         for entity in self._nodes.entities(name, is_topic=True):
@@ -391,7 +391,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
 
     # Messages of ROS 2.
 
-    def _settle_inlets(self, links: Links) -> None:
+    def _settle_inlets(self, links: Ros2Links) -> None:
         """Subscribe to the keys that are needed, and some time later to no more."""
         wanted: dict[tuple[str, str], int] = {}
         for publisher in links.publishers.values():
@@ -409,17 +409,17 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
         elif links.inlets and links.lingering is None:
             links.lingering = self._loop.call_later(LINGER, partial(self._lingered, links))
 
-    def _lingered(self, links: Links) -> None:
+    def _lingered(self, links: Ros2Links) -> None:
         links.lingering = None
         self._close_inlets(links)
         self.changed(links.topic)
 
-    def _stop_lingering(self, links: Links) -> None:
+    def _stop_lingering(self, links: Ros2Links) -> None:
         if links.lingering is not None:
             links.lingering.cancel()
             links.lingering = None
 
-    def _open_inlet(self, links: Links, type_: tuple[str, str], history: int) -> None:
+    def _open_inlet(self, links: Ros2Links, type_: tuple[str, str], history: int) -> None:
         inlet = links.inlets.get(type_)
         if inlet is not None and inlet.history < history:
             self._close_inlet(links, type_)
@@ -433,7 +433,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
             for each in links.publishers.values()
             if each.type == type_ and each.message is not None
         )
-        inlet = links.inlets[type_] = Inlet(history)
+        inlet = links.inlets[type_] = Ros2Inlet(history)
         inlet.declared = self.network.subscribe(
             data_key(self.network.domain, links.topic, "msg", *type_),
             history,
@@ -442,23 +442,23 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
             partial(self._ready, links, type_, inlet),
         )
 
-    def _close_inlets(self, links: Links) -> None:
+    def _close_inlets(self, links: Ros2Links) -> None:
         for type_ in list(links.inlets):
             self._close_inlet(links, type_)
 
-    def _close_inlet(self, links: Links, type_: tuple[str, str]) -> None:
+    def _close_inlet(self, links: Ros2Links, type_: tuple[str, str]) -> None:
         links.inlets.pop(type_).close()
         for publisher in links.publishers.values():
             if publisher.type == type_ and publisher.source is not None:
                 publisher.source.forget_latched()
                 publisher.source.unlink()
 
-    def _ready(self, links: Links, type_: tuple[str, str], inlet: Inlet) -> None:
+    def _ready(self, links: Ros2Links, type_: tuple[str, str], inlet: Ros2Inlet) -> None:
         if links.inlets.get(type_) is inlet:
             inlet.is_ready = True
             self._link(links, type_)
 
-    def _link(self, links: Links, type_: tuple[str, str]) -> None:
+    def _link(self, links: Ros2Links, type_: tuple[str, str]) -> None:
         """Take note that messages of all publishers of a type arrive."""
         for publisher in links.publishers.values():
             if publisher.type == type_ and publisher.source is not None:
@@ -466,9 +466,9 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
 
     def _received(
         self,
-        links: Links,
+        links: Ros2Links,
         type_: tuple[str, str],
-        inlet: Inlet,
+        inlet: Ros2Inlet,
         attachment: Attachment,
         data: bytearray,
     ) -> None:
@@ -487,7 +487,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
             self.network.report(f"{links.topic}: {publisher.node.name}: {error}")
 
     def _publisher(
-        self, links: Links, type_: tuple[str, str], inlet: Inlet, gid: bytes
+        self, links: Ros2Links, type_: tuple[str, str], inlet: Ros2Inlet, gid: bytes
     ) -> Ros2Publisher | None:
         """Return the publisher with a gid.
 
@@ -516,7 +516,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
 
     # Nodes of this hub, for ROS 2.
 
-    def publish(self, links: Links, publication: Publication) -> None:
+    def publish(self, links: Ros2Links, publication: Publication) -> None:
         """Send a message of a topic to ROS 2, unless it has come from there."""
         node = publication.node
         if node in self._nodes.attached:
@@ -529,7 +529,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
         if publisher is not None:
             publisher.send(publication)
 
-    def _settle_own(self, links: Links) -> None:
+    def _settle_own(self, links: Ros2Links) -> None:
         """Show the publishers and subscribers of this hub to ROS 2."""
         topic = self._graph.topics.get(links.topic)
         messages = self._own_messages(topic)
@@ -566,7 +566,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
         self._settle_own_subscribers(links, messages)
 
     def _wanted(
-        self, links: Links, topic: Topic | None
+        self, links: Ros2Links, topic: Topic | None
     ) -> dict[TypeGroup | None, dict[tuple[str, str], Ros2Message]]:
         """Return the types in which ROS 2's subscribers want the messages of each type group."""
         wanted: dict[TypeGroup | None, dict[tuple[str, str], Ros2Message]] = {}
@@ -575,7 +575,9 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
                 wanted.setdefault(topic.named_by(each), {})[each.type] = each.message
         return wanted
 
-    def _settle_own_subscribers(self, links: Links, messages: dict[TypeGroup, Ros2Message]) -> None:
+    def _settle_own_subscribers(
+        self, links: Ros2Links, messages: dict[TypeGroup, Ros2Message]
+    ) -> None:
         may_subscribe = self._graph.is_allowed(CLIENT, "publish", links.topic)
         wanted = {
             (node, message.name, message.type_hash)
@@ -593,7 +595,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
         for old in gone:
             old.close()
 
-    def _settle_inlet_tokens(self, links: Links) -> None:
+    def _settle_inlet_tokens(self, links: Ros2Links) -> None:
         """Show each subscription to ROS 2, whose publishers may send only what tokens ask for."""
         shown = {(own.entity.type, own.entity.type_hash) for own in links.own_subscribers.values()}
         for type_, inlet in links.inlets.items():

@@ -48,7 +48,7 @@ class Ros2Types:
     """The types of ROS 2 by the definitions and the names of those here, each made on first use."""
 
     def __init__(self) -> None:
-        self._known: WeakKeyDictionary[Definitions, _Known] = WeakKeyDictionary()
+        self._known: WeakKeyDictionary[Definitions, _KnownType] = WeakKeyDictionary()
 
     def message(self, definitions: Definitions, name: str) -> Ros2Message:
         """Return a message of ROS 2.
@@ -58,7 +58,7 @@ class Ros2Types:
             Ros2Error: it cannot be converted.
         """
 
-        def make(known: _Known) -> Ros2Message:
+        def make(known: _KnownType) -> Ros2Message:
             definition = definitions.message(name)
             type_hash = message_hash(definition, definitions.message)
             return Ros2Message(name, type_hash, known.converters.of(name))
@@ -68,7 +68,7 @@ class Ros2Types:
     def service(self, definitions: Definitions, name: str) -> Ros2Service:
         """Return a service of ROS 2; raises as `message`."""
 
-        def make(known: _Known) -> Ros2Service:
+        def make(known: _KnownType) -> Ros2Service:
             definition = definitions.service(name)
             type_hash = service_hash(definition, definitions.message)
             convert = known.converters.of_definition
@@ -79,11 +79,11 @@ class Ros2Types:
         return self._get(definitions, ("srv", name), make)
 
     def _get(
-        self, definitions: Definitions, key: tuple[str, str], make: Callable[[_Known], T]
+        self, definitions: Definitions, key: tuple[str, str], make: Callable[[_KnownType], T]
     ) -> T:
         known = self._known.get(definitions)
         if known is None:
-            known = self._known[definitions] = _Known(Converters(_find(definitions)))
+            known = self._known[definitions] = _KnownType(Converters(_find(definitions)))
         found: Any = known.types.get(key)
         if found is None:
             try:
@@ -97,7 +97,7 @@ class Ros2Types:
         return made
 
 
-class _Known:
+class _KnownType:
     """The types of some definitions, or why they cannot be converted."""
 
     def __init__(self, converters: Converters) -> None:

@@ -100,7 +100,7 @@ class RosoutAggregator:
 
 
 class RosoutNode:
-    """The node /rosout: it aggregates the log, and has the services of loggers; a graph's `Node`.
+    """The node /rosout: it aggregates the log, and has the services of loggers; a `GraphNode`.
 
     A client may take its name, as in ROS, on a hub without authentication. /rosapi aggregates the
     log until that client has left.

@@ -258,7 +258,7 @@ def token_of(request: Auth) -> str:
 
 
 class RosbridgeSession(NodeSession[RosbridgeClient]):
-    """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
+    """One client's session, from its handshake until it leaves; an `Endpoint` and a `GraphNode`."""
 
     __slots__ = (
         "_actions",

@@ -13,7 +13,7 @@ from fibws.interfaces.message import F, G, R
 from fibws.interfaces.serialized_values import SerializedValues
 from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import ActionServer, Execute
-from fibws.node.actions.status import Record
+from fibws.node.actions.status import GoalRecord
 from fibws.node.session import Session
 from fibws.node.types import MessageCodec, NodeActionType
 from fibws.protocol.decoding import quoted
@@ -108,10 +108,10 @@ class OperationActionServer(ActionServer[G, R, F]):
         else:
             if isinstance(args, SerializedValues):
                 self._serialized.add(id_)
-            self._receive(Record(id_), request)
+            self._receive(GoalRecord(id_), request)
 
     def _values(
-        self, record: Record, codec: MessageCodec[Any], values: dict[str, Any]
+        self, record: GoalRecord, codec: MessageCodec[Any], values: dict[str, Any]
     ) -> dict[str, Any] | SerializedValues:
         return serialized(codec, values) if record.id in self._serialized else values
 
@@ -120,11 +120,11 @@ class OperationActionServer(ActionServer[G, R, F]):
     def _send_status(self) -> None:
         """Do nothing: no operation carries a status."""
 
-    def _send_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
+    def _send_feedback(self, record: GoalRecord, feedback: dict[str, Any]) -> None:
         values = self._values(record, self._type.feedback, feedback)
         self._session.send(ActionFeedback(id=record.id, action=self.name, values=values))
 
-    def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
+    def _send_result(self, record: GoalRecord, result: dict[str, Any] | None) -> None:
         if result is None or (record.text and record.status is not GoalStatus.SUCCEEDED):
             self._send_failure(record.id, record.text or "the goal was canceled", record.status)
             return

@@ -11,7 +11,7 @@ from typing import Any, Generic, Self, TypeAlias
 
 from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.message import F, G, R
-from fibws.node.actions.status import Record, Transition
+from fibws.node.actions.status import GoalRecord, Transition
 from fibws.node.checks import check_timeout, described, without_surrogates
 from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import NodeActionType
@@ -39,7 +39,7 @@ class ServerGoal(Public, Generic[G, R, F]):
     # publish: sends feedback of the goal.
     def __init__(
         self,
-        record: Record,
+        record: GoalRecord,
         request: G,
         result: type[R],
         publish: Callable[[ServerGoal[G, R, F], F | Mapping[str, Any]], Awaitable[None]],
@@ -241,7 +241,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
 
     # Used by subclasses
 
-    def _receive(self, record: Record, request: G) -> None:
+    def _receive(self, record: GoalRecord, request: G) -> None:
         """Start a new goal, or let it wait for the current one, or reject it."""
         goal = ServerGoal(record, request, self._type.result.message_class, self._publish_feedback)
         self._goals[record.id] = goal
@@ -281,11 +281,11 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
         """Send the status of all goals, because that of one has changed."""
 
     @abstractmethod
-    def _send_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
+    def _send_feedback(self, record: GoalRecord, feedback: dict[str, Any]) -> None:
         """Send feedback of a goal."""
 
     @abstractmethod
-    def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
+    def _send_result(self, record: GoalRecord, result: dict[str, Any] | None) -> None:
         """Send the result of a goal that has ended; None if it has no result."""
 
     @abstractmethod

@@ -70,7 +70,7 @@ def next_status(status: GoalStatus, transition: Transition) -> GoalStatus | None
 
 
 @dataclass(slots=True, eq=False)
-class Record:
+class GoalRecord:
     """A goal's public state on its server; ``stamp`` is in nanoseconds since 1970."""
 
     id: str
@@ -98,25 +98,25 @@ class Records:
 
     def __init__(self, kept: float = KEPT) -> None:
         self.kept = kept
-        self._records: dict[str, Record] = {}
+        self._records: dict[str, GoalRecord] = {}
         self._ended: dict[str, float] = {}
         """When each ended goal ended, by its id."""
         self._last_cancel = 0
 
-    def listed(self, now: float) -> list[Record]:
+    def listed(self, now: float) -> list[GoalRecord]:
         """Return the goals of the status list; forget those that ended too long ago."""
         while self._ended and next(iter(self._ended.values())) + self.kept < now:
             self._forget_oldest()
         return list(self._records.values())
 
-    def add(self, id_: str, stamp: int, now: float) -> Record | None:
+    def add(self, id_: str, stamp: int, now: float) -> GoalRecord | None:
         """Return the record of a goal that has come, or None if it is a duplicate.
 
         The record is RECALLED already if the goal was canceled before it came.
         """
         record = self._records.get(id_)
         if record is None:
-            record = self._records[id_] = Record(id_, stamp)
+            record = self._records[id_] = GoalRecord(id_, stamp)
             if stamp > self._last_cancel:
                 return record
             record.go(Transition.CANCEL, OUTDATED)
@@ -127,7 +127,7 @@ class Records:
         self.ended(record, now)
         return record
 
-    def cancel(self, id_: str, stamp: int, now: float) -> list[Record]:
+    def cancel(self, id_: str, stamp: int, now: float) -> list[GoalRecord]:
         """Return the goals that a cancel message concerns.
 
         These are the goal ``id_``, and all goals up to ``stamp`` unless that is 0; without either,
@@ -140,12 +140,12 @@ class Records:
             if everything or record.id == id_ or 0 < record.stamp <= stamp
         ]
         if id_ and id_ not in self._records:
-            record = self._records[id_] = Record(id_, status=GoalStatus.RECALLING)
+            record = self._records[id_] = GoalRecord(id_, status=GoalStatus.RECALLING)
             self.ended(record, now)
         self._last_cancel = max(self._last_cancel, stamp)
         return concerned
 
-    def ended(self, record: Record, now: float) -> None:
+    def ended(self, record: GoalRecord, now: float) -> None:
         """Note that a goal has ended, so that it leaves the status list later."""
         self._ended.pop(record.id, None)
         self._ended[record.id] = now

@@ -20,7 +20,7 @@ from fibws.interfaces.message import F, G, R
 from fibws.msg import actionlib_msgs
 from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import MOST_GOALS, ActionServer, Execute
-from fibws.node.actions.status import Record, Records
+from fibws.node.actions.status import GoalRecord, Records
 from fibws.node.peers import Peers
 from fibws.node.publisher import Publisher
 from fibws.node.session import Session, Tasks
@@ -216,10 +216,10 @@ class TopicActionServer(ActionServer[G, R, F]):
     def _send_status(self) -> None:
         self._changed.set()
 
-    def _send_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
+    def _send_feedback(self, record: GoalRecord, feedback: dict[str, Any]) -> None:
         self._feedback.publish(status=_status(record), feedback=feedback)
 
-    def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
+    def _send_result(self, record: GoalRecord, result: dict[str, Any] | None) -> None:
         self._records.ended(record, _now())
         try:
             self._results.publish(status=_status(record), result=result or {})
@@ -245,7 +245,7 @@ class TopicActionServer(ActionServer[G, R, F]):
                     await self._changed.wait()
 
 
-def _status(record: Record) -> dict[str, Any]:
+def _status(record: GoalRecord) -> dict[str, Any]:
     """Return an ``actionlib_msgs/GoalStatus`` as JSON values."""
     secs, nsecs = divmod(record.stamp, 1_000_000_000)
     return {

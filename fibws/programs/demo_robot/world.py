@@ -49,7 +49,7 @@ WALL = 0.5
 
 
 @dataclass(slots=True)
-class Pose:
+class RobotPose:
     """A place, and a direction: 0 is along x, a quarter turn to the left is along y."""
 
     x: float
@@ -204,7 +204,7 @@ class Robot:
 
     def __init__(self, world: World, start: Sequence[float] = START) -> None:
         self.world = world
-        self.pose = Pose(*start)
+        self.pose = RobotPose(*start)
         self.speed = 0.0
         self.turn = 0.0
         self.is_blocked = False
@@ -296,7 +296,7 @@ class Robot:
         return points
 
 
-def toward(pose: Pose, x: float, y: float) -> tuple[float, float]:
+def toward(pose: RobotPose, x: float, y: float) -> tuple[float, float]:
     """Return the velocity that drives a robot straight to a place: it turns first, then goes."""
     distance = math.hypot(x - pose.x, y - pose.y)
     error = math.remainder(math.atan2(y - pose.y, x - pose.x) - pose.yaw, math.tau)

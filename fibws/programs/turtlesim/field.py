@@ -169,7 +169,7 @@ class Turtle:
         return self.draws
 
 
-class Field:
+class TurtleField:
     """The turtles and the picture.
 
     Args:

@@ -21,7 +21,15 @@ from fibws.msg.std_msgs import Header
 from fibws.msg.turtlesim import Color as ColorMessage
 from fibws.msg.turtlesim import Pose as PoseMessage
 from fibws.programs.turtlesim.canvas import Color
-from fibws.programs.turtlesim.field import BACKGROUND, STEP, Field, FieldError, Pose, Seen, Turtle
+from fibws.programs.turtlesim.field import (
+    BACKGROUND,
+    STEP,
+    FieldError,
+    Pose,
+    Seen,
+    Turtle,
+    TurtleField,
+)
 from fibws.srv.std_srvs import Empty, EmptyRequest, EmptyResponse
 from fibws.srv.turtlesim import (
     Kill,
@@ -139,7 +147,7 @@ class Simulator:
 
     def __init__(self, node: fibws.Node) -> None:
         self._node = node
-        self._field = Field()
+        self._field = TurtleField()
         self._topics: dict[str, _TurtleTopics] = {}
         self._has_changed = True
 

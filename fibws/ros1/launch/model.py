@@ -15,7 +15,7 @@ LONGEST_VALUE = 20
 
 
 @dataclass(frozen=True)
-class Node:
+class LaunchNode:
     """A <node>, or a <test>.
 
     Attributes:
@@ -62,7 +62,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Step:
+class RosparamStep:
     """A <rosparam> command to run before parameters are set: ``dump`` or ``delete``.
 
     Attributes:
@@ -99,11 +99,11 @@ class Launch:
         warnings: likely mistakes, one line each.
     """
 
-    nodes: dict[str, Node] = field(default_factory=dict)
+    nodes: dict[str, LaunchNode] = field(default_factory=dict)
     parameters: dict[str, Any] = field(default_factory=dict)
     namespaces: dict[str, str] = field(default_factory=dict)
     cleared: list[str] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
+    steps: list[RosparamStep] = field(default_factory=list)
     arguments: dict[str, Argument] = field(default_factory=dict)
     files: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)

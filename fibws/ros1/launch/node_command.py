@@ -13,7 +13,7 @@ from pathlib import Path
 from fibws.errors import FibwsError
 from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import split
-from fibws.ros1.launch.model import Node
+from fibws.ros1.launch.model import LaunchNode
 from fibws.ros1.workspace.packages import Packages, rosrun_command
 
 MODULES = {
@@ -49,7 +49,7 @@ class NodeCommand:
 
 
 def node_command(
-    node: Node, packages: Packages, hub: str, environment: Mapping[str, str]
+    node: LaunchNode, packages: Packages, hub: str, environment: Mapping[str, str]
 ) -> NodeCommand:
     """Return how to start a node's program.
 
@@ -82,7 +82,7 @@ def node_command(
     )
 
 
-def node_variables(node: Node, hub: str, environment: Mapping[str, str]) -> dict[str, str]:
+def node_variables(node: LaunchNode, hub: str, environment: Mapping[str, str]) -> dict[str, str]:
     """Return the variables that differ from this process's: namespace, hub, <env>."""
     own = {
         HUB: hub,
@@ -97,7 +97,7 @@ def node_variables(node: Node, hub: str, environment: Mapping[str, str]) -> dict
     return {name: value for name, value in own.items() if environment.get(name) != value}
 
 
-def is_built_in(node: Node, packages: Packages) -> bool:
+def is_built_in(node: LaunchNode, packages: Packages) -> bool:
     """Return whether the hub does what a node does, so that the node is not started."""
     return node.package in BUILT_IN and not packages.has_own(node.package)
 
@@ -121,12 +121,12 @@ def shell_line(variables: Mapping[str, str], command: list[str]) -> str:
     return sets + shlex.join(command)
 
 
-def _program(node: Node, packages: Packages, arguments: list[str]) -> tuple[list[str], Path]:
+def _program(node: LaunchNode, packages: Packages, arguments: list[str]) -> tuple[list[str], Path]:
     """Return the command of a node's program, and the program's folder."""
     if node.package == "fibws" and node.type in MODULES:
         return [sys.executable, "-P", "-m", MODULES[node.type], *arguments], Path.cwd()
     return rosrun_command(packages, node.package, node.type, arguments)
 
 
-def _error(node: Node, text: str) -> LaunchError:
+def _error(node: LaunchNode, text: str) -> LaunchError:
     return LaunchError(node.file, node.line, f"<node {node.name}>: {text}")

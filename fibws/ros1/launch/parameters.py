@@ -8,9 +8,9 @@ from typing import Any
 from fibws.errors import FibwsError
 from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import ReadYaml
-from fibws.ros1.launch.model import Launch, Step
+from fibws.ros1.launch.model import Launch, RosparamStep
 from fibws.ros1.launch.scope import PRIVATE, Scope, automatic, boolean, normalized
-from fibws.ros1.launch.xml_element import Attributes, Element, substituted
+from fibws.ros1.launch.xml_element import Attributes, LaunchElement, substituted
 from fibws.suggestions import nearest
 
 SOURCES = ("value", "textfile", "binfile", "command")
@@ -21,7 +21,9 @@ MOST_BITS = 64
 """Largest integer; parameters are JSON, and clients read it into 64 bits."""
 
 
-def read_param(element: Element, scope: Scope, launch: Launch, *, in_node: bool = False) -> None:
+def read_param(
+    element: LaunchElement, scope: Scope, launch: Launch, *, in_node: bool = False
+) -> None:
     """Read a <param>; one in a node, or with a name in ~, goes to ``scope.private``."""
     attributes = Attributes(element, scope)
     name = attributes.required("name").strip()
@@ -34,7 +36,7 @@ def read_param(element: Element, scope: Scope, launch: Launch, *, in_node: bool 
         set_parameter(launch, element, scope.join(name), value)
 
 
-def read_rosparam(element: Element, scope: Scope, launch: Launch) -> None:
+def read_rosparam(element: LaunchElement, scope: Scope, launch: Launch) -> None:
     """Read a <rosparam>; in a node, the scope's namespace is the node's name."""
     attributes = Attributes(element, scope)
     command = attributes.text("command") or "load"
@@ -52,11 +54,11 @@ def read_rosparam(element: Element, scope: Scope, launch: Launch) -> None:
         case "dump":
             if not file:
                 raise element.fault('<rosparam command="dump"> requires attribute file')
-            launch.steps.append(Step("dump", whole, file))
+            launch.steps.append(RosparamStep("dump", whole, file))
         case "delete":
             if file is not None:
                 raise attributes.fault("file", 'not allowed with command="delete"')
-            launch.steps.append(Step("delete", whole))
+            launch.steps.append(RosparamStep("delete", whole))
         case _:
             value = _loaded(element, attributes, scope, file)
             if not isinstance(value, dict) and not name:
@@ -65,7 +67,7 @@ def read_rosparam(element: Element, scope: Scope, launch: Launch) -> None:
             _set_leaves(launch, element, whole, value)
 
 
-def set_parameter(launch: Launch, element: Element, name: str, value: Any) -> None:
+def set_parameter(launch: Launch, element: LaunchElement, name: str, value: Any) -> None:
     """Set a parameter, which replaces an earlier one of the same name.
 
     Raises:
@@ -114,7 +116,7 @@ def convert(text: str, type_: str, read_yaml: ReadYaml) -> Any:
     raise ValueError(f"unknown type {type_!r}; {known}")
 
 
-def _value(element: Element, attributes: Attributes, scope: Scope) -> Any:
+def _value(element: LaunchElement, attributes: Attributes, scope: Scope) -> Any:
     given = [source for source in SOURCES if source in element.attributes]
     if len(given) != 1:
         has = f"has {' and '.join(given)}" if given else "has no value"
@@ -139,7 +141,7 @@ def _value(element: Element, attributes: Attributes, scope: Scope) -> Any:
         raise attributes.fault(source, str(error)) from None
 
 
-def _loaded(element: Element, attributes: Attributes, scope: Scope, file: str | None) -> Any:
+def _loaded(element: LaunchElement, attributes: Attributes, scope: Scope, file: str | None) -> Any:
     text, source = element.text, "<rosparam>"
     if file is not None:
         if not file:
@@ -160,7 +162,7 @@ def _loaded(element: Element, attributes: Attributes, scope: Scope, file: str | 
     return {} if value is None else value
 
 
-def _set_leaves(launch: Launch, element: Element, name: str, value: Any) -> None:
+def _set_leaves(launch: Launch, element: LaunchElement, name: str, value: Any) -> None:
     """Set the values in an object one by one, and keep others in that namespace."""
     if not isinstance(value, dict):
         if name == "/":
@@ -174,7 +176,7 @@ def _set_leaves(launch: Launch, element: Element, name: str, value: Any) -> None
         _set_leaves(launch, element, inner, each)
 
 
-def _invalid_key(element: Element, name: str, key: object) -> LaunchError:
+def _invalid_key(element: LaunchElement, name: str, key: object) -> LaunchError:
     return element.fault(
         f"<rosparam>: {name} has the key {key!r}, which is not text in YAML; quote it: '{key}'"
     )

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from fibws.client.hub_client import HubClient
-from fibws.client.parameters import Parameters
+from fibws.client.parameters import HubParameters
 from fibws.errors import ParameterNotSet, ServiceError
-from fibws.ros1.launch.model import CORE_PARAMETERS, Launch, Step
+from fibws.ros1.launch.model import CORE_PARAMETERS, Launch, RosparamStep
 from fibws.values import parameter_files
 
 
@@ -30,7 +30,7 @@ def prepare(client: HubClient, launch: Launch, warn: Callable[[str], None]) -> I
         ServiceError: the hub refuses a parameter.
         OSError: a file cannot be written.
     """
-    parameters = Parameters(client.call)
+    parameters = HubParameters(client.call)
     for step in launch.steps:
         _run_step(parameters, step, warn)
         yield
@@ -48,14 +48,14 @@ def prepare(client: HubClient, launch: Launch, warn: Callable[[str], None]) -> I
         yield
 
 
-def _has(parameters: Parameters, name: str, value: Any) -> bool:
+def _has(parameters: HubParameters, name: str, value: Any) -> bool:
     try:
         return bool(parameters.get(name) == value)
     except (ParameterNotSet, ServiceError):
         return False
 
 
-def _run_step(parameters: Parameters, step: Step, warn: Callable[[str], None]) -> None:
+def _run_step(parameters: HubParameters, step: RosparamStep, warn: Callable[[str], None]) -> None:
     try:
         if step.command == "delete":
             parameters.delete(step.name)

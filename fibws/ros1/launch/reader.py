@@ -15,10 +15,10 @@ from fibws import names
 from fibws.errors import InvalidName
 from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import Environment
-from fibws.ros1.launch.model import Argument, Launch, Node
+from fibws.ros1.launch.model import Argument, Launch, LaunchNode
 from fibws.ros1.launch.parameters import read_param, read_rosparam, set_parameter
 from fibws.ros1.launch.scope import Scope, normalized
-from fibws.ros1.launch.xml_element import Attributes, Element, applies, parse
+from fibws.ros1.launch.xml_element import Attributes, LaunchElement, applies, parse
 from fibws.suggestions import suggestion, suggestion_or_known
 
 _NODE = (
@@ -52,7 +52,7 @@ MOST_FILES = 1000
 """Most files; without a limit, files that include two others each are read for ever."""
 
 
-class Reader:
+class LaunchReader:
     """Reads launch files into one `Launch`.
 
     Args:
@@ -73,9 +73,9 @@ class Reader:
         self._namespace = namespace
         self._machines: dict[str, dict[str, str | None]] = {}
         self._default_machine = ""
-        self._on_machines: list[tuple[Element, str]] = []
+        self._on_machines: list[tuple[LaunchElement, str]] = []
         self._including: list[tuple[str, int]] = []
-        self._tags: dict[str, Callable[[Element, Scope], None]] = {
+        self._tags: dict[str, Callable[[LaunchElement, Scope], None]] = {
             "arg": self._declare,
             "env": lambda element, scope: _read_env(element, scope, scope),
             "group": self._group,
@@ -130,11 +130,11 @@ class Reader:
             if name not in known and not name.startswith("__")
         ]
 
-    def _root(self, file: str, document: bytes | None) -> tuple[Element, Scope]:
+    def _root(self, file: str, document: bytes | None) -> tuple[LaunchElement, Scope]:
         root = self._parse(file, self._environment.read(file) if document is None else document)
         return root, Scope(self._environment, file, self._namespace, dict(self._values))
 
-    def _parse(self, file: str, document: bytes) -> Element:
+    def _parse(self, file: str, document: bytes) -> LaunchElement:
         self.launch.files.append(file)
         root = parse(document, file)
         if root.name != "launch":
@@ -144,13 +144,15 @@ class Reader:
             self.launch.warnings.append(f"{file}: deprecated: {root.attributes['deprecated']}")
         return root
 
-    def _read(self, element: Element, scope: Scope) -> None:
+    def _read(self, element: LaunchElement, scope: Scope) -> None:
         if element.name == "master":
             self._warn(element, "<master> is obsolete and ignored")
         elif self._is_known(element, self._tags) and applies(element, scope):
             self._tags[element.name](element, scope)
 
-    def _is_known(self, element: Element, known: Sequence[str] | Mapping[str, object]) -> bool:
+    def _is_known(
+        self, element: LaunchElement, known: Sequence[str] | Mapping[str, object]
+    ) -> bool:
         """Return whether an element is one of those, or else warn."""
         if element.name not in known:
             near = suggestion(element.name, known)
@@ -159,17 +161,17 @@ class Reader:
         self._warn_of_attributes(element)
         return True
 
-    def _warn_of_attributes(self, element: Element) -> None:
+    def _warn_of_attributes(self, element: LaunchElement) -> None:
         known = ATTRIBUTES[element.name]
         for name in element.attributes:
             if name not in (*known, "if", "unless"):
                 text = f"ignoring unknown attribute {name} of <{element.name}>"
                 self._warn(element, f"{text}{suggestion(name, known)}")
 
-    def _warn(self, element: Element, text: str) -> None:
+    def _warn(self, element: LaunchElement, text: str) -> None:
         self.launch.warnings.append(f"{element.file}:{element.line}: {text}")
 
-    def _add_argument(self, element: Element, scope: Scope) -> None:
+    def _add_argument(self, element: LaunchElement, scope: Scope) -> None:
         name = element.attributes.get("name", "")
         default = element.attributes.get("default")
         try:
@@ -180,7 +182,7 @@ class Reader:
         doc, has_value = element.attributes.get("doc", ""), "value" in element.attributes
         self.launch.arguments.setdefault(name, Argument(name, default, doc, has_value))
 
-    def _declare(self, element: Element, scope: Scope) -> None:
+    def _declare(self, element: LaunchElement, scope: Scope) -> None:
         """Read an <arg> of a file."""
         name, value, default = _read_arg(element, scope, scope)
         if value is not None:
@@ -193,7 +195,7 @@ class Reader:
         elif default is not None:
             scope.values.setdefault(name, default)
 
-    def _pass(self, element: Element, scope: Scope, included: Scope) -> None:
+    def _pass(self, element: LaunchElement, scope: Scope, included: Scope) -> None:
         """Read an <arg> of an <include>."""
         name, value, default = _read_arg(element, scope, included)
         if value is not None:
@@ -203,20 +205,20 @@ class Reader:
         elif name not in included.values:
             raise element.fault(f"<arg>: missing value of {name}")
 
-    def _group(self, element: Element, scope: Scope) -> None:
+    def _group(self, element: LaunchElement, scope: Scope) -> None:
         attributes = Attributes(element, scope)
         inner = scope.inner(_read_namespace(element, attributes))
         self._clear(element, attributes, inner)
         for child in element.children:
             self._read(child, inner)
 
-    def _clear(self, element: Element, attributes: Attributes, inner: Scope) -> None:
+    def _clear(self, element: LaunchElement, attributes: Attributes, inner: Scope) -> None:
         if attributes.text("clear_params") and attributes.flag("clear_params"):
             if "ns" not in element.attributes:
                 raise element.fault(f"<{element.name} clear_params> requires attribute ns")
             self.launch.cleared.append(inner.namespace)
 
-    def _machine(self, element: Element, scope: Scope) -> None:
+    def _machine(self, element: LaunchElement, scope: Scope) -> None:
         attributes = Attributes(element, scope)
         name = attributes.required("name")
         attributes.required("address")
@@ -238,7 +240,7 @@ class Reader:
         if default == "true":
             self._default_machine = name
 
-    def _check_machine(self, element: Element, machine: str) -> None:
+    def _check_machine(self, element: LaunchElement, machine: str) -> None:
         """Check that a node's machine is declared, and that it is this one."""
         if machine not in self._machines:
             near = suggestion_or_known(machine, list(self._machines))
@@ -250,7 +252,7 @@ class Reader:
                 "this one; launch it there with --hub and the URL of this machine's hub"
             )
 
-    def _include(self, element: Element, scope: Scope) -> None:
+    def _include(self, element: LaunchElement, scope: Scope) -> None:
         attributes = Attributes(element, scope)
         file = attributes.required("file")
         passes_all = attributes.flag("pass_all_args", False)
@@ -271,7 +273,7 @@ class Reader:
             near = suggestion_or_known(unused[0], sorted(inner.declared)) or "; it has none"
             raise element.fault(f"<include>: {file} has no <arg> {' or '.join(unused)}{near}")
 
-    def _read_included(self, element: Element, file: str, scope: Scope) -> None:
+    def _read_included(self, element: LaunchElement, file: str, scope: Scope) -> None:
         if len(self._including) >= MOST_INCLUDES:
             raise element.fault(f"<include>: nested too deeply (limit is {MOST_INCLUDES} files)")
         if len(self.launch.files) >= MOST_FILES:
@@ -295,7 +297,7 @@ class Reader:
         finally:
             self._including.pop()
 
-    def _node(self, element: Element, scope: Scope) -> None:
+    def _node(self, element: LaunchElement, scope: Scope) -> None:
         node = self._read_node(element, scope)
         other = self.launch.nodes.setdefault(node.resolved, node)
         if other is not node:
@@ -306,7 +308,7 @@ class Reader:
         if machine := Attributes(element, scope).text("machine") or self._default_machine:
             self._on_machines.append((element, machine))  # It may be declared later.
 
-    def _read_node(self, element: Element, scope: Scope) -> Node:
+    def _read_node(self, element: LaunchElement, scope: Scope) -> LaunchNode:
         """Read a <node> or a <test>, and set its parameters."""
         is_test = element.name == "test"
         attributes = Attributes(element, scope)
@@ -330,7 +332,7 @@ class Reader:
         if respawn and required:
             raise element.fault("<node> has both respawn and required; remove one")
         cwd = attributes.one_of("cwd", "node", "ROS_HOME", "ros_home")
-        return Node(
+        return LaunchNode(
             package=attributes.required("pkg").strip(),
             type=attributes.required("type").strip(),
             name=name,
@@ -349,7 +351,7 @@ class Reader:
             **(_test_attributes(attributes) if is_test else {}),
         )
 
-    def _read_in_node(self, child: Element, scope: Scope, own: Scope, within: Scope) -> None:
+    def _read_in_node(self, child: LaunchElement, scope: Scope, own: Scope, within: Scope) -> None:
         match child.name:
             case "remap":
                 _read_remap(child, scope, own)
@@ -361,12 +363,12 @@ class Reader:
                 read_rosparam(child, within, self.launch)
 
 
-def _with_lower_case(elements: Sequence[Element]) -> Iterator[Element]:
+def _with_lower_case(elements: Sequence[LaunchElement]) -> Iterator[LaunchElement]:
     """Yield elements with their names in lower case, as roslaunch reads them in nodes."""
     return (replace(element, name=element.name.lower()) for element in elements)
 
 
-def _may_apply(element: Element, scope: Scope) -> bool:
+def _may_apply(element: LaunchElement, scope: Scope) -> bool:
     """Return whether an element's if or unless allows it; False if they are invalid."""
     try:
         return applies(element, scope)
@@ -374,7 +376,9 @@ def _may_apply(element: Element, scope: Scope) -> bool:
         return False
 
 
-def _read_arg(element: Element, scope: Scope, into: Scope) -> tuple[str, str | None, str | None]:
+def _read_arg(
+    element: LaunchElement, scope: Scope, into: Scope
+) -> tuple[str, str | None, str | None]:
     """Return name, value and default of an <arg> in ``scope``, and declare it in ``into``."""
     attributes = Attributes(element, scope)
     name = attributes.required("name")
@@ -388,7 +392,7 @@ def _read_arg(element: Element, scope: Scope, into: Scope) -> tuple[str, str | N
     return name, value, default
 
 
-def _read_namespace(element: Element, attributes: Attributes) -> str | None:
+def _read_namespace(element: LaunchElement, attributes: Attributes) -> str | None:
     """Return the namespace in ``ns``; None without it."""
     if "ns" not in element.attributes:
         return None
@@ -402,7 +406,7 @@ def _read_namespace(element: Element, attributes: Attributes) -> str | None:
     return path if namespace.startswith("/") else path[1:]
 
 
-def _read_remap(element: Element, scope: Scope, into: Scope) -> None:
+def _read_remap(element: LaunchElement, scope: Scope, into: Scope) -> None:
     attributes = Attributes(element, scope)
     found = []
     for end in ("from", "to"):
@@ -413,7 +417,7 @@ def _read_remap(element: Element, scope: Scope, into: Scope) -> None:
     into.remap(*found)
 
 
-def _read_env(element: Element, scope: Scope, into: Scope) -> None:
+def _read_env(element: LaunchElement, scope: Scope, into: Scope) -> None:
     attributes = Attributes(element, scope)
     name, value = attributes.required("name"), attributes.text("value")
     if value is None:
@@ -423,7 +427,7 @@ def _read_env(element: Element, scope: Scope, into: Scope) -> None:
     into.variables[name] = value
 
 
-def _test_name(element: Element, attributes: Attributes) -> str:
+def _test_name(element: LaunchElement, attributes: Attributes) -> str:
     for name in NOT_OF_TESTS:
         if name in element.attributes:
             raise element.fault(f"<test> has no attribute {name}; only <node> has")
@@ -432,7 +436,7 @@ def _test_name(element: Element, attributes: Attributes) -> str:
 
 
 def _test_attributes(attributes: Attributes) -> dict[str, Any]:
-    """Return the attributes of a `Node` that only a <test> has."""
+    """Return the attributes of a `LaunchNode` that only a <test> has."""
     time_limit = 60.0
     if attributes.text("time-limit"):
         time_limit = attributes.number("time-limit", time_limit, positive=True)

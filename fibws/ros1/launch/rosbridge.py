@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fibws.hub_address import LOOPBACK
 from fibws.ros1.errors import LaunchError
 from fibws.ros1.launch.environment import split
-from fibws.ros1.launch.model import Launch, Node
+from fibws.ros1.launch.model import Launch, LaunchNode
 from fibws.ros1.launch.node_command import is_built_in
 from fibws.ros1.workspace.packages import Packages
 
@@ -22,7 +22,7 @@ LARGEST_PORT = 65535
 
 
 @dataclass(frozen=True)
-class Rosbridge:
+class RosbridgeNode:
     """A rosbridge_websocket in a launch file.
 
     Attributes:
@@ -30,7 +30,7 @@ class Rosbridge:
         ignored: the settings that the hub ignores, each with what to do instead.
     """
 
-    node: Node
+    node: LaunchNode
     port: int | None
     ignored: tuple[str, ...]
 
@@ -40,7 +40,7 @@ class Rosbridge:
         return f"{self.node.file}:{self.node.line}: {self.node.name}"
 
 
-def rosbridges(launch: Launch, packages: Packages) -> Iterator[Rosbridge]:
+def rosbridges(launch: Launch, packages: Packages) -> Iterator[RosbridgeNode]:
     """Yield each rosbridge_websocket of a launch that the hub replaces.
 
     Raises:
@@ -50,10 +50,10 @@ def rosbridges(launch: Launch, packages: Packages) -> Iterator[Rosbridge]:
         is_websocket = node.type.removesuffix(".py") == TYPE and not node.is_test
         if is_websocket and node.package == "rosbridge_server" and is_built_in(node, packages):
             port = _port(node, launch)
-            yield Rosbridge(node, port, tuple(_ignored(node, launch, port)))
+            yield RosbridgeNode(node, port, tuple(_ignored(node, launch, port)))
 
 
-def _port(node: Node, launch: Launch) -> int | None:
+def _port(node: LaunchNode, launch: Launch) -> int | None:
     """Return the port in ``--port`` of its arguments, or else in its parameter ``port``."""
     given = launch.parameters.get(f"{node.resolved}/port")
     try:
@@ -71,7 +71,7 @@ def _port(node: Node, launch: Launch) -> int | None:
     return int(text)
 
 
-def _ignored(node: Node, launch: Launch, port: int | None) -> Iterator[str]:
+def _ignored(node: LaunchNode, launch: Launch, port: int | None) -> Iterator[str]:
     address = launch.parameters.get(f"{node.resolved}/address")
     if address and address not in LOOPBACK:
         hub = f"fibws hub --host {address}{f' --port {port}' if port else ''}"

@@ -10,14 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from fibws.client.hub_client import HubClient
-from fibws.client.parameters import Parameters
+from fibws.client.parameters import HubParameters
 from fibws.ros1.errors import LaunchError
-from fibws.ros1.launch.model import Launch, Node
+from fibws.ros1.launch.model import Launch, LaunchNode
 from fibws.ros1.launch.node_command import node_command
 from fibws.ros1.launch.output import Screen
 from fibws.ros1.launch.process import Process
 from fibws.ros1.launch.runner import Job
-from fibws.ros1.launch.session import Console, Options, Run
+from fibws.ros1.launch.session import LaunchConsole, Options, Run
 from fibws.ros1.launch.test_results import Case, Outcome, read_results
 from fibws.ros1.workspace.packages import Packages
 
@@ -28,7 +28,7 @@ KEPT = ("/run_id", "/rosdistro", "/rosversion")
 
 
 def run_test(
-    test: Node,
+    test: LaunchNode,
     launch: Launch,
     packages: Packages,
     *,
@@ -36,7 +36,7 @@ def run_test(
     file: Path,
     text: bool,
     clear: bool,
-    console: Console,
+    console: LaunchConsole,
     report: Callable[[str], object],
 ) -> Outcome:
     """Run one test, again if it fails and its ``retry`` allows it.
@@ -76,7 +76,7 @@ class _TestRun(Run):
 
     def __init__(
         self,
-        test: Node,
+        test: LaunchNode,
         launch: Launch,
         packages: Packages,
         url: str,
@@ -84,7 +84,7 @@ class _TestRun(Run):
         *,
         text: bool,
         clear: bool,
-        console: Console,
+        console: LaunchConsole,
     ) -> None:
         self.outcome = Outcome(test.test_name)
         self._fail("error", f"test [{test.test_name}] was stopped before its start")
@@ -112,7 +112,7 @@ class _TestRun(Run):
 
     def _clear_parameters(self) -> None:
         with HubClient("rostest", self.url) as client:
-            parameters = Parameters(client.call)
+            parameters = HubParameters(client.call)
             for name in parameters.names():
                 if name not in KEPT and not name.startswith("/roslaunch/"):
                     parameters.delete(name)

@@ -17,7 +17,7 @@ from fibws.command_names import command_name
 from fibws.errors import HubError
 from fibws.exit_signals import ExitSignals
 from fibws.processes import start_error
-from fibws.ros1.launch.model import Node
+from fibws.ros1.launch.model import LaunchNode
 from fibws.ros1.launch.node_command import NodeCommand
 from fibws.ros1.launch.output import LogFile, Screen, Terminal
 from fibws.ros1.launch.process import Process, Signal
@@ -170,7 +170,9 @@ class Runner:
         self._say_started(process)
         return reading.result()
 
-    async def start_node(self, node: Node, command: NodeCommand, *, screen: bool) -> Job | None:
+    async def start_node(
+        self, node: LaunchNode, command: NodeCommand, *, screen: bool
+    ) -> Job | None:
         """Start a node; if that is impossible, report a failure and return None."""
         self._count += 1
         name = f"{node.resolved.lstrip('/')}-{self._count}"
@@ -193,7 +195,7 @@ class Runner:
         self.fail(node)
         return None
 
-    def fail(self, node: Node) -> None:
+    def fail(self, node: LaunchNode) -> None:
         """Note that a node cannot be started."""
         self.has_failed = True
         self.not_started.append(node.resolved)

@@ -1,6 +1,6 @@
 """Launch files at a hub, which is found or started: its parameters are set, then nodes are started.
 
-A `Session` does this step by step, as scripts need it; a `Run` takes all steps until the end.
+A `LaunchSession` does this step by step, as scripts need it; a `Run` takes all steps until the end.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from fibws.client.hub_pages import master_variables
 from fibws.errors import HubUnreachable, NoHub
 from fibws.hub_address import DEFAULT_PORT, ENVIRONMENT, LOOPBACK
 from fibws.ros1.errors import LaunchError
-from fibws.ros1.launch.model import Launch, Node
+from fibws.ros1.launch.model import Launch, LaunchNode
 from fibws.ros1.launch.node_command import is_built_in, log_folder, node_command
 from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.preparation import prepare
@@ -35,7 +35,7 @@ RETRY = 0.2
 _Result = TypeVar("_Result")
 
 
-class Session:
+class LaunchSession:
     """Launch files at a hub.
 
     Args:
@@ -121,7 +121,7 @@ class Session:
 
         await self.in_thread(prepare_all)
 
-    async def start_node(self, node: Node, *, screen: bool) -> Job | None:
+    async def start_node(self, node: LaunchNode, *, screen: bool) -> Job | None:
         """Start a node; if that is impossible, say why and return None."""
         try:
             command = node_command(node, self._packages, self.url, self._environment)
@@ -133,7 +133,7 @@ class Session:
             return None
         return await self._runner.start_node(node, command, screen=screen)
 
-    def is_part_of_hub(self, node: Node) -> bool:
+    def is_part_of_hub(self, node: LaunchNode) -> bool:
         """Return whether the hub does what a node does, which is not started then; say so."""
         if not is_built_in(node, self._packages):
             return False
@@ -222,7 +222,7 @@ class Session:
 
 
 @dataclass(frozen=True)
-class Console:
+class LaunchConsole:
     """How a command shows a launch.
 
     Attributes:
@@ -255,7 +255,9 @@ class Options:
     sigterm_timeout: float = SIGTERM_TIMEOUT
 
 
-def run(launch: Launch, packages: Packages, url: str, options: Options, console: Console) -> int:
+def run(
+    launch: Launch, packages: Packages, url: str, options: Options, console: LaunchConsole
+) -> int:
     """Run a launch until all nodes have ended, or until Ctrl-C.
 
     Args:
@@ -278,14 +280,14 @@ def run(launch: Launch, packages: Packages, url: str, options: Options, console:
     return asyncio.run(Run(launch, packages, url, options, console).run())
 
 
-class Run(Session):
+class Run(LaunchSession):
     """One run of a launch, from the hub to the end of the last node; see `run`.
 
     rostest overrides `new_screen`, `on_signal`, `set_up` and `finish`.
     """
 
     def __init__(
-        self, launch: Launch, packages: Packages, url: str, options: Options, console: Console
+        self, launch: Launch, packages: Packages, url: str, options: Options, console: LaunchConsole
     ) -> None:
         self._launch = launch
         self._options = options
@@ -359,7 +361,7 @@ class Run(Session):
                 return
             await self.start_node(node, screen=self._is_shown(node))
 
-    def _is_shown(self, node: Node) -> bool:
+    def _is_shown(self, node: LaunchNode) -> bool:
         return node.screen if self._options.output is None else self._options.output == "screen"
 
     def _write(self, line: str, is_error: bool) -> None:

@@ -13,7 +13,7 @@ from fibws.ros1.launch.scope import Scope, boolean, substitute
 
 
 @dataclass
-class Element(xml_tree.Element):
+class LaunchElement(xml_tree.Element):
     """One element of a launch file."""
 
     def fault(self, text: str) -> LaunchError:
@@ -21,12 +21,12 @@ class Element(xml_tree.Element):
         return LaunchError(self.file, self.line, text)
 
 
-def parse(document: bytes, file: str) -> Element:
+def parse(document: bytes, file: str) -> LaunchElement:
     """Return the root element of a launch file, or raise `LaunchError`."""
-    return xml_tree.read(document, file, Element)
+    return xml_tree.read(document, file, LaunchElement)
 
 
-def applies(element: Element, scope: Scope) -> bool:
+def applies(element: LaunchElement, scope: Scope) -> bool:
     """Return whether an element's ``if`` or ``unless`` allows it, or raise `LaunchError`."""
     attributes = Attributes(element, scope)
     if_, unless = attributes.flag("if"), attributes.flag("unless")
@@ -41,7 +41,7 @@ class Attributes:
     All methods raise `LaunchError` for an invalid attribute.
     """
 
-    def __init__(self, element: Element, scope: Scope) -> None:
+    def __init__(self, element: LaunchElement, scope: Scope) -> None:
         self._element = element
         self._scope = scope
 
@@ -118,7 +118,7 @@ class Attributes:
         return self._element.fault(f"<{self._element.name} {name}>: {text}")
 
 
-def substituted(text: str, element: Element, scope: Scope, attribute: str = "") -> str:
+def substituted(text: str, element: LaunchElement, scope: Scope, attribute: str = "") -> str:
     """Return a text with every ``$(...)`` replaced, or raise `LaunchError`."""
     try:
         return substitute(text, scope)

@@ -139,7 +139,7 @@ def read_cmake_lists(folder: Path, package: str) -> CMakeLists:
         PackageFileError: a parenthesis, a string or a comment has no end.
         OSError: the file cannot be read.
     """
-    return _Reader(folder, package).read()
+    return _CommandReader(folder, package).read()
 
 
 class _Command(NamedTuple):
@@ -177,7 +177,7 @@ def _commands(text: str, source: str) -> Iterator[_Command]:
         raise PackageFileError(source, command.line, f"missing ')' of {command.name}()")
 
 
-class _Reader:
+class _CommandReader:
     """Reads one file, with a method for each command that matters."""
 
     def __init__(self, folder: Path, package: str) -> None:

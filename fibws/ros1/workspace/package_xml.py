@@ -139,7 +139,7 @@ def read_manifest(folder: Path) -> Manifest:
         OSError: the file cannot be read.
     """
     path = folder / FILE
-    return _Reader(xml_tree.read(path.read_bytes(), str(path), _Element)).read()
+    return _ManifestReader(xml_tree.read(path.read_bytes(), str(path), _Element)).read()
 
 
 class _Element(xml_tree.Element):
@@ -155,7 +155,7 @@ class _Element(xml_tree.Element):
         return PackageFileError(self.file, self.line, text)
 
 
-class _Reader:
+class _ManifestReader:
     """Reads and checks one package.xml, by the rules of catkin_pkg."""
 
     def __init__(self, root: _Element) -> None:

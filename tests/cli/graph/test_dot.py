@@ -9,14 +9,14 @@ import subprocess
 import pytest
 
 from fibws.cli.graph.dot import dot
-from fibws.client.graph_view import Action, Conflict, Service, Topic, View
+from fibws.client.graph_view import DrawnAction, DrawnConflict, DrawnService, DrawnTopic, View
 
 ODD = 'a "quoted" \\N \\ <b>\n\x1b'
 VIEW = View(
     nodes=["/talker", "/listener"],
-    topics=[Topic("/talker", "std_msgs/String", True, ["/talker"], ["/listener"])],
-    services=[Service("/add", "a/Add", "/adder")],
-    actions=[Action("/do", "a/Do", "/adder", ["/client"])],
+    topics=[DrawnTopic("/talker", "std_msgs/String", True, ["/talker"], ["/listener"])],
+    services=[DrawnService("/add", "a/Add", "/adder")],
+    actions=[DrawnAction("/do", "a/Do", "/adder", ["/client"])],
 )
 
 
@@ -36,14 +36,16 @@ def test_services_and_actions_lead_to_their_servers() -> None:
 
 
 def test_quotes_in_names_are_escaped() -> None:
-    view = View([ODD], [Topic(ODD, ODD, False, [ODD], [])], [], [])
+    view = View([ODD], [DrawnTopic(ODD, ODD, False, [ODD], [])], [], [])
     text = "\n".join(dot(view))
     assert '"node a \\"quoted\\" \\\\N \\\\ <b>\\n' in text
     assert "\x1b" not in text
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
-@pytest.mark.parametrize("view", [VIEW, View([ODD], [Topic(ODD, ODD, False, [ODD], [])], [], [])])
+@pytest.mark.parametrize(
+    "view", [VIEW, View([ODD], [DrawnTopic(ODD, ODD, False, [ODD], [])], [], [])]
+)
 def test_graphviz_reads_it(view: View) -> None:
     text = "\n".join(dot(view))
     read = subprocess.run(
@@ -59,12 +61,12 @@ def test_graphviz_reads_it(view: View) -> None:
 def test_conflicts_are_dotted_and_unreachable_nodes_dashed() -> None:
     view = View(
         ["/camera", "/viewer"],
-        [Topic("/chatter", "c/D", True, [], [])],
+        [DrawnTopic("/chatter", "c/D", True, [], [])],
         [],
         [],
         conflicts=[
-            Conflict("/camera", "/chatter", True, "why"),
-            Conflict("/viewer", "/chatter", False, "why"),
+            DrawnConflict("/camera", "/chatter", True, "why"),
+            DrawnConflict("/viewer", "/chatter", False, "why"),
         ],
         unreachable={"/camera": "Timed out"},
     )

@@ -5,17 +5,17 @@ from __future__ import annotations
 import pytest
 
 from fibws.cli.graph.drawing import ASCII, LINES, Pen, drawing, topics
-from fibws.client.graph_view import Action, Conflict, Service, Topic, View
+from fibws.client.graph_view import DrawnAction, DrawnConflict, DrawnService, DrawnTopic, View
 
 TEXT = "std_msgs/String"
 
 
-def text(*found: Topic, pen: Pen = LINES, width: int = 100) -> str:
+def text(*found: DrawnTopic, pen: Pen = LINES, width: int = 100) -> str:
     return "\n".join(topics(found, pen, width))
 
 
-def topic(publishers: str, name: str, subscribers: str, type_: str = TEXT) -> Topic:
-    return Topic(name, type_, True, publishers.split(), subscribers.split())
+def topic(publishers: str, name: str, subscribers: str, type_: str = TEXT) -> DrawnTopic:
+    return DrawnTopic(name, type_, True, publishers.split(), subscribers.split())
 
 
 CHATTER = topic("/talker", "/chatter", "/listener")
@@ -68,8 +68,8 @@ def test_missing_ends_are_shown(publishers: str, subscribers: str, expected: str
 
 
 def test_unknown_types_are_marked() -> None:
-    assert "[/t type unknown]" in text(Topic("/t", "", False, ["/p"], []))
-    assert "[/t my/Type, unchecked]" in text(Topic("/t", "my/Type", False, ["/p"], []))
+    assert "[/t type unknown]" in text(DrawnTopic("/t", "", False, ["/p"], []))
+    assert "[/t my/Type, unchecked]" in text(DrawnTopic("/t", "my/Type", False, ["/p"], []))
 
 
 def test_topics_have_their_own_widths_if_columns_do_not_fit() -> None:
@@ -91,8 +91,11 @@ def test_services_actions_and_other_nodes_follow() -> None:
     view = View(
         nodes=["/adder", "/client", "/idle"],
         topics=[],
-        services=[Service("/add", "a/Add", "/adder"), Service("/subtract", "a/S", "/adder")],
-        actions=[Action("/do", "", "/adder", ["/client"])],
+        services=[
+            DrawnService("/add", "a/Add", "/adder"),
+            DrawnService("/subtract", "a/S", "/adder"),
+        ],
+        actions=[DrawnAction("/do", "", "/adder", ["/client"])],
         hidden_topics=1,
         hidden_services=2,
     )
@@ -123,7 +126,7 @@ def test_conflicts_and_unreachable_nodes_are_listed_last() -> None:
         [],
         [],
         [],
-        conflicts=[Conflict("/camera", "/chatter", True, "publishes a/B, the topic is c/D")],
+        conflicts=[DrawnConflict("/camera", "/chatter", True, "publishes a/B, the topic is c/D")],
         unreachable={"/camera": "Timed out"},
     )
     assert [line for line, _ in drawing(view, LINES, 80)][:5] == [

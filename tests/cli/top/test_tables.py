@@ -9,9 +9,9 @@ from rich.console import Console
 
 from fibws.cli.quantities import amount
 from fibws.cli.top.tables import client_cells, print_tables, tables, topic_cells
-from fibws.client.statistics import Client, Measurement, Topic
+from fibws.client.statistics import ClientQueue, Measurement, TopicRates
 
-TOPIC = Topic("/t", 10.5, 2050, 2, 1, 0, 8)
+TOPIC = TopicRates("/t", 10.5, 2050, 2, 1, 0, 8)
 
 
 def drawn(
@@ -31,8 +31,8 @@ def measurement(
     return Measurement(
         0,
         1,
-        [Topic(f"/topic_{number}", 1, 10, 1, 1, dropped, dropped) for number in range(topics)],
-        [Client(f"/node_{number}", "127.0.0.1:5", 0, 0, slow) for number in range(clients)],
+        [TopicRates(f"/topic_{number}", 1, 10, 1, 1, dropped, dropped) for number in range(topics)],
+        [ClientQueue(f"/node_{number}", "127.0.0.1:5", 0, 0, slow) for number in range(clients)],
     )
 
 
@@ -75,7 +75,7 @@ def test_drops_and_slow_clients_are_marked() -> None:
 
 def test_markup_and_control_characters_in_names_are_printed() -> None:
     name = "[bold]x[/bold]\x1b[2J"
-    text = drawn(Measurement(0, 1, [Topic(name, 0, 0, 0, 0, 0, 0)], []), width=200)
+    text = drawn(Measurement(0, 1, [TopicRates(name, 0, 0, 0, 0, 0, 0)], []), width=200)
     assert r"[bold]x[/bold]\x1b[2J" in text
     assert "\x1b" not in text
 
@@ -101,16 +101,22 @@ def test_row_of_a_topic() -> None:
 
 
 def test_new_drops_are_shown() -> None:
-    assert topic_cells(Topic("/t", 0, 0, 0, 1, 3, 8))[-1] == "8 (+3)"
+    assert topic_cells(TopicRates("/t", 0, 0, 0, 1, 3, 8))[-1] == "8 (+3)"
 
 
 @pytest.mark.parametrize(("slow", "state"), [(True, "slow"), (False, "ok")])
 def test_row_of_a_client(slow: bool, state: str) -> None:
-    assert client_cells(Client("/a", "::1", 2000, 4, slow)) == ("/a", "::1", "2.00KB", "4", state)
+    assert client_cells(ClientQueue("/a", "::1", 2000, 4, slow)) == (
+        "/a",
+        "::1",
+        "2.00KB",
+        "4",
+        state,
+    )
 
 
 def test_plain_text_is_two_tables(capsys: pytest.CaptureFixture[str]) -> None:
-    print_tables(Measurement(0, 1, [TOPIC], [Client("/a", "127.0.0.1:5", 0, 0, False)]))
+    print_tables(Measurement(0, 1, [TOPIC], [ClientQueue("/a", "127.0.0.1:5", 0, 0, False)]))
     assert capsys.readouterr().out == (
         "TOPIC  RATE     BANDWIDTH  PUBS  SUBS  DROPS\n"
         "/t     10.50Hz  2.05KB/s   2     1     8\n"

@@ -20,7 +20,7 @@ from hub_in_thread import HubThread, Publish, Run
 from running_programs import Start
 
 from fibws.cli.topic import pub
-from fibws.cli.topic.pub import Publisher
+from fibws.cli.topic.pub import TopicPublisher
 from fibws.client.hub_client import HubClient
 from fibws.errors import InvalidValue, OperationRejected
 
@@ -168,7 +168,7 @@ def subscriber(hub: HubThread, client: HubClient) -> HubClient:
 
 def test_publish_waits_for_the_hub(hub: HubThread, subscriber: HubClient) -> None:
     with HubClient("pub", hub.url) as client:
-        publisher = Publisher(client, "/number", "std_msgs/Int32", latch=False)
+        publisher = TopicPublisher(client, "/number", "std_msgs/Int32", latch=False)
         publisher.publish({"data": 8})
         subscriber.call("/rosapi/get_time")
         assert next(subscriber.messages("/number", 0)) == {"data": 8}
@@ -176,7 +176,7 @@ def test_publish_waits_for_the_hub(hub: HubThread, subscriber: HubClient) -> Non
 
 def test_messages_are_published_at_a_rate(hub: HubThread, subscriber: HubClient) -> None:
     with HubClient("pub", hub.url) as client:
-        publisher = Publisher(client, "/number", "std_msgs/Int32", latch=False)
+        publisher = TopicPublisher(client, "/number", "std_msgs/Int32", latch=False)
         began = time.monotonic()
         publisher.publish_all(repeat({"data": 8}, 5), 50)
         assert time.monotonic() - began >= 0.1
@@ -185,7 +185,7 @@ def test_messages_are_published_at_a_rate(hub: HubThread, subscriber: HubClient)
 
 
 def test_pause_between_messages_is_not_made_up_for(
-    publisher: Publisher, monkeypatch: pytest.MonkeyPatch
+    publisher: TopicPublisher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A burst of all that should have been sent meanwhile would surprise a robot."""
     now = 0.0
@@ -216,8 +216,8 @@ def test_refused_operations_are_errors(hub: HubThread) -> None:
     messages: list[dict[str, Any]] = [{"data": 1}, {"data": "x"}]
     with HubClient("pub", hub.url) as client:
         with pytest.raises(OperationRejected, match="did you mean std_msgs/String"):
-            Publisher(client, "/x", "std_msgs/Strin", latch=False)
-        publisher = Publisher(client, "/number", "std_msgs/Int32", latch=False)
+            TopicPublisher(client, "/x", "std_msgs/Strin", latch=False)
+        publisher = TopicPublisher(client, "/number", "std_msgs/Int32", latch=False)
         with pytest.raises(OperationRejected, match="field data"):
             publisher.publish({"data": "x"})
         with pytest.raises(OperationRejected, match="field data"):
@@ -226,13 +226,13 @@ def test_refused_operations_are_errors(hub: HubThread) -> None:
 
 def test_unknown_type_is_a_warning(hub: HubThread, capsys: pytest.CaptureFixture[str]) -> None:
     with HubClient("pub", hub.url) as client:
-        Publisher(client, "/odd", "unknown_msgs/Type", latch=False).publish({"a": 1})
+        TopicPublisher(client, "/odd", "unknown_msgs/Type", latch=False).publish({"a": 1})
     assert "unknown_msgs/Type" in capsys.readouterr().err
 
 
 @pytest.fixture
-def publisher(client: HubClient) -> Publisher:
-    return Publisher(client, "/number", "std_msgs/Int32", latch=False)
+def publisher(client: HubClient) -> TopicPublisher:
+    return TopicPublisher(client, "/number", "std_msgs/Int32", latch=False)
 
 
 @pytest.fixture
@@ -244,7 +244,7 @@ def stdin(monkeypatch: pytest.MonkeyPatch) -> Iterator[TextIO]:
         yield written
 
 
-def test_line_of_hyphens_ends_a_message(publisher: Publisher, stdin: TextIO) -> None:
+def test_line_of_hyphens_ends_a_message(publisher: TopicPublisher, stdin: TextIO) -> None:
     documents = pub.documents_from_stdin(publisher)
     print("data: 1\n---\ndata:", file=stdin, end="", flush=True)
     assert next(documents) == {"data": 1}
@@ -256,21 +256,21 @@ def test_line_of_hyphens_ends_a_message(publisher: Publisher, stdin: TextIO) -> 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows cannot wait for a pipe and a socket")
-def test_hub_s_messages_are_processed_meanwhile(publisher: Publisher, stdin: TextIO) -> None:
+def test_hub_s_messages_are_processed_meanwhile(publisher: TopicPublisher, stdin: TextIO) -> None:
     publisher.client.send({"op": "publish", "topic": "/number", "msg": {"data": "x"}})
     with pytest.raises(OperationRejected):
         next(pub.documents_from_stdin(publisher))
 
 
 def test_input_without_a_file_descriptor_is_read_whole(
-    publisher: Publisher, monkeypatch: pytest.MonkeyPatch
+    publisher: TopicPublisher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stdin: Any = io.StringIO("---\ndata: 1\n---\n\n")
     monkeypatch.setattr(sys, "stdin", stdin)
     assert list(pub.documents_from_stdin(publisher)) == [None, {"data": 1}]
 
 
-def test_invalid_yaml_is_an_error(publisher: Publisher, stdin: TextIO) -> None:
+def test_invalid_yaml_is_an_error(publisher: TopicPublisher, stdin: TextIO) -> None:
     print("{", file=stdin)
     stdin.close()
     with pytest.raises(InvalidValue, match="Invalid YAML"):
@@ -279,12 +279,12 @@ def test_invalid_yaml_is_an_error(publisher: Publisher, stdin: TextIO) -> None:
 
 @pytest.mark.parametrize("text", ["data: 5", "data: 5\n", "data:\n  5"])
 def test_endless_messages_are_refused(
-    text: str, publisher: Publisher, monkeypatch: pytest.MonkeyPatch
+    text: str, publisher: TopicPublisher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pub, "MAX_CHARACTERS", 1_000)
     taken = 0
 
-    def endless(publisher: Publisher) -> Iterator[str]:
+    def endless(publisher: TopicPublisher) -> Iterator[str]:
         nonlocal taken
         while True:
             yield text
@@ -297,7 +297,7 @@ def test_endless_messages_are_refused(
 
 
 def test_limit_is_that_of_one_message(
-    publisher: Publisher, monkeypatch: pytest.MonkeyPatch
+    publisher: TopicPublisher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pub, "MAX_CHARACTERS", 10)
     stdin: Any = io.StringIO("data: 1\n---\n" * 5)

@@ -8,7 +8,7 @@ import pytest
 
 from fibws.hub.federation import calls
 from fibws.hub.federation.backplane import Backplane, Peer
-from fibws.hub.federation.calls import Calls
+from fibws.hub.federation.calls import RemoteCalls
 from fibws.hub.federation.records import HubInfo, Reply, Request
 
 from ..fakes import FIBONACCI, FakeHub
@@ -23,7 +23,7 @@ def test_goal_is_cancelled_while_as_many_requests_wait_as_may(
     hub = FakeHub()
     server = hub.client("/server")
     server.send("advertise_action", action="/fibonacci", type=FIBONACCI)
-    handler = Calls(hub.graph, hub.clock, 0)
+    handler = RemoteCalls(hub.graph, hub.clock, 0)
     peer = Peer(HubInfo(id="a" * 16, name="a"), cast(Backplane, None))
     replies: list[Reply] = []
 

@@ -12,7 +12,7 @@ import pytest
 from fibws.hub.federation import lanes, link
 from fibws.hub.federation.backplane import Cancel, OnReply, Peer
 from fibws.hub.federation.names import NameView
-from fibws.hub.federation.records import Announcement, HubInfo, Message, Reply, Request
+from fibws.hub.federation.records import Announcement, HubInfo, LinkMessage, Reply, Request
 from fibws.protocol.websocket import CloseReason
 
 from ..fakes import FakeClock, finish
@@ -57,7 +57,7 @@ class Network:
         self.steps.append(steps)
 
     def is_flowing(self, peer: Peer, number: int) -> None: ...
-    def received(self, peer: Peer, message: Message) -> None: ...
+    def received(self, peer: Peer, message: LinkMessage) -> None: ...
 
     def requested(self, peer: Peer, request: Request, reply: OnReply) -> Cancel:
         if request.op != "wait":
@@ -101,7 +101,7 @@ class SlowLink:
         finish(self.link.receive(record(kind, body)))
 
     def publish(self, number: int, sequence: int, size: int, limit: int = 100) -> None:
-        self.link.publish(Message(number, sequence, 0, bytes(size)), limit=limit)
+        self.link.publish(LinkMessage(number, sequence, 0, bytes(size)), limit=limit)
 
     @property
     def dropped(self) -> int:
@@ -296,7 +296,7 @@ def test_link_ends_if_other_records_pass_all_limits(slow: SlowLink) -> None:
 
 
 def test_large_messages_begin_only_while_those_in_part_leave_room() -> None:
-    waiting = lanes.Lanes(4 * MIB, 10 * MIB, lambda count: None, lambda: None)
+    waiting = lanes.LinkLanes(4 * MIB, 10 * MIB, lambda count: None, lambda: None)
     for number in range(4):
         waiting.put_message(number, b"", bytes(3 * MIB // 2), limit=10, is_behind=True)
     begun: list[int] = []
@@ -316,7 +316,7 @@ def test_random_records_stay_within_the_bounds() -> None:
     dropped: Counter[str] = Counter()
     largest = MIB
     most = 4 * MIB
-    waiting = lanes.Lanes(MIB, most, lambda count: None, lambda: dropped.update(["dropped"]))
+    waiting = lanes.LinkLanes(MIB, most, lambda count: None, lambda: dropped.update(["dropped"]))
     sent: Counter[int] = Counter()
     put: Counter[int] = Counter()
     for _ in range(5000):

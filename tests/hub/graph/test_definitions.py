@@ -12,7 +12,7 @@ import pytest
 
 from fibws.hub.graph.types import CheckedType, Codecs
 from fibws.interfaces import client_definitions
-from fibws.interfaces.client_definitions import Limits
+from fibws.interfaces.client_definitions import DefinitionLimits
 
 from ..fakes import INT32, TEXT, Client, FakeHub, number
 
@@ -246,7 +246,7 @@ def test_serialized_messages_of_another_definition_have_another_number() -> None
 
 @pytest.fixture
 def little_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(client_definitions, "PER_CLIENT", Limits(1, 1000, 1000))
+    monkeypatch.setattr(client_definitions, "PER_CLIENT", DefinitionLimits(1, 1000, 1000))
 
 
 @pytest.mark.usefixtures("little_room")

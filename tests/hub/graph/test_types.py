@@ -18,7 +18,7 @@ from fibws.errors import (
 )
 from fibws.hub.graph.types import AnyType, Types
 from fibws.interfaces import Interfaces, client_definitions
-from fibws.interfaces.client_definitions import Limits
+from fibws.interfaces.client_definitions import DefinitionLimits
 
 from ..fakes import ADD, FIBONACCI, INT32, NANOSECONDS
 
@@ -317,7 +317,7 @@ def test_type_of_another_definition_is_another_one(kind: str) -> None:
 def test_type_is_unchecked_if_there_is_no_room_for_its_definition(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(client_definitions, "PER_CLIENT", Limits(1000, 1000, 0))
+    monkeypatch.setattr(client_definitions, "PER_CLIENT", DefinitionLimits(1000, 1000, 0))
     type_ = made(new_types(), kind, "my_package/Thing", OTHER[kind], "/greedy")
     assert (type_.codecs, type_.name) == (None, "my_package/Thing")
     assert "from /greedy to add my_package/Thing (limit is 0)" in type_.fault

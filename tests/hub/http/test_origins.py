@@ -11,7 +11,7 @@ from websockets.http11 import Request, Response
 from fibws.errors import HubError
 from fibws.hub.http.requests import HttpRequests
 from fibws.hub.settings import Settings
-from fibws.origins import AllowedOrigins, Origin, OwnHosts
+from fibws.origins import AllowedOrigins, OwnHosts, WebOrigin
 
 HERE = "localhost:9090"
 
@@ -44,7 +44,7 @@ def respond(path: str, headers: Headers, *allowed: str) -> Response:
     ],
 )
 def test_origin_is_parsed(text: str, origin: tuple[str, str, int | None]) -> None:
-    assert Origin.parse(text) == origin
+    assert WebOrigin.parse(text) == origin
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_origin_is_parsed(text: str, origin: tuple[str, str, int | None]) -> Non
     ],
 )
 def test_text_that_is_not_exactly_an_origin_is_refused(text: str) -> None:
-    assert Origin.parse(text) is None
+    assert WebOrigin.parse(text) is None
     assert not may_connect(text)
     assert not may_connect(text, "http://localhost")
 

@@ -13,13 +13,13 @@ import pytest
 from conftest import StartHub
 
 from fibws.access.token_file import digest_of
-from fibws.hub.log.audit import Audit, Identity
+from fibws.hub.log.audit import Audit, ClientIdentity
 from fibws.hub.log.text import MAX_LINES, REPEAT_AFTER
 from fibws.hub.server import HubServer
 
 from ..raw_client import Client, connected, dialled, handshake
 
-GUEST = Identity("guest", "10.0.0.7")
+GUEST = ClientIdentity("guest", "10.0.0.7")
 
 
 class Clock:
@@ -40,7 +40,7 @@ def clock() -> Clock:
 @pytest.fixture
 def audit(clock: Clock, caplog: pytest.LogCaptureFixture) -> Audit:
     caplog.set_level(logging.INFO, "fibws.hub.audit")
-    return Audit(clock, lambda node: GUEST if node == "/joystick" else Identity())
+    return Audit(clock, lambda node: GUEST if node == "/joystick" else ClientIdentity())
 
 
 def events(caplog: pytest.LogCaptureFixture) -> list[dict[str, Any]]:

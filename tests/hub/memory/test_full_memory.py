@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import StartHub
 
-from fibws.hub.federation.records import Message
+from fibws.hub.federation.records import LinkMessage
 from fibws.hub.server import HubServer
 from fibws.hub.settings import KIB, MIB
 from fibws.hub.websocket.endpoint import STRANGER_BYTES
@@ -271,7 +271,7 @@ async def test_what_waits_for_another_hub_counts(start_hub: StartHub) -> None:
     other = await start_hub(join=(hub.url,))
     await until(lambda: bool(hub.federation.peers) and bool(other.federation.peers))
     [backplane] = hub.federation.backplanes
-    large = Message(1, 0, 0, bytes(MIB))
+    large = LinkMessage(1, 0, 0, bytes(MIB))
     backplane.publish(large, limit=10)
     [holding] = hub.federation.queued()
     assert holding.measure() == hub._account.held()["queues"] > MIB

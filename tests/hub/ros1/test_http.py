@@ -12,7 +12,7 @@ import pytest
 
 from fibws.hub.errors import XmlRpcError
 from fibws.hub.ros1 import http
-from fibws.hub.ros1.http import Caller, XmlRpcConnection
+from fibws.hub.ros1.http import XmlRpcCaller, XmlRpcConnection
 
 MOST = 1_000_000
 POST = "POST /RPC2 HTTP/1.1\r\n"
@@ -61,7 +61,7 @@ def request(*params: Any, head: str = POST, method: str = "echo") -> bytes:
 async def client() -> AsyncIterator[Client]:
     calls: list[Any] = []
 
-    def answer(path: str, method: str, params: list[Any], caller: Caller) -> object:
+    def answer(path: str, method: str, params: list[Any], caller: XmlRpcCaller) -> object:
         calls.append((path, method, params))
         match method:
             case "fail":

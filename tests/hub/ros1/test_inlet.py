@@ -383,13 +383,13 @@ async def test_latched_message_is_forgotten_with_the_latching(
 def failures(monkeypatch: pytest.MonkeyPatch) -> asyncio.Queue[int]:
     """How often a link has failed in a row, after each failure."""
     found: asyncio.Queue[int] = asyncio.Queue()
-    report = inlet.Inlet._report
+    report = inlet.TcprosInlet._report
 
-    async def recorded(self: inlet.Inlet, error: Exception) -> None:
+    async def recorded(self: inlet.TcprosInlet, error: Exception) -> None:
         await report(self, error)
         found.put_nowait(self._failures)
 
-    monkeypatch.setattr(inlet.Inlet, "_report", recorded)
+    monkeypatch.setattr(inlet.TcprosInlet, "_report", recorded)
     return found
 
 

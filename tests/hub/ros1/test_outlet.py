@@ -15,7 +15,7 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Source
 from fibws.hub.graph.types import Buffer
 from fibws.hub.ros1.connection import TcprosConnection
-from fibws.hub.ros1.outlet import JOINED, Outlet, OutletLink
+from fibws.hub.ros1.outlet import JOINED, OutletLink, TcprosOutlet
 from fibws.hub.ros1.tcpros import decode_header
 from fibws.hub.ros1.topic_registrations import Ros1Subscriber
 from fibws.hub.server import HubServer
@@ -48,9 +48,9 @@ class Topic:
         self.nodes = new_nodes(self.graph)
         self.nodes.topics.links = self
         self.type = type_
-        self._outlet = Outlet("/t", self.graph, self.nodes, max_queued, count(1))
+        self._outlet = TcprosOutlet("/t", self.graph, self.nodes, max_queued, count(1))
 
-    def outlet(self, topic: str) -> Outlet:
+    def outlet(self, topic: str) -> TcprosOutlet:
         return self._outlet
 
     def changed(self, topic: object) -> None:

@@ -13,7 +13,7 @@ from fibws.errors import AlreadyOffered, InvalidMessage, NodeClosed, OperationRe
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions import server as server_module
 from fibws.node.actions.server import ENDED, SUPERSEDED, ActionServer, ServerGoal
-from fibws.node.actions.status import Record, Transition
+from fibws.node.actions.status import GoalRecord, Transition
 from fibws.node.session import Session
 from fibws.protocol.goals import GoalStatus
 
@@ -33,7 +33,7 @@ async def publish(goal: FibonacciServerGoal, feedback: object) -> None:
 
 @pytest.fixture
 def goal() -> FibonacciServerGoal:
-    return ServerGoal(Record("a"), FibonacciGoal(5), FibonacciResult, publish)
+    return ServerGoal(GoalRecord("a"), FibonacciGoal(5), FibonacciResult, publish)
 
 
 def test_goal_has_id_request_and_status(goal: FibonacciServerGoal) -> None:
@@ -87,8 +87,8 @@ class RecordingServer(ActionServer[FibonacciGoal, FibonacciResult, FibonacciFeed
         self.statuses: list[list[str]] = []
         self._result_sent = asyncio.Event()
 
-    def goal(self, id_: str, order: int = 5, stamp: int = 0) -> Record:
-        record = Record(id_, stamp)
+    def goal(self, id_: str, order: int = 5, stamp: int = 0) -> GoalRecord:
+        record = GoalRecord(id_, stamp)
         self._receive(record, FibonacciGoal(order))
         return record
 
@@ -109,10 +109,10 @@ class RecordingServer(ActionServer[FibonacciGoal, FibonacciResult, FibonacciFeed
     def _send_status(self) -> None:
         self.statuses.append([f"{goal.id} {goal.status}" for goal in self._goals.values()])
 
-    def _send_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
+    def _send_feedback(self, record: GoalRecord, feedback: dict[str, Any]) -> None:
         self.feedback.append((record.id, feedback["sequence"]))
 
-    def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
+    def _send_result(self, record: GoalRecord, result: dict[str, Any] | None) -> None:
         assert record.id not in self.results, "a goal ends once"
         self.results[record.id] = (
             record.status.name,

@@ -8,7 +8,7 @@ from fibws.node.actions.status import (
     KEPT,
     KEPT_COUNT,
     OUTDATED,
-    Record,
+    GoalRecord,
     Records,
     Transition,
     next_status,
@@ -76,7 +76,7 @@ def test_forbidden_transition_has_no_next_status(
 
 
 def test_forbidden_transition_leaves_status_and_text() -> None:
-    record = Record("a")
+    record = GoalRecord("a")
     assert record.go(Transition.CANCEL, "why not")
     assert not record.go(Transition.SUCCEED, "too late")
     assert (record.status, record.text) == (GoalStatus.RECALLED, "why not")
@@ -85,13 +85,13 @@ def test_forbidden_transition_leaves_status_and_text() -> None:
 # The status list
 
 
-def added(records: Records, id_: str, stamp: int = 1) -> Record:
+def added(records: Records, id_: str, stamp: int = 1) -> GoalRecord:
     record = records.add(id_, stamp, now=0)
     assert record is not None
     return record
 
 
-def ids(records: list[Record]) -> list[str]:
+def ids(records: list[GoalRecord]) -> list[str]:
     return [record.id for record in records]
 
 

@@ -13,8 +13,8 @@ from fibws.programs.demo_robot.world import (
     START,
     TRACK,
     WHEEL,
-    Pose,
     Robot,
+    RobotPose,
     World,
     toward,
 )
@@ -172,4 +172,4 @@ def test_robot_reaches_a_place(yaw: float) -> None:
         robot.command(*toward(robot.pose, 3.0, 0.7))
         robot.move(0.05)
     assert math.hypot(robot.pose.x - 3.0, robot.pose.y - 0.7) < 0.05
-    assert toward(Pose(0.0, 0.0, 0.0), 1.0, 0.0) == pytest.approx((0.6, 0.0))
+    assert toward(RobotPose(0.0, 0.0, 0.0), 1.0, 0.0) == pytest.approx((0.6, 0.0))

@@ -16,7 +16,7 @@ from actionlib_tutorials.msg import (
     FibonacciResult,
 )
 
-from fibws.node.actions.status import Record
+from fibws.node.actions.status import GoalRecord
 
 
 class Told:
@@ -34,7 +34,7 @@ class Told:
     def publish_feedback(self, status: Any, feedback: Any) -> None:
         self.published.append((status.status, feedback))
 
-    def goal_ended(self, record: Record, result: Any) -> None:
+    def goal_ended(self, record: GoalRecord, result: Any) -> None:
         self.published.append((int(record.status), record.text, result))
 
 
@@ -58,7 +58,7 @@ def handle(server: Told, errors: list[str]) -> ServerGoalHandle:
 
 def handle_of(name: str, server: Told) -> ServerGoalHandle:
     goal = FibonacciActionGoal(goal=FibonacciGoal(5))
-    return ServerGoalHandle(Record(name, 3_000_000_004), cast(ActionServer, server), goal)
+    return ServerGoalHandle(GoalRecord(name, 3_000_000_004), cast(ActionServer, server), goal)
 
 
 def test_goal_succeeds(handle: ServerGoalHandle, server: Told, errors: list[str]) -> None:

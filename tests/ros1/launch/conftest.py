@@ -11,7 +11,7 @@ import yaml
 
 from fibws.ros1.errors import PackageNotFound
 from fibws.ros1.launch.model import Launch
-from fibws.ros1.launch.reader import Reader
+from fibws.ros1.launch.reader import LaunchReader
 
 MAIN = "main.launch"
 
@@ -66,7 +66,7 @@ def read(environment: FakeEnvironment) -> Read:
     """Read the content of a <launch>, with values for its arguments."""
 
     def read(text: str, **values: str) -> Launch:
-        reader = Reader(environment, values)
+        reader = LaunchReader(environment, values)
         reader.read(MAIN, f"<launch>\n{text}\n</launch>".encode())
         return reader.launch
 

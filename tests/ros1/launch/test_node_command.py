@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from fibws.ros1.errors import LaunchError
-from fibws.ros1.launch.model import Node
+from fibws.ros1.launch.model import LaunchNode
 from fibws.ros1.launch.node_command import (
     MODULES,
     is_built_in,
@@ -28,8 +28,10 @@ from .packages import package
 HUB = "ws://localhost:1234"
 
 
-def node(**fields: Any) -> Node:
-    return Node(**{"package": "robot", "type": "run.sh", "name": "n", **fields}, file="a", line=7)
+def node(**fields: Any) -> LaunchNode:
+    return LaunchNode(
+        **{"package": "robot", "type": "run.sh", "name": "n", **fields}, file="a", line=7
+    )
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from fibws.ros1.errors import LaunchError
-from fibws.ros1.launch.model import Step
+from fibws.ros1.launch.model import RosparamStep
 from fibws.ros1.launch.parameters import convert
 from fibws.ros1.launch.scope import boolean
 
@@ -193,9 +193,9 @@ def test_dump_and_delete_are_steps_of_the_launch(read: Read) -> None:
         '<rosparam command="delete" param="p"/><rosparam command="delete" ns="q"/></group>'
     )
     assert launch.steps == [
-        Step("dump", "/", "/home/me/d.yaml"),
-        Step("delete", "/g/p"),
-        Step("delete", "/g/q"),
+        RosparamStep("dump", "/", "/home/me/d.yaml"),
+        RosparamStep("delete", "/g/p"),
+        RosparamStep("delete", "/g/q"),
     ]
 
 

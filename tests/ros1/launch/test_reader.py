@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from fibws.ros1.errors import LaunchError
-from fibws.ros1.launch.model import Argument, Node
-from fibws.ros1.launch.reader import MOST_FILES, MOST_INCLUDES, Reader
+from fibws.ros1.launch.model import Argument, LaunchNode
+from fibws.ros1.launch.reader import MOST_FILES, MOST_INCLUDES, LaunchReader
 
 from .conftest import MAIN, FakeEnvironment, Read
 
@@ -83,7 +83,7 @@ def test_arguments_of_a_file_are_known(read: Read) -> None:
 
 
 def test_arguments_are_known_without_values(environment: FakeEnvironment) -> None:
-    reader = Reader(environment)
+    reader = LaunchReader(environment)
     reader.read_arguments(
         "a.launch",
         b'<launch><arg name="a"/><arg name="b" default="$(arg a)"/><x/><arg name="c"/></launch>',
@@ -93,7 +93,7 @@ def test_arguments_are_known_without_values(environment: FakeEnvironment) -> Non
 
 
 def test_unknown_value_is_reported(environment: FakeEnvironment) -> None:
-    reader = Reader(environment, {"sped": "1", "__ns": "/x"})
+    reader = LaunchReader(environment, {"sped": "1", "__ns": "/x"})
     reader.read("a.launch", b'<launch><arg name="speed" default="1"/></launch>')
     [warning] = reader.unknown_values()
     assert "sped:=1" in warning and "did you mean speed?" in warning
@@ -194,7 +194,7 @@ def test_invalid_namespace_is_an_error(namespace: str, read: Read) -> None:
 
 
 def test_everything_can_be_put_into_a_namespace(environment: FakeEnvironment) -> None:
-    reader = Reader(environment, namespace="/robot")
+    reader = LaunchReader(environment, namespace="/robot")
     reader.read("a.launch", f"<launch>{NODE.format('n')}</launch>".encode())
     assert reader.launch.nodes["/robot/n"].resolved == "/robot/n"
 
@@ -386,12 +386,12 @@ def test_file_without_a_launch_is_an_error(
     document: bytes, error: str, environment: FakeEnvironment
 ) -> None:
     with pytest.raises(LaunchError) as raised:
-        Reader(environment).read("a.launch", document)
+        LaunchReader(environment).read("a.launch", document)
     assert error in str(raised.value)
 
 
 def test_obsolete_tags_are_warnings(environment: FakeEnvironment) -> None:
-    reader = Reader(environment)
+    reader = LaunchReader(environment)
     reader.read("a.launch", b'<launch deprecated="use b"><master auto="start"/></launch>')
     deprecated, master = reader.launch.warnings
     assert deprecated == "a.launch: deprecated: use b"
@@ -466,7 +466,7 @@ def test_tags_in_nodes_and_includes_may_be_in_upper_case(
 
 
 def test_several_files_are_read_into_one_launch(environment: FakeEnvironment) -> None:
-    reader = Reader(environment, {"a": "1"})
+    reader = LaunchReader(environment, {"a": "1"})
     reader.read(
         "a.launch", b'<launch><arg name="a" default="0"/><env name="A" value="b"/></launch>'
     )
@@ -477,7 +477,7 @@ def test_several_files_are_read_into_one_launch(environment: FakeEnvironment) ->
 
 def test_file_that_cannot_be_read_raises(environment: FakeEnvironment) -> None:
     with pytest.raises(FileNotFoundError):
-        Reader(environment).read("nope.launch")
+        LaunchReader(environment).read("nope.launch")
 
 
 # <node>, <test>, <remap>, <env>
@@ -503,7 +503,7 @@ def test_file_that_cannot_be_read_raises(environment: FakeEnvironment) -> None:
 )
 def test_attributes_of_a_node(attributes: str, expected: dict[str, Any], read: Read) -> None:
     [node] = read(f"{START} {attributes}/>").nodes.values()
-    assert node == Node(package="p", type="t", name="n", file=MAIN, line=2, **expected)
+    assert node == LaunchNode(package="p", type="t", name="n", file=MAIN, line=2, **expected)
 
 
 @pytest.mark.parametrize(

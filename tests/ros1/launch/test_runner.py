@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from fibws.ros1.launch.model import Node
+from fibws.ros1.launch.model import LaunchNode
 from fibws.ros1.launch.node_command import NodeCommand
 from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.process import Process
@@ -52,7 +52,7 @@ class Launched:
                 pass
 
     async def start(self, script: str, *, screen: bool = True, **fields: Any) -> None:
-        node = Node(**{"package": "p", "type": "t", "name": "n", **fields}, file="a", line=1)
+        node = LaunchNode(**{"package": "p", "type": "t", "name": "n", **fields}, file="a", line=1)
         command = NodeCommand([sys.executable, "-u", "-c", script], dict(os.environ), self.folder)
         await self.runner.start_node(node, command, screen=screen)
 
@@ -181,7 +181,7 @@ async def test_failed_restart_is_a_failure(launched: Launched) -> None:
     program.chmod(0o755)
     command = NodeCommand([str(program)], dict(os.environ), launched.folder)
     await launched.runner.start_node(
-        Node("p", "t", "n", "a", 1, respawn=True), command, screen=True
+        LaunchNode("p", "t", "n", "a", 1, respawn=True), command, screen=True
     )
     await launched.run()
     assert "[n-1] restarting process" in launched.seen
@@ -256,7 +256,7 @@ async def test_end_of_the_hub_ends_all(launched: Launched) -> None:
 
 
 async def test_program_that_cannot_be_started_is_a_failure(launched: Launched) -> None:
-    node = Node("p", "t", "n", "a", 1)
+    node = LaunchNode("p", "t", "n", "a", 1)
     command = NodeCommand(["no_such_program", "x"], dict(os.environ), launched.folder)
     await launched.runner.start_node(node, command, screen=True)
     await launched.run()
@@ -264,7 +264,7 @@ async def test_program_that_cannot_be_started_is_a_failure(launched: Launched) -
         "[n-1] cannot be started: No such file or directory: no_such_program x"
     ]
     assert launched.runner.has_failed
-    required = Node("p", "t", "n", "a", 1, required=True)
+    required = LaunchNode("p", "t", "n", "a", 1, required=True)
     await launched.runner.start_node(required, command, screen=True)
     assert launched.seen[-1] == "REQUIRED process [n] cannot be started!"
 

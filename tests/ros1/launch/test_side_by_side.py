@@ -12,7 +12,7 @@ import pytest
 import yaml
 from recorded_answers import Answers
 
-from fibws.ros1.launch.reader import Reader
+from fibws.ros1.launch.reader import LaunchReader
 
 from .conftest import FakeEnvironment
 
@@ -288,7 +288,7 @@ class Real(FakeEnvironment):
 
 def read(file: Path) -> Any:
     """Return what fibws reads in a file as `RealRoslaunch` has it; None if it is refused."""
-    reader = Reader(Real(), {"given": "G"})
+    reader = LaunchReader(Real(), {"given": "G"})
     try:
         reader.read(str(file))
     except (ValueError, subprocess.CalledProcessError):

@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from actionlib.action_spec import read_spec
 from actionlib.goal_id_generator import GoalIDGenerator
 from actionlib.server_goal_handle import ServerGoalHandle, goal_id, goal_status
-from fibws.node.actions.status import KEPT, Record, Records
+from fibws.node.actions.status import KEPT, GoalRecord, Records
 
 QUEUE_SIZE = 50
 """Default number of messages of a topic to queue for slow clients."""
@@ -176,7 +176,7 @@ class ActionServer:
 
     # Messages to clients
 
-    def goal_ended(self, record: Record, result: Any) -> None:
+    def goal_ended(self, record: GoalRecord, result: Any) -> None:
         """Publish the result of a goal that has just ended; None for an empty result."""
         self._handles.pop(record.id, None)
         self._records.ended(record, monotonic())

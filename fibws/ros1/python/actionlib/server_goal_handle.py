@@ -11,7 +11,7 @@ from fibws.node.actions.status import Transition
 
 if TYPE_CHECKING:
     from actionlib.action_server import ActionServer
-    from fibws.node.actions.status import Record
+    from fibws.node.actions.status import GoalRecord
 
 _TRANSITIONS = {
     Transition.ACCEPT: ("Accepting goal", "an active", "pending or recalling"),
@@ -45,7 +45,7 @@ class ServerGoalHandle:
 
     def __init__(
         self,
-        record: Record | None = None,
+        record: GoalRecord | None = None,
         action_server: ActionServer | None = None,
         goal: Any = None,
     ) -> None:
@@ -151,11 +151,11 @@ class ServerGoalHandle:
                 self._server.goal_ended(self._record, result)
 
 
-def goal_id(record: Record) -> Any:
+def goal_id(record: GoalRecord) -> Any:
     """Return a goal's ``GoalID``."""
     return GoalID(stamp=rospy.Time(*divmod(record.stamp, 1_000_000_000)), id=record.id)
 
 
-def goal_status(record: Record) -> Any:
+def goal_status(record: GoalRecord) -> Any:
     """Return a goal's state as an ``actionlib_msgs/GoalStatus``."""
     return GoalStatus(goal_id=goal_id(record), status=int(record.status), text=record.text)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from fibws.client.parameters import Parameters
+from fibws.client.parameters import HubParameters
 from fibws.errors import FibwsError, HubUnreachable, ParameterNotSet, ServiceError
 from rosgraph import parameter_values
 from rosgraph.names import GLOBALNS, get_ros_namespace, ns_join, resolve_name
@@ -61,7 +61,7 @@ class Master:
     def __init__(self, caller_id: str, master_uri: str | None = None) -> None:
         self.caller_id = ns_join(get_ros_namespace(), caller_id)
         self.master_uri = master_uri
-        self._parameters = Parameters(self.call)
+        self._parameters = HubParameters(self.call)
 
     def is_online(self) -> bool:
         """Return whether the hub can be reached."""

@@ -88,11 +88,11 @@ class Node:
         if self.cwd not in ("ROS_HOME", "node", None):
             raise ValueError("cwd must be one of 'ROS_HOME', 'node'")
 
-    def as_in_launch_file(self) -> model.Node:
+    def as_in_launch_file(self) -> model.LaunchNode:
         """Return it as a launch file's <node>; one without a name gets one."""
         if self.name is None:
             self.name = anonymous_name(self.type)
-        return model.Node(
+        return model.LaunchNode(
             self.package,
             self.type,
             self.name,

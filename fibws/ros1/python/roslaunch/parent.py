@@ -15,10 +15,10 @@ from fibws import hub_address, names
 from fibws.errors import FibwsError
 from fibws.ros1.launch import model
 from fibws.ros1.launch.environment import LocalEnvironment
-from fibws.ros1.launch.reader import Reader
+from fibws.ros1.launch.reader import LaunchReader
 from fibws.ros1.launch.runner import SIGINT_TIMEOUT as DEFAULT_TIMEOUT_SIGINT
 from fibws.ros1.launch.runner import SIGTERM_TIMEOUT as DEFAULT_TIMEOUT_SIGTERM
-from fibws.ros1.launch.session import Session
+from fibws.ros1.launch.session import LaunchSession
 from fibws.ros1.workspace.packages import Packages
 from fibws.values import parameter_files
 from roslaunch.core import RLException
@@ -96,7 +96,7 @@ class ROSLaunchParent:
         """The monitor of the processes, once started."""
         self._packages = Packages.from_environment()
         self._auto_terminate = True
-        self._session: Session | None = None
+        self._session: LaunchSession | None = None
 
     def start(self, auto_terminate: bool = True) -> None:
         """Set the parameters, and start all nodes.
@@ -123,7 +123,7 @@ class ROSLaunchParent:
             self.shutdown()
             raise RLException(_text(error)) from error
 
-    def launch(self, node: model.Node) -> Process | None:
+    def launch(self, node: model.LaunchNode) -> Process | None:
         """Start one more node; if that is impossible, say why and return None."""
         assert self.pm is not None and self._session is not None
         if self._session.is_part_of_hub(node):
@@ -155,7 +155,7 @@ class ROSLaunchParent:
         values = dict(word.split(":=", 1) for word in words if ":=" in word)
         namespace = names.check_namespace(os.environ.get("ROS_NAMESPACE") or "/")
         environment = LocalEnvironment(self._packages, parameter_files.parse)
-        reader = Reader(environment, values, namespace)
+        reader = LaunchReader(environment, values, namespace)
         reader.read(path)
         for text in [*reader.launch.warnings, *reader.unknown_values()]:
             print(f"WARNING: {text}")

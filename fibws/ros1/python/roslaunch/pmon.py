@@ -17,7 +17,7 @@ from fibws.ros1.launch import process as processes
 from fibws.ros1.launch.node_command import log_folder
 from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.runner import Job, Runner
-from fibws.ros1.launch.session import Session
+from fibws.ros1.launch.session import LaunchSession
 from fibws.ros1.workspace.packages import Packages
 from roslaunch.core import RLException
 
@@ -39,7 +39,7 @@ class ProcessListener:
 class Process:
     """A node's process."""
 
-    def __init__(self, monitor: ProcessMonitor, job: Job, node: model.Node) -> None:
+    def __init__(self, monitor: ProcessMonitor, job: Job, node: model.LaunchNode) -> None:
         self.name = job.process.name
         self.package = node.package
         self.required = node.required
@@ -112,9 +112,9 @@ class ProcessMonitor:
         url: str,
         *,
         has_default_url: bool,
-    ) -> Session:
+    ) -> LaunchSession:
         """Return a session of launch files, whose processes these are."""
-        return Session(
+        return LaunchSession(
             "roslaunch",
             launches,
             packages,
@@ -124,7 +124,9 @@ class ProcessMonitor:
             has_default_url=has_default_url,
         )
 
-    def launch(self, node: model.Node, session: Session, *, screen: bool) -> Process | None:
+    def launch(
+        self, node: model.LaunchNode, session: LaunchSession, *, screen: bool
+    ) -> Process | None:
         """Start a node; if that is impossible, say why and return None.
 
         Raises:

@@ -13,7 +13,7 @@ import rosgraph
 from rosgraph.masterapi import reporting_no_master
 from rosgraph.names import get_ros_namespace, make_global_ns, ns_join, script_resolve_name
 
-from fibws.client.parameters import Parameters
+from fibws.client.parameters import HubParameters
 from fibws.errors import ParameterError, ServiceError
 
 __all__ = [
@@ -163,7 +163,7 @@ def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:
         found = leaves(script_resolve_name("rosparam", param), value)
         with reporting_no_master(RosParamIOException), HubClient("rosparam") as client:
             for name, text in found:
-                Parameters(client.call).set_json(name, text)
+                HubParameters(client.call).set_json(name, text)
                 if verbose:
                     print(f"set parameter [{name}] to [{json.loads(text)}]")
     except ServiceError as error:

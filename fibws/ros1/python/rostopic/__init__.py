@@ -254,7 +254,7 @@ class ROSTopicHz:
         self.filter_expr = filter_expr
         self.use_wtime = use_wtime
         self._window_size = window_size if window_size > 0 else rates.MAX_WINDOW
-        self._rates: dict[str | None, rates.Rate] = {}
+        self._rates: dict[str | None, rates.MessageRate] = {}
 
     def callback_hz(self, m: Any, topic: str | None = None) -> None:
         """Count a message that is received now."""
@@ -285,9 +285,9 @@ class ROSTopicHz:
             polled = rates.poll({str(topic): self._rate(topic) for topic in topics})
         print(rates.rates_text(polled, len(topics)))
 
-    def _rate(self, topic: str | None) -> rates.Rate:
+    def _rate(self, topic: str | None) -> rates.MessageRate:
         if topic not in self._rates:
-            self._rates[topic] = rates.Rate(self._window_size)
+            self._rates[topic] = rates.MessageRate(self._window_size)
         return self._rates[topic]
 
 
