@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import errno
 import ipaddress
 import logging
 import os
@@ -25,7 +24,7 @@ from fibws.errors import FibwsError, InterfaceError, SettingError
 from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
-from fibws.hub.announcement import ALL, ALL_IPV4, machine_addresses
+from fibws.hub.announcement import machine_addresses
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.errors import NotAllowed
 from fibws.hub.federation import link
@@ -42,13 +41,13 @@ from fibws.hub.http.proxies import TrustedProxies
 from fibws.hub.http.recording_downloads import RecordingRoute
 from fibws.hub.http.requests import HttpRequests, built_files
 from fibws.hub.http.robot_assets import MOST_UNSENT, AssetRoute, RobotAssets
+from fibws.hub.listening import listen, local_url, reached_at
 from fibws.hub.log.audit import Audit, ClientIdentity
 from fibws.hub.memory.account import Account
 from fibws.hub.memory.byte_room import ByteRoom
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
-from fibws.hub.port_owner import is_hub_at
 from fibws.hub.rosapi.clients import ListedClient
 from fibws.hub.rosapi.nodes import RESERVED_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
@@ -78,19 +77,12 @@ ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any
 RECORDING_TIMEOUT = 10.0
 """Seconds in which the recorder must write something when the hub ends, until all is written."""
 SWEEP_INTERVAL = 1.0
-LEAST_TIMEOUT = 0.001
-"""Seconds; asyncio accepts no timeouts of 0 for TLS."""
 DRAIN_RATE = 100.0
 """Clients that are closed in a second before the hub ends, if there is time enough."""
 DRAIN_INTERVAL = 0.05
 """Seconds between two groups of clients that are closed."""
-PORT_TRIES = 20
-"""How many ports are tried until one is free for IPv4 and IPv6."""
 BACKLOG = 1024
 """Connections that may wait to be accepted: a thousand may come at once."""
-ACCEPTED_AT_ONCE = 32
-"""Connections that are accepted before those that are open have their turn: asyncio would accept
-the whole backlog."""
 
 
 class HubServer:
@@ -172,11 +164,7 @@ class HubServer:
         """Set while no client is connected."""
 
     async def start(self) -> Self:
-        """Listen until `close`, without ``async with``, such as in a notebook; return the hub.
-
-        Raises:
-            HubError: as on entering.
-        """
+        """Start as `fibws.Hub.start` says."""
         try:
             await self._start()
         except BaseException:
@@ -195,7 +183,9 @@ class HubServer:
         loop.set_exception_handler(self._on_exception)
         end.callback(self._restore_exception_handler)
         self._tls = _tls(self.settings)
-        self._server = server = await self._bind(loop)
+        self._server = server = await listen(
+            self.settings, self._tls, lambda: Connection(self._shared)
+        )
         end.push_async_callback(self._wait_until_closed, server)
         end.callback(server.close)  # Again, if the start fails: see the last step.
         self._threads = WorkerThreads(loop)
@@ -239,7 +229,7 @@ class HubServer:
             self.graph,
             loop,
             self.audit,
-            host=_reached_at(self.settings.host),
+            host=reached_at(self.settings.host),
             port=self.port,
             address=address,
             run_id=str(uuid.uuid1()),
@@ -517,15 +507,10 @@ class HubServer:
         return local_url(self.settings, self.port, self._tls)
 
     async def drain(self, seconds: float) -> None:
-        """Close all clients little by little, with a code on which they connect again elsewhere.
+        """Close all clients little by little, as `fibws.Hub.drain` says.
 
-        From now on /readyz answers 503 and no WebSocket opens, so that a load balancer sends
-        clients to another hub. About `DRAIN_RATE` clients are closed in a second, more if that
-        takes too long: a thousand that connect again at once would be a burden to the other hub.
-        It returns once all have left; `close` ends the hub.
-
-        Args:
-            seconds: most that it takes until the last client is closed.
+        About `DRAIN_RATE` clients are closed in a second, more if that takes too long: a thousand
+        that connect again at once would be a burden to the other hub.
         """
         self._probes.is_draining = True
         self._requests.refuse_websockets("The hub is about to end; try again later")
@@ -546,7 +531,7 @@ class HubServer:
             await asyncio.wait_for(self._vacant.wait(), self.settings.close_timeout)
 
     async def close(self) -> None:
-        """Close all connections and stop; clients that do not answer in time are cut off.
+        """Close all connections and stop, as `fibws.Hub.close` says.
 
         Every step runs even if one raises, or this is cancelled.
         """
@@ -577,22 +562,7 @@ class HubServer:
             loop.set_exception_handler(self._handle_exception)
 
     def reload(self, done: Callable[[list[str]], object] = lambda changes: None) -> list[str]:
-        """Read the files of certificates, tokens and keys again.
-
-        New connections get the new certificate. Clients lose what they may not do any more, one
-        after the other: there may be many.
-
-        Args:
-            done: called once all clients have lost it, with what has changed, and how many clients
-                were closed.
-
-        Returns:
-            What has changed in the files, as in ``token teleop revoked``; empty if nothing has.
-
-        Raises:
-            HubError: a certificate or its key cannot be used; nothing has changed.
-            AccessError: a file of tokens or keys is invalid; nothing has changed.
-        """
+        """Read the files again, as `fibws.Hub.reload` says, which has the same arguments."""
         if self.settings.self_signed:
             ensure_certificate(machine_addresses())
         use_certificate = self._tls.read() if self._tls is not None else list
@@ -690,42 +660,6 @@ class HubServer:
             if topic is not None
         }
         return {name: number for name, number in counts.items() if number}
-
-    async def _bind(self, loop: asyncio.AbstractEventLoop) -> asyncio.Server:
-        """Take the port; connections wait until the hub is complete."""
-        host, port = self.settings.host, self.settings.port
-        # With port 0, asyncio would take another port for each family.
-        are_both = host in ALL
-        for _ in range(PORT_TRIES):
-            try:
-                return await loop.create_server(
-                    lambda: Connection(self._shared),
-                    None if are_both else host,
-                    port or (_free_port() if are_both else 0),
-                    backlog=ACCEPTED_AT_ONCE,
-                    start_serving=False,
-                    **self._tls_arguments(),
-                )
-            except OSError as error:
-                fault = error
-                if port or error.errno != errno.EADDRINUSE:
-                    break
-        reason = _why_not(host, port, fault)
-        if fault.errno == errno.EADDRINUSE:
-            is_hub = await is_hub_at(_reached_at(host), port)
-            owner = "another hub" if is_hub else "another program"
-            reason = f"Port {port} on {host} is in use by {owner}; choose one with --port"
-        raise SettingError(reason) from fault
-
-    def _tls_arguments(self) -> dict[str, Any]:
-        """Return the arguments of the event loop's create_server."""
-        if self._tls is None:
-            return {}
-        return {
-            "ssl": self._tls.context,
-            "ssl_handshake_timeout": max(self.settings.open_timeout, LEAST_TIMEOUT),
-            "ssl_shutdown_timeout": max(self.settings.close_timeout, LEAST_TIMEOUT),
-        }
 
     def _refused(self, error: NotAllowed) -> None:
         self.audit.refused("right", str(error), node=error.node)
@@ -834,14 +768,6 @@ def _login_checks(connections: list[Connection], when: str, done: Callable[[int]
     done(closed)
 
 
-def local_url(settings: Settings, port: int, tls: ServerTls | None = None) -> str:
-    """Return the URL by which programs on this machine reach a hub that listens on a port."""
-    scheme, host = "wss" if settings.has_tls else "ws", _reached_at(settings.host)
-    if tls is not None:
-        host = tls.name_for(host)
-    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}{settings.base_path}"
-
-
 def _tls(settings: Settings) -> ServerTls | None:
     if settings.self_signed:
         file = ensure_certificate(machine_addresses()).certificate
@@ -872,26 +798,6 @@ def _refuse_origin(audit: Audit, reason: str, address: str) -> None:
     audit.refused("origin", reason, ip=address)
 
 
-def _reached_at(host: str) -> str:
-    """Return the address by which programs on this machine reach a hub that listens there."""
-    return "127.0.0.1" if host in (ALL_IPV4, *ALL) else host
-
-
-def _free_port() -> int:
-    """Return a port that is free, at least for IPv4."""
-    with socket.socket() as probe:
-        probe.bind(("", 0))
-        port: int = probe.getsockname()[1]
-        return port
-
-
 def _max_unwritten(settings: Settings) -> int:
     """Return the bytes that may be written to one client at once before it can count as slow."""
     return max(CHUNK, min(MOST_UNWRITTEN, settings.max_queued_bytes))
-
-
-def _why_not(host: str, port: int, error: OSError) -> str:
-    if error.errno in (errno.EADDRNOTAVAIL, None):  # From Python 3.13 on asyncio names none.
-        return f"--host: {host} is not an address of this machine"
-    option = "--host: cannot" if isinstance(error, socket.gaierror) else "Cannot"
-    return f"{option} listen on {host}:{port}: {error.strerror or error}"

@@ -17,7 +17,7 @@ from fibws.client.hub_client import is_hub_running
 from fibws.errors import HubError, SettingError
 from fibws.hub import Hub, Settings
 from fibws.hub.__main__ import environment_settings
-from fibws.hub.server import local_url
+from fibws.hub.listening import local_url
 from fibws.hub_address import page_url
 from fibws.programs.broadcaster import broadcast
 from fibws.programs.demo_robot import robot_node

@@ -12,8 +12,8 @@ from typing import Any
 import cbor2
 
 from fibws.access.rights import Principal
+from fibws.hub.delivery.clock import Workers
 from fibws.hub.delivery.send_queue import Bytes, Flusher, Frame, LargeFrame, SendQueue
-from fibws.hub.delivery.workers import Workers
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.rosbridge.session import Rosbridge, RosbridgeSession

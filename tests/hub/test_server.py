@@ -15,7 +15,7 @@ from websockets.asyncio.client import connect
 
 import fibws
 from fibws.errors import HubError, SettingError
-from fibws.hub import Settings, server
+from fibws.hub import Settings, listening
 from fibws.hub.server import HubServer
 
 from .raw_client import (
@@ -77,9 +77,9 @@ class TestListening:
             taken.bind(("::", 0))
             taken.listen()
             port = taken.getsockname()[1]
-            free = server._free_port
+            free = listening._free_port
             ports = iter([port, port])
-            monkeypatch.setattr(server, "_free_port", lambda: next(ports, None) or free())
+            monkeypatch.setattr(listening, "_free_port", lambda: next(ports, None) or free())
             hub = await start_hub(host="::", port=0)
             assert hub.port != port
             with pytest.raises(HubError, match=f"Port {port} on :: is in use"):

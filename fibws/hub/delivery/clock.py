@@ -1,4 +1,4 @@
-"""The clock that the hub's synchronous parts are given; every asyncio loop is one."""
+"""The clock and the threads that the hub's synchronous parts are given; a loop is a clock."""
 
 from __future__ import annotations
 
@@ -28,3 +28,10 @@ class Loop(Clock, Protocol):
 
     def call_soon(self, callback: Callable[[], object], /) -> object:
         """Call a function in the next turn."""
+
+
+class Workers(Protocol):
+    """Threads for work that takes long."""
+
+    def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
+        """Call ``work`` in a thread and then ``done`` in the event loop; neither may raise."""

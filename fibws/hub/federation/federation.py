@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, replace
 from functools import partial
 from itertools import chain
-from typing import Any, Protocol
+from typing import Any
 
-from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.clock import Loop
 from fibws.hub.errors import NotAllowed
 from fibws.hub.federation.announced import PeerGraph
 from fibws.hub.federation.backplane import Backplane, Cancel, OnReply, Peer, Traffic
@@ -52,13 +52,6 @@ MOST_TOTALS = 1000
 KIND_OF: dict[Watched, Kind] = {"node": "nodes", "service": "services", "action": "actions"}
 
 
-class FederationLoop(Clock, Protocol):
-    """The event loop, or what stands for it in tests."""
-
-    def call_soon(self, callback: Callable[[], object], /) -> object:
-        """Call a function in the next turn."""
-
-
 class Federation:
     """Joins the graph of this hub with those of others; the `Network` of its backplanes.
 
@@ -70,7 +63,7 @@ class Federation:
         self,
         graph: Graph,
         hub: HubInfo,
-        loop: FederationLoop,
+        loop: Loop,
         settings: Settings,
         audit: Audit,
         loaded: Mapping[str, int],

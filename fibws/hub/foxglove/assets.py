@@ -10,9 +10,8 @@ from typing import NamedTuple, Protocol
 
 from fibws.access.rights import Right
 from fibws.errors import FibwsError
-from fibws.hub.delivery.clock import Timer
+from fibws.hub.delivery.clock import Timer, Workers
 from fibws.hub.delivery.send_queue import Frame
-from fibws.hub.delivery.workers import Workers
 from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.messages import FetchAsset, asset_error_frame, asset_frame
 from fibws.hub.log.text import INTERNAL_ERROR, shortened

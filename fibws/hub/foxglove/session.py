@@ -14,8 +14,7 @@ from typing import assert_never
 
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, OperationError
-from fibws.hub.delivery.clock import Clock
-from fibws.hub.delivery.workers import Workers
+from fibws.hub.delivery.clock import Clock, Workers
 from fibws.hub.errors import LimitReached
 from fibws.hub.foxglove.assets import MOST_HELD, AssetFiles, Assets
 from fibws.hub.foxglove.client import FoxgloveClient, FoxgloveStatuses

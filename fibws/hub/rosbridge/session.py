@@ -21,8 +21,7 @@ from pydantic_core import from_json
 
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, OperationError
-from fibws.hub.delivery.clock import Clock
-from fibws.hub.delivery.workers import Workers
+from fibws.hub.delivery.clock import Clock, Workers
 from fibws.hub.errors import LimitReached, NotAllowed, TooManyAttempts
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log.text import INTERNAL_ERROR, is_power_of_ten

@@ -8,11 +8,10 @@ from collections.abc import Callable, Iterable
 from functools import partial
 
 from fibws.errors import OperationError
-from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.clock import Clock, Workers
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
 from fibws.hub.delivery.throttle import Throttling
-from fibws.hub.delivery.workers import Workers
 from fibws.hub.errors import LimitReached
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
