@@ -192,7 +192,7 @@ class Recording:
         """What waits for the end of the recording."""
         self._timer: TimerHandle | None = None
         self._is_closed = False
-        graph.internal.add(NODE)
+        graph.rights.internal.add(NODE)
         graph.permanent.add(NODE)
         graph.reserved.add(STATE)
         for name, (type_, function) in self._services().items():
@@ -420,7 +420,7 @@ class Recording:
     def _check_admin(self, caller: str, verb: str) -> None:
         policy = self.graph.policy
         if not policy.allows_all and not policy.is_admin(caller):
-            raise self.graph.refused(NotAllowed(caller, "admin", f"{NODE}/{verb}"))
+            raise self.graph.rights.refused(NotAllowed(caller, "admin", f"{NODE}/{verb}"))
 
     def _values(self) -> dict[str, Any]:
         """Return the state as fibws_msgs/RecordingState."""

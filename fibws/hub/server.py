@@ -224,7 +224,7 @@ class HubServer:
         self._account = account = Account(memory_limit(self.settings), loop.call_soon)
         self._limits = SharedLimits(self.settings, self._connections, account, self.audit)
         self._end.callback(self._limits.report_refusals)
-        self.graph.on_refused = self._refused
+        self.graph.rights.on_refused = self._refused
         self._own = OwnNodes(
             self.graph,
             loop,

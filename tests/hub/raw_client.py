@@ -265,7 +265,7 @@ async def longest_turn() -> AsyncIterator[Callable[[], float]]:
 
 def nodes(hub: HubServer) -> list[str]:
     """Return the names of the clients' nodes."""
-    return [name for name in hub.graph.nodes if name not in hub.graph.internal]
+    return [name for name in hub.graph.nodes if name not in hub.graph.rights.internal]
 
 
 def topics(hub: HubServer) -> list[str]:

@@ -22,7 +22,8 @@ from patience import PATIENCE
 from websockets.exceptions import InvalidStatus
 
 from fibws.access.token_file import Tokens
-from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.nodes import ExternalNode
 from fibws.hub.server import HubServer
 from fibws.interfaces import Interfaces, Validators
 from fibws.interfaces.serialization import Serializers
@@ -381,7 +382,7 @@ async def test_will_on_rosout_has_the_name_of_its_node(
     boss = await world.client("boss")
     await boss.does("subscribe", topic="/rosout", type=LOG)
     async with entering(hub, token) as connection:
-        (node,) = hub.graph.nodes.keys() - {boss.name, *hub.graph.internal}
+        (node,) = hub.graph.nodes.keys() - {boss.name, *hub.graph.rights.internal}
         attacker = Client(connection, node, token)
         forged = {"name": "/ann", "msg": "forged"}
         await attacker.answers("set_will", topic="/rosout", type=LOG, msg=forged)

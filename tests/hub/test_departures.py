@@ -244,7 +244,7 @@ def test_connection_is_closed_if_a_right_cannot_be_withdrawn(
     client, viewer = hub.client("/robot"), hub.foxglove_client("/viewer")
     client.send("advertise", "/topic", type=INT32)
     viewer.advertise("/topic", INT32)
-    monkeypatch.setattr(hub.graph, "is_source_allowed", Mock(side_effect=ValueError))
+    monkeypatch.setattr(hub.graph.rights, "allows_source", Mock(side_effect=ValueError))
     for each in (client, viewer):
         with pytest.raises(ValueError):
             finish(each.session.authorize(Principal("ann", Rights())))

@@ -461,7 +461,7 @@ def test_node_without_the_right_to_publish_does_not_hold_a_type() -> None:
 
 def test_log_keeps_its_type() -> None:
     hub = FakeHub()
-    hub.graph.guards["/rosout"] = lambda node, values: None
+    hub.graph.rights.guards["/rosout"] = lambda node, values: None
     hub.client("/talker").send("advertise", "/rosout", type="rosgraph_msgs/Log")
     client = hub.client()
     client.send("advertise", "/rosout", type=INT32)

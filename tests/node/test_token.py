@@ -19,7 +19,7 @@ import fibws
 from fibws.access.rights import RIGHTS, Principal, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Settings
-from fibws.hub.graph.graph import GraphNode as GraphNode
+from fibws.hub.graph.nodes import GraphNode as GraphNode
 from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32
 from fibws.node import connection

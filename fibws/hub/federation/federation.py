@@ -335,7 +335,7 @@ class Federation:
     def _may_send(self, backplane: Backplane, topic: str) -> bool:
         """Return whether the hubs of a backplane may get the messages of a topic."""
         try:
-            self.graph.check_allowed(backplane.node, "subscribe", topic)
+            self.graph.rights.check(backplane.node, "subscribe", topic)
         except NotAllowed:
             return False
         view = backplane.view

@@ -30,7 +30,8 @@ from fibws.hub.federation.remote_logs import LogReader
 from fibws.hub.federation.remote_nodes import RemoteNode
 from fibws.hub.federation.shared_parameters import SharedParameters
 from fibws.hub.foreign.worklist import Worklist
-from fibws.hub.graph.graph import Graph, NodeOfLink
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.nodes import NodeOfLink
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.graph.topic import Topic
 from fibws.hub.graph.type_group import TypeGroup
@@ -242,7 +243,7 @@ class Offers:
     def _note_sight(self) -> None:
         """Announce topics again whose users are announced as far as the other hubs see them."""
         if not self.graph.policy.allows_all:
-            for name in self.graph.guards:
+            for name in self.graph.rights.guards:
                 self.changed("topics", name)
 
     def _note_users(self, kind: Kind, name: str, users: set[str]) -> None:
@@ -305,11 +306,11 @@ class Offers:
         found = self.graph.nodes.get(node)
         if found is None or isinstance(found, LinkNode):
             return False
-        if node in self.graph.internal and not isinstance(found, LogReader):
+        if node in self.graph.rights.internal and not isinstance(found, LogReader):
             return False
         return not isinstance(found, RemoteNode) or found.home.peer.backplane is not self.backplane
 
     def _may(self, name: str, right: Right, *, exports: bool) -> bool:
         view = self.backplane.view
         passes = view.may_export(name) if exports else view.may_import(name)
-        return passes and self.graph.is_allowed(self.backplane.node, right, name)
+        return passes and self.graph.rights.allows(self.backplane.node, right, name)

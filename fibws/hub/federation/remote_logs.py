@@ -72,7 +72,7 @@ class LogReader:
         """Topics that may be logs of other hubs."""
         self._subscriptions: dict[str, _Subscription] = {}
         self._is_due = False
-        graph.internal.add(self.name)
+        graph.rights.internal.add(self.name)
         graph.watch_topics(self._topic_changed)
 
     def publishing(self) -> tuple[str, ...]:

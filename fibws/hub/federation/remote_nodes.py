@@ -11,7 +11,8 @@ from fibws.hub.federation.backplane import Peer
 from fibws.hub.federation.precedence import Ages, NodeOffer, choose
 from fibws.hub.federation.records import HubInfo, Kind, NodeRecord, Request
 from fibws.hub.foreign.nodes import ForeignNode
-from fibws.hub.graph.graph import Graph, NodeOfHub
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.nodes import NodeOfHub
 from fibws.hub.log.text import printable
 
 logger = logging.getLogger("fibws.hub")
@@ -146,7 +147,7 @@ class RemoteNodes:
         record = offer.record
         if self._ages.was_replaced("nodes", name, record.hub.id, record.since):
             return False
-        if name in self._graph.internal:
+        if name in self._graph.rights.internal:
             return False
         hub = printable(record.hub.name)
         if record.replaces == self._hub.id:

@@ -321,7 +321,7 @@ class RemoteTopics(ForeignTopics[RemotePublisher, RemoteSubscriber]):
         The hub's aggregator of the log does not count: `LogReader` subscribes while somebody reads
         what it aggregates.
         """
-        is_log = source.topic.name in self._graph.guards
+        is_log = source.topic.name in self._graph.rights.guards
         for sink in source.group.sinks():
             is_aggregator = is_log and sink.node == ROSOUT
             if not isinstance(sink, RemoteSubscriber) and not is_aggregator:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, Self
 
-from fibws.hub.graph.graph import DistantNode
+from fibws.hub.graph.nodes import DistantNode
 
 
 class ForeignNode(DistantNode):

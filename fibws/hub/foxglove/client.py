@@ -96,7 +96,7 @@ class FoxgloveClient:
 
     def is_allowed(self, right: Right, name: str) -> bool:
         """Return whether the client may do this with a topic, a service or a parameter."""
-        return self.graph.is_allowed(self.node, right, name)
+        return self.graph.rights.allows(self.node, right, name)
 
     def check_room(self, what: Registration, taken: int) -> None:
         """Raise `LimitReached` if the client has registered as many of something as it may."""

@@ -20,7 +20,8 @@ from pydantic_core import to_json
 from fibws.hub.foxglove.client import FoxgloveClient
 from fibws.hub.foxglove.messages import ROS1, ROS1_TEXT, WARNING, list_frame, text_frame
 from fibws.hub.foxglove.turns import TURN
-from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.nodes import ExternalNode
 from fibws.hub.graph.numbers import Numbers
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Service

@@ -390,7 +390,7 @@ class Publications:
     def withdraw_forbidden(self) -> Work:
         """Take back, one by one, what the client's rights do not allow any more."""
         for id_, (source, _) in list(self._channels.items()):
-            if id_ in self._channels and not self._client.graph.is_source_allowed(source):
+            if id_ in self._channels and not self._client.graph.rights.allows_source(source):
                 self.remove(id_)
                 if source not in self._uses:
                     self._client.report_withdrawn("publish", source.topic.name)

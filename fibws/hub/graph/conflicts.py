@@ -2,21 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
-from fibws.hub.graph.topic import Conflict, Topic
+from fibws.hub.graph.topic import Conflict, Sink, Source, Topic
 from fibws.hub.graph.type_group import TypeGroup
 
 if TYPE_CHECKING:
     from fibws.hub.graph.view import GraphView
+
+ConflictReport: TypeAlias = Callable[[str], object]
+"""Takes the reason why messages do not pass to others, or an empty text once they do."""
 
 MOST_NAMED = 3
 """How many nodes of a type are named."""
 MOST_TYPES = 64
 """Types of one topic, after which subscribers with others are refused. Publishers are not: no
 subscription keeps them out."""
+
+
+class ConflictReports:
+    """Tells the members of groups of the conflicts in which they are.
+
+    Args:
+        view: returns the graph as a node sees it.
+        later: does work step by step, some of it possibly later.
+    """
+
+    def __init__(
+        self, view: Callable[[str], GraphView], later: Callable[[Iterator[None]], object]
+    ) -> None:
+        self._view = view
+        self._later = later
+
+    def settle(self, topic: Topic) -> None:
+        """Tell the members of each group when the types have changed with which it conflicts."""
+        groups = topic.groups
+        if len(groups) == 1 and not groups[0].told:
+            return
+        for group in groups:
+            news = summary(topic, group)
+            if news != group.told:
+                group.told = news
+                if group.reports:
+                    self._later(self._tell(group, news))
+
+    def _tell(self, group: TypeGroup, news: tuple[tuple[str, bool], ...]) -> Iterator[None]:
+        for member in tuple(group.reports):
+            if group.told is not news:
+                return  # They are told of something newer.
+            self._report(group, member)
+            yield
+
+    def _report(self, group: TypeGroup, member: Source | Sink) -> None:
+        report = group.reports.get(member)
+        if report is not None:
+            topic = group.topic
+            is_over = not group.told
+            report("" if is_over else describe(topic, group, self._view(member.node)))
+
+    def report_to(
+        self, group: TypeGroup, member: Source | Sink, report: ConflictReport | None
+    ) -> None:
+        """Have a member of a group told of conflicts from now on."""
+        if report is not None:
+            group.reports[member] = report
+            if group.told:
+                self._report(group, member)
 
 
 def rivals(topic: Topic, group: TypeGroup) -> list[TypeGroup]:

@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import logging
 import secrets
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-from functools import cache, partial
-from typing import Any, Literal, Protocol, TypeAlias
+from functools import partial
+from typing import Any, Literal, TypeAlias
 from uuid import uuid4
 from weakref import WeakValueDictionary
 
 from fibws import names
-from fibws.access.rights import Principal, Right
+from fibws.access.rights import Principal
 from fibws.errors import InterfaceError, OperationError
 from fibws.hub.errors import (
     CallFailed,
@@ -39,25 +38,25 @@ from fibws.hub.graph.action import (
 )
 from fibws.hub.graph.body import Body
 from fibws.hub.graph.clock import GraphClock
-from fibws.hub.graph.conflicts import MOST_TYPES, describe, summary
+from fibws.hub.graph.conflicts import MOST_TYPES, ConflictReport, ConflictReports
 from fibws.hub.graph.latched import LatchQuota, LatchTotal
-from fibws.hub.graph.numbers import Numbers
+from fibws.hub.graph.nodes import GraphNode
 from fibws.hub.graph.parameters import Parameters, Prepared, canonical, names_in, prepare
 from fibws.hub.graph.policy import AllowAll, Policy
+from fibws.hub.graph.rights import GraphRights
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
 from fibws.hub.graph.topic import (
     QUEUE_SIZE,
     Conflict,
-    Guard,
-    GuardedSource,
     Receiver,
     Sink,
     Source,
     Topic,
 )
+from fibws.hub.graph.topic_groups import TopicGroups, type_name
 from fibws.hub.graph.totals import CallTotals, TopicTotals
 from fibws.hub.graph.type_group import TypeGroup
-from fibws.hub.graph.types import ANY_TYPE, MessageType, ServiceType, Types, unknown_service
+from fibws.hub.graph.types import ServiceType, Types, unknown_service
 from fibws.hub.graph.view import GraphView
 from fibws.interfaces import Interfaces
 
@@ -68,97 +67,14 @@ ROSBRIDGE = "/rosbridge_websocket"
 """The hub's own node that stands for the real rosbridge server."""
 
 
-ConflictReport: TypeAlias = Callable[[str], object]
-"""Takes the reason why messages do not pass to others, or an empty text once they do."""
 Watched: TypeAlias = Literal["node", "service", "action"]
 """The kinds of changes that `Graph.watch` reports."""
-
-
-def _type_name(group: TypeGroup | None) -> str:
-    return group.type.name if group is not None and group.type is not None else ""
 
 
 def exhaust(work: Iterator[None]) -> None:
     """Do all steps of some work at once."""
     for _ in work:
         pass
-
-
-class GraphNode(Protocol):
-    """A node of the graph: a client, or a part of the hub itself."""
-
-    def replaced(self) -> None:
-        """Take note that another client has taken its name."""
-
-    def publishing(self) -> Iterable[str]:
-        """Return the global names of the topics that it publishes."""
-
-    def subscribing(self) -> Iterable[str]:
-        """Return the global names of the topics that it subscribes to."""
-
-    def providing(self) -> Iterable[str]:
-        """Return the global names of the services that it provides."""
-
-
-class DistantNode(ABC):
-    """A `GraphNode` that is not connected to this hub, and answers in another way.
-
-    Attributes:
-        since: when it registered, or connected to its own hub, in nanoseconds since 1970.
-    """
-
-    __slots__ = ()
-
-    since: int
-
-    @abstractmethod
-    def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
-        """Ask whether it answers.
-
-        Args:
-            done: called once with why it did not answer; with an empty text if it did. It may be
-                called before this returns.
-
-        Returns:
-            A function that cancels.
-        """
-
-    @abstractmethod
-    def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
-        """Ask it to end; otherwise as `ping`."""
-
-
-class ExternalNode(DistantNode):
-    """A node that answers at an address of its own: a ROS 1 node.
-
-    Attributes:
-        api: the URI of its address.
-        fault: why it did not answer last; empty if it did.
-    """
-
-    api: str
-    fault: str
-
-    @abstractmethod
-    def unregister(self) -> None:
-        """Remove it from the graph, with everything that it has registered."""
-
-
-class NodeOfHub(DistantNode):
-    """A node that is connected to another hub."""
-
-    __slots__ = ()
-
-    @property
-    @abstractmethod
-    def hub_name(self) -> str:
-        """The name of its hub."""
-
-
-class NodeOfLink:
-    """A `GraphNode` that stands for a link to other hubs, and uses nothing itself."""
-
-    __slots__ = ()
 
 
 class Graph:
@@ -189,20 +105,16 @@ class Graph:
         self.actions: dict[str, Action] = {}
         self.parameters = Parameters(max_parameter_bytes)
         self.policy: Policy = policy or AllowAll()
+        self.rights = GraphRights(self.policy)
+        """What nodes may do, by the policy."""
         self.latched = LatchTotal()
         """The bytes of all latched messages and wills."""
-        self.internal: set[str] = set()
-        """The hub's own nodes, for which the policy is not asked."""
         self.permanent: set[str] = set()
         """The hub's own nodes whose names no client may take. With a policy, all are."""
         self.reserved: set[str] = set()
         """The topics that only the hub's own nodes may publish."""
-        self.guards: dict[str, Guard] = {}
-        """By topics: further checks of what nodes publish there that are not admins."""
         self.finish: Callable[[Iterator[None]], object] = exhaust
         """Does work step by step, some of it possibly later."""
-        self.on_refused: Callable[[NotAllowed], object] = lambda error: None
-        """Takes each refusal of the policy, but those of a node's name."""
         self._topic_watchers: list[Callable[[Topic], None]] = []
         self._watchers: dict[Watched, list[Callable[[str], None]]] = {}
         self.now = now
@@ -225,36 +137,22 @@ class Graph:
         by one: to those that come meanwhile it is as if they were not there."""
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
-        self._topic_numbers = Numbers()
+        self._conflicts = ConflictReports(self.view, lambda work: self.finish(work))
+        self._groups = TopicGroups(
+            self.topics,
+            self._types,
+            self.rights.internal,
+            self._conflicts,
+            later=lambda work: self.finish(work),
+            touch=self._touch,
+            changed=self._changed,
+        )
 
     def latch_quota(
         self, limit: int, node: str = "", report: Callable[[str], object] = lambda text: None
     ) -> LatchQuota:
         """Return what bounds the latched messages of a node; arguments as of `LatchQuota`."""
         return LatchQuota(limit, self.latched, node, report)
-
-    # What nodes may do and see.
-
-    def check_allowed(self, node: str, right: Right, name: str) -> None:
-        """Raise `NotAllowed` unless the policy lets a node do this."""
-        if not self.is_allowed(node, right, name):
-            raise self.refused(NotAllowed(node, right, name))
-
-    def refused(self, error: NotAllowed) -> NotAllowed:
-        """Report an error that is about to be raised, and return it."""
-        self.on_refused(error)
-        return error
-
-    def is_allowed(self, node: str, right: Right, name: str) -> bool:
-        """Return whether a node may do this with a topic, service, action or parameter."""
-        return node in self.internal or self.policy.may(node, right, name)
-
-    def is_source_allowed(self, source: Source) -> bool:
-        """Return whether a source may still publish as it does."""
-        name = source.topic.name
-        is_guarded = isinstance(source, GuardedSource) or name not in self.guards
-        is_free = is_guarded or self.policy.is_admin(source.node)
-        return is_free and self.is_allowed(source.node, "publish", name)
 
     def view(self, caller: str) -> GraphView:
         """Return the graph as a node sees it, from which that node gets all its answers."""
@@ -288,7 +186,7 @@ class Graph:
         name = self._new_name() if name is None else name
         if not internal:
             is_replaceable = self.policy.allows_all and name not in self.permanent
-            if name in self.internal and not is_replaceable:
+            if name in self.rights.internal and not is_replaceable:
                 raise NotAllowed(name, "node", name, f"{name} is the hub's own node")
             is_taken = name in self.nodes
             self.policy.enter(name, principal, is_chosen=is_chosen, is_taken=is_taken)
@@ -416,6 +314,9 @@ class Graph:
         for changed in self._watchers.get(kind, ()):
             changed(name)
 
+    def _touch(self) -> None:
+        self.revision += 1
+
     def _changed(self, topic: Topic) -> None:
         self.revision += 1
         for changed in self._topic_watchers:
@@ -464,24 +365,28 @@ class Graph:
             UnknownDefinition: messages are serialized, but there is no room for the definition.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
-        if topic.name in self.reserved and node not in self.internal:
+        if topic.name in self.reserved and node not in self.rights.internal:
             raise OperationError(f"{topic.name} is published by the hub alone")
-        self.check_allowed(node, "publish", topic.name)
+        self.rights.check(node, "publish", topic.name)
         self._remove_left(topic)
         try:
-            group, named, type_was = self._join_type(topic, type_, definition, md5sum, node)
+            group, named, type_was = self._groups.join(topic, type_, definition, md5sum, node)
             if serialized and named.fault:
                 named.check_known()
             source = topic.publishers.get(node)
             if source is not None and source.group is not group:
                 raise TypeConflict(topic.name, named.name, source.type.name, node)
-            if topic.name in self.guards and topic.main is not group and topic.type is not None:
+            if (
+                topic.name in self.rights.guards
+                and topic.main is not group
+                and topic.type is not None
+            ):
                 raise TypeConflict(topic.name, named.name, topic.type.name, topic.main.members()[0])
         except Exception:
-            self._settle(topic)
+            self._groups.settle(topic)
             raise
         if source is None:
-            make = self._source_class(node, topic)
+            make = self.rights.source_class(node, topic)
             source = make(
                 node,
                 group,
@@ -491,18 +396,13 @@ class Graph:
                 quota=quota or LatchQuota(),
                 queue_size=queue_size,
             )
-            self._keep(topic)
+            self._groups.keep(topic)
             topic.add(source, linked=linked)
-            self._settle(topic)
+            self._groups.settle(topic)
         elif named is not type_was:
             self._changed(topic)
-        self._report_to(group, source, on_conflict)
+        self._conflicts.report_to(group, source, on_conflict)
         return source
-
-    def _source_class(self, node: str, topic: Topic) -> Callable[..., Source]:
-        guard = self.guards.get(topic.name)
-        is_free = guard is None or node in self.internal or self.policy.is_admin(node)
-        return Source if guard is None or is_free else partial(GuardedSource, guard)
 
     def remove_source(self, source: Source) -> None:
         """Remove a source from its topic."""
@@ -511,7 +411,7 @@ class Graph:
         if source.is_attached:
             self.messages.source_left(source)
         source.topic.remove(source)
-        self._settle(source.topic)
+        self._groups.settle(source.topic)
 
     def subscribe(
         self,
@@ -554,16 +454,18 @@ class Graph:
             OperationError: messages cannot be serialized, as the fields of the type are unknown;
                 others as `advertise`. The sink is subscribed as before.
         """
-        self.check_allowed(sink.node, "subscribe", topic.name)
+        self.rights.check(sink.node, "subscribe", topic.name)
         self._remove_left(topic)
         try:
             present = topic.named_by(sink)
             group = present if keeps_type else None
             if type_ is not None:
                 own = present if keeps_type else None
-                group, named, _ = self._join_type(topic, type_, definition, md5sum, sink.node, own)
+                group, named, _ = self._groups.join(
+                    topic, type_, definition, md5sum, sink.node, own
+                )
                 if keeps_type and present not in (None, group):
-                    raise TypeConflict(topic.name, named.name, _type_name(present), sink.node)
+                    raise TypeConflict(topic.name, named.name, type_name(present), sink.node)
                 if not group.is_used and len(topic.groups) > MOST_TYPES:
                     raise LimitReached(f"too many types of {topic.name} (limit {MOST_TYPES})")
             wanted = topic.type if group is None or takes_all else group.type
@@ -576,16 +478,16 @@ class Graph:
                 follow=follow,
                 takes_all=takes_all,
                 # A node without the right to publish must not fix the type for those that have it.
-                holds_type=self.is_allowed(sink.node, "publish", topic.name),
+                holds_type=self.rights.allows(sink.node, "publish", topic.name),
                 needs_definition=needs_definition,
                 linked=linked,
             )
-            self._keep(topic)
+            self._groups.keep(topic)
         finally:
             # It may have failed, or replace a request that named the type.
-            self._settle(topic)
+            self._groups.settle(topic)
         if group is not None:
-            self._report_to(group, sink, on_conflict)
+            self._conflicts.report_to(group, sink, on_conflict)
 
     def unsubscribe(self, topic: Topic, sink: Sink) -> None:
         """Remove a sink from a topic."""
@@ -593,186 +495,11 @@ class Graph:
         if topic.has_sink(sink):
             self.messages.sink_left(topic, sink.report())
         topic.detach(sink)
-        self._settle(topic)
-
-    def _join_type(
-        self,
-        topic: Topic,
-        type_: str,
-        definition: str | None,
-        md5sum: str | None,
-        node: str,
-        own: TypeGroup | None = None,
-    ) -> tuple[TypeGroup, MessageType, MessageType | None]:
-        """Return the group of the type that a node names, its type, and that which it had before.
-
-        A group keeps its type when a node names another type with equal fields: as in ROS 1, where
-        the md5 counts when nodes connect.
-
-        Args:
-            own: the group that the node is in already and may not leave.
-        """
-        name = Interfaces.canonical(type_)
-        known = cache(partial(self._known_type, name, definition, md5sum, node))
-        is_exact = definition is not None or md5sum not in (None, ANY_TYPE)
-        group = _named_group(topic, name, own) if not is_exact else None
-        group = group or self._find_group(topic, name, known)
-        present = group.type if group is not None else None
-        if group is not None and present is not None and (group.is_held or group is own):
-            wanted = present
-            if present.name == name and not present.checked:
-                wanted = _updated(present, known, needs_definition=definition is not None)
-        else:
-            wanted = known()
-        _check_md5sum(wanted, md5sum)
-        if group is None:
-            group = topic.add_group()
-            if topic.main.number:
-                self._number(group)
-        if wanted is not present:
-            self._change_type(group, wanted)
-        return group, wanted, present
-
-    def _known_type(
-        self, name: str, definition: str | None, md5sum: str | None, node: str
-    ) -> MessageType:
-        """Return the type that a node means."""
-        if node in self.internal:
-            return self._types.own_message(name)
-        return self._types.message(name, definition, node, md5sum)
-
-    def _find_group(
-        self, topic: Topic, name: str, known: Callable[[], MessageType]
-    ) -> TypeGroup | None:
-        """Return the group of a type, or one whose fields are unknown, or that has no type.
-
-        Types of one name with other fields are other types.
-        """
-        try:
-            md5sum = known().md5sum
-        except InterfaceError:
-            md5sum = None
-        named = [each for each in topic.groups if each.type is not None and each.type.name == name]
-        for group in (*named, *topic.groups):
-            if md5sum is not None and group.type is not None and group.type.md5sum == md5sum:
-                return group
-        for group in named:
-            if group.type is not None and not group.type.checked:
-                return group
-        return next((each for each in topic.groups if each.type is None), None)
-
-    def _change_type(self, group: TypeGroup, type_: MessageType | None) -> None:
-        """Set a group's type, or None, and hold its definition."""
-        self.revision += 1
-        older, group.type = group.type, type_
-        if type_ is not None and type_.checked:
-            sort = (type_.name, type_.md5sum)
-            if group.number and group.last_type not in (None, sort):
-                # Messages of both types may be on their way to one client.
-                self._number(group)
-            group.last_type = sort
-            for source in group.sources.values():
-                source.type = type_
-        if older is not None:
-            self._types.release(older, group)
-        if type_ is not None:
-            self._types.hold(type_, group)
-
-    def _keep(self, topic: Topic) -> None:
-        """Add a topic to the graph, since it has a user."""
-        if self.topics.get(topic.name) is not topic:
-            self.topics[topic.name] = topic
-            for group in topic.groups:
-                self._number(group)
-
-    def _number(self, group: TypeGroup) -> None:
-        """Give a group of a topic of the graph another number."""
-        self._topic_numbers.give_back(group.number)
-        group.number = self._topic_numbers.take()
-
-    def _take_number(self, group: TypeGroup) -> None:
-        self._topic_numbers.give_back(group.number)
-        group.number = 0
-
-    def _remove_idle(self, topic: Topic) -> None:
-        """Remove a topic that has no user left."""
-        if topic.idle and self.topics.get(topic.name) is topic:
-            del self.topics[topic.name]
-            for group in topic.groups:
-                self._take_number(group)
-
-    def _settle(self, topic: Topic) -> None:
-        """Remove the topic, its types, or their definitions if they have no holder left."""
-        self._remove_idle(topic)
-        for group in tuple(topic.groups):
-            if group.type is not None and not group.needs_definition:
-                type_ = self._types.without_definition(group.type) if group.is_used else None
-                if type_ is not group.type:
-                    self._change_type(group, type_)
-        if len(topic.groups) > 1:
-            self._settle_groups(topic)
-            self._move_followers(topic)
-        self._tell_conflicts(topic)
-        self._changed(topic)
-
-    def _settle_groups(self, topic: Topic) -> None:
-        """Remove the groups that nobody uses any more, and choose the main one."""
-        used = [each for each in topic.groups if each.is_used] or topic.groups[:1]
-        for group in topic.groups:
-            if group not in used:
-                self._take_number(group)
-        main = next((each for each in used if each.sources), None)
-        main = main or next((each for each in used if each.is_held), used[0])
-        topic.groups = [main, *(each for each in used if each is not main)]
-
-    def _move_followers(self, topic: Topic) -> None:
-        """Let sinks follow the publishers of the type that they name to another definition."""
-        for group in topic.groups:
-            if group.followers and not group.sources and not group.is_left:
-                name = group.type.name if group.type is not None else ""
-                others = (each for each in topic.groups if each.sources and each.type is not None)
-                if any(each.type.name == name for each in others if each.type is not None):
-                    group.is_left = True
-                    self.finish(_leave(group))
-
-    def _tell_conflicts(self, topic: Topic) -> None:
-        """Tell the members of each group when the types have changed with which it conflicts."""
-        groups = topic.groups
-        if len(groups) == 1 and not groups[0].told:
-            return
-        for group in groups:
-            news = summary(topic, group)
-            if news != group.told:
-                group.told = news
-                if group.reports:
-                    self.finish(self._tell(group, news))
-
-    def _tell(self, group: TypeGroup, news: tuple[tuple[str, bool], ...]) -> Iterator[None]:
-        for member in tuple(group.reports):
-            if group.told is not news:
-                return  # They are told of something newer.
-            self._report_conflict(group, member)
-            yield
-
-    def _report_conflict(self, group: TypeGroup, member: Source | Sink) -> None:
-        report = group.reports.get(member)
-        if report is not None:
-            topic = group.topic
-            is_over = not group.told
-            report("" if is_over else describe(topic, group, self.view(member.node)))
-
-    def _report_to(
-        self, group: TypeGroup, member: Source | Sink, report: ConflictReport | None
-    ) -> None:
-        """Have a member of a group told of conflicts from now on."""
-        if report is not None:
-            group.reports[member] = report
-            if group.told:
-                self._report_conflict(group, member)
+        self._groups.settle(topic)
 
     def add_conflict(self, topic: Topic, conflict: Conflict) -> None:
         """Note on a topic that a node outside the hub uses it as the graph cannot."""
-        self._keep(topic)
+        self._groups.keep(topic)
         topic.unattached.append(conflict)
         self.revision += 1
 
@@ -785,7 +512,7 @@ class Graph:
         ]
         if len(kept) < len(topic.unattached):
             topic.unattached[:] = kept
-            self._remove_idle(topic)
+            self._groups.remove_idle(topic)
             self.revision += 1
 
     # Services.
@@ -804,7 +531,7 @@ class Graph:
             OperationError: the service is the hub's own.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
-        self.check_allowed(server.node, "provide", name)
+        self.rights.check(server.node, "provide", name)
         if type_ is None:
             service_type = unknown_service()
         else:
@@ -812,7 +539,7 @@ class Graph:
         older = self._service(name)
         if older is not None and isinstance(older.server, InternalServer):
             raise OperationError(f"Service {name} is the hub's own ({older.node})")
-        self._check_free("Service", name, older, server.node)
+        self.rights.check_free("Service", name, older, server.node)
         return self._serve(Service(name, service_type, server))
 
     def learn_service_type(
@@ -867,12 +594,6 @@ class Graph:
         self._report("service", service.name)
         return service
 
-    def _check_free(self, kind: str, name: str, older: Service | Action | None, node: str) -> None:
-        """Refuse to take a service or an action away from another principal's node."""
-        if older is not None and not self.policy.is_same_owner(node, older.node):
-            fault = f"{kind} {name} belongs to another principal"
-            raise self.refused(NotAllowed(node, "provide", name, fault))
-
     def remove_service(self, service: Service) -> None:
         """Remove a service, unless another server has taken it over."""
         self._left.discard(service)
@@ -898,7 +619,7 @@ class Graph:
             InvalidMessage: the request does not fit the type.
         """
         try:
-            self.check_allowed(caller, "call", name)
+            self.rights.check(caller, "call", name)
             service = self._service(name)
             if service is None:
                 raise CallFailed(f"Service {name} does not exist", "unknown_service")
@@ -917,12 +638,12 @@ class Graph:
         Goals of earlier advertisements of the name go on at their servers. All can be cancelled by
         a service beside the action, too, as in ROS 2.
         """
-        self.check_allowed(server.node, "provide", name)
+        self.rights.check(server.node, "provide", name)
         action_type = self._types.action(Interfaces.canonical(type_), definition, server.node)
         older = self._action(name)
-        self._check_free("Action", name, older, server.node)
+        self.rights.check_free("Action", name, older, server.node)
         cancelling = cancel_service(name)
-        self._check_free("Service", cancelling, self._service(cancelling), server.node)
+        self.rights.check_free("Service", cancelling, self._service(cancelling), server.node)
         if older is not None:
             self.remove_action(older)
         goals = self._goals.setdefault(name, Goals())
@@ -932,7 +653,9 @@ class Graph:
             cancel_service(action.name),
             CANCEL_GOAL,
             server.node,
-            lambda request, caller: cancel_goals(action, request, partial(self._may_end, caller)),
+            lambda request, caller: cancel_goals(
+                action, request, partial(self.rights.may_end, caller)
+            ),
         )
         if older is not None:
             older.server.displaced(older)
@@ -949,7 +672,7 @@ class Graph:
             NotAllowed: the policy forbids it.
             InvalidMessage: the goal does not fit the type.
         """
-        self.check_allowed(caller, "call", name)
+        self.rights.check(caller, "call", name)
         action = self._action(name)
         if action is None:
             raise CallFailed(f"Action {name} does not exist", "unknown_action")
@@ -959,10 +682,6 @@ class Graph:
             raise CallFailed(text, "type_conflict")
         uuid = uuid4().bytes  # A client may still mean a goal of a hub that was restarted.
         return Goal(action, args, client, caller, uuid, self.clock.now())
-
-    def _may_end(self, caller: str, goal: Goal) -> bool:
-        """Return whether a node may cancel a goal: its own, or its principal's."""
-        return self.policy.is_same_owner(caller, goal.caller) or self.policy.is_admin(caller)
 
     def _is_same_action(self, action: Action, type_: str, caller: str) -> bool:
         """Return whether an action's type and the one of this name have the same fields."""
@@ -996,58 +715,12 @@ class Graph:
         name = canonical(name)
         if not self.policy.allows_all:
             new = names_in(name, value) if isinstance(value, dict) else (name,)
-            self._check_writable(node, name, (*new, *self.parameters.replaced_by(name)))
+            self.rights.check_writable(node, name, (*new, *self.parameters.replaced_by(name)))
         self.parameters.put(prepared or prepare(name, value), node)
 
     def delete_parameter(self, node: str, name: str) -> None:
         """Delete a parameter if there is one; raises `NotAllowed`, and as `Parameters.delete`."""
         name = canonical(name)
-        self._check_writable(node, name, self.parameters.below(name))
+        self.rights.check_writable(node, name, self.parameters.below(name))
         if self.parameters.has(name):
             self.parameters.delete(name, node)
-
-    def _check_writable(self, node: str, name: str, others: Iterable[str]) -> None:
-        """Check the right to write a parameter and others, whose names the error does not hold."""
-        if self.policy.allows_all:
-            return
-        affected = tuple(others) or (name,)
-        if not all(self.is_allowed(node, "param_write", each) for each in affected):
-            raise self.refused(NotAllowed(node, "param_write", name))
-
-
-def _check_md5sum(type_: MessageType, md5sum: str | None) -> None:
-    """Refuse a client whose definition of a type is another one."""
-    if md5sum is not None and type_.md5sum is not None and md5sum not in (type_.md5sum, ANY_TYPE):
-        raise DefinitionMismatch(type_.name, md5sum, type_.md5sum)
-
-
-def _named_group(topic: Topic, name: str, own: TypeGroup | None) -> TypeGroup | None:
-    """Return the group of a type that is only named: the node's own, or one that publishes."""
-    named = [each for each in topic.groups if each.type is not None and each.type.name == name]
-    if own in named:
-        return own
-    held = [each for each in named if each.is_held]
-    return next((each for each in held if each.sources), held[0] if held else None)
-
-
-def _updated(
-    type_: MessageType, known: Callable[[], MessageType], *, needs_definition: bool
-) -> MessageType:
-    """Return a type of unknown fields, or the one in its place if they have become known."""
-    try:
-        found = known()
-    except InterfaceError:
-        if needs_definition:
-            raise
-        return type_
-    return found if found.checked or found.fault else type_
-
-
-def _leave(group: TypeGroup) -> Iterator[None]:
-    """Let the followers of a group subscribe again, one by one."""
-    for sink in tuple(group.followers):
-        follow = group.followers.get(sink)
-        if follow is not None and not group.sources:
-            follow()
-        yield
-    group.is_left = False

@@ -20,7 +20,8 @@ from fibws.hub.graph.topic import Conflict, Sink, Source, Topic
 from fibws.hub.graph.type_group import TypeGroup
 
 if TYPE_CHECKING:
-    from fibws.hub.graph.graph import Graph, GraphNode
+    from fibws.hub.graph.graph import Graph
+    from fibws.hub.graph.nodes import GraphNode
 
 _node_of = attrgetter("node")
 
@@ -48,7 +49,7 @@ class GraphView:
         if self._sees_all:
             return True
         graph, caller = self._graph, self.caller
-        return any(graph.is_allowed(caller, right, name) for right in RIGHTS_OF[kind])
+        return any(graph.rights.allows(caller, right, name) for right in RIGHTS_OF[kind])
 
     def sees_node(self, name: str) -> bool:
         """Return whether it may learn that another node exists.
@@ -56,7 +57,7 @@ class GraphView:
         It sees the nodes of its own principal, and those that use anything that it sees.
         """
         graph, policy = self._graph, self._graph.policy
-        if self._sees_all or self.caller in graph.internal:
+        if self._sees_all or self.caller in graph.rights.internal:
             return True
         node = graph.nodes.get(name)
         if node is None:
@@ -64,7 +65,7 @@ class GraphView:
         if policy.is_same_owner(self.caller, name) or policy.is_admin(self.caller):
             return True
         # Nearly every node publishes the log: that alone must not show it to everybody.
-        topics = {*node.publishing(), *node.subscribing()}.difference(graph.guards)
+        topics = {*node.publishing(), *node.subscribing()}.difference(graph.rights.guards)
         return any(self.sees("topic", each) for each in topics) or any(
             self.sees("service", each) for each in node.providing()
         )
@@ -78,7 +79,7 @@ class GraphView:
 
     def hides_users(self, topic: Topic) -> bool:
         """Return whether some users of a topic that it sees may be hidden from it."""
-        return not self._sees_all and topic.name in self._graph.guards
+        return not self._sees_all and topic.name in self._graph.rights.guards
 
     def sees_address(self, node: str) -> bool:
         """Return whether it may learn from where a node has connected."""
@@ -223,10 +224,10 @@ class GraphView:
     def may_read(self, name: str) -> bool:
         """Return whether it may read a parameter, or anything of a namespace."""
         graph, caller = self._graph, self.caller
-        if self._sees_all or graph.is_allowed(caller, "param_read", name):
+        if self._sees_all or graph.rights.allows(caller, "param_read", name):
             return True
         below = graph.parameters.below(name)
-        return any(graph.is_allowed(caller, "param_read", each) for each in below)
+        return any(graph.rights.allows(caller, "param_read", each) for each in below)
 
     def parameter(self, name: str) -> bytes:
         """Return a parameter's value as JSON; of a namespace, what may be read of it.
@@ -239,9 +240,9 @@ class GraphView:
         if self._sees_all:
             return graph.parameters.text(name)
         below = [each for each in graph.parameters.below(name) if each != name]
-        readable = [each for each in below if graph.is_allowed(caller, "param_read", each)]
+        readable = [each for each in below if graph.rights.allows(caller, "param_read", each)]
         if not readable:
-            graph.check_allowed(caller, "param_read", name)
+            graph.rights.check(caller, "param_read", name)
         if below and not readable:
             raise ParameterNotSet(name)
         if len(readable) == len(below):

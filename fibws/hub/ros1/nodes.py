@@ -264,7 +264,7 @@ class Ros1Nodes:
                 continue
             self.topics.apply_rights(node)
             for service, uri in node.served.items():
-                if not graph.is_allowed(node.name, "provide", service):
+                if not graph.rights.allows(node.name, "provide", service):
                     self.service_links.unregister(node, service)
                 self.service_links.register(node, service, uri)
 

@@ -446,7 +446,7 @@ class ServiceLinks:
         """End, one by one, the calls of ROS 1 clients that their rights do not allow any more."""
         for call in list(self.calls):
             if call in self.calls:
-                if not self.graph.is_allowed(call.caller, "call", call.service.name):
+                if not self.graph.rights.allows(call.caller, "call", call.service.name):
                     call.withdraw()
             yield
 

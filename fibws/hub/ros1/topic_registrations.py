@@ -19,8 +19,9 @@ from fibws.hub.foreign.nodes import ForeignNode
 from fibws.hub.foreign.topics import ForeignPublisher, ForeignSubscriber, ForeignTopics
 from fibws.hub.foreign.warnings import OneTimeWarnings
 from fibws.hub.foreign.worklist import Worklist
-from fibws.hub.graph.graph import ExternalNode, Graph
+from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.latched import LatchQuota
+from fibws.hub.graph.nodes import ExternalNode
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Receiver, SinkReport, Source, Topic
 from fibws.hub.graph.types import MessageType
@@ -231,7 +232,7 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
         Args:
             subscriber: the one for which their type must fit; None for any type.
         """
-        if not self._graph.is_allowed(CLIENT, "subscribe", topic):
+        if not self._graph.rights.allows(CLIENT, "subscribe", topic):
             return False
         found = self._graph.topics.get(topic)
         if found is None:
@@ -249,7 +250,7 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
         The hub is left out where ROS 1 may not publish.
         """
         apis = dict.fromkeys(each.owner.api for each in self.subscribers(topic))
-        may_publish = self._graph.is_allowed(CLIENT, "publish", topic)
+        may_publish = self._graph.rights.allows(CLIENT, "publish", topic)
         found = self._graph.topics.get(topic) if may_publish else None
         if found is not None and any(
             sink.node not in self._names and not self._graph.has_left(sink)
@@ -332,10 +333,10 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
         """Attach what a node may use now, and detach what it may not."""
         graph = self._graph
         for topic, publisher in node.published.items():
-            if graph.is_allowed(node.name, "publish", topic) is not publisher.is_attached:
+            if graph.rights.allows(node.name, "publish", topic) is not publisher.is_attached:
                 self.attach_again(topic, publisher)
         for topic, subscriber in node.subscribed.items():
-            if graph.is_allowed(node.name, "subscribe", topic) is not subscriber.is_attached:
+            if graph.rights.allows(node.name, "subscribe", topic) is not subscriber.is_attached:
                 self.attach_again(topic, subscriber)
         for topic in (*node.published, *node.subscribed):
             self._mark(topic)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from itertools import count
 
-from fibws.hub.graph.graph import Graph, NodeOfLink
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.nodes import NodeOfLink
 from fibws.hub.ros2.key_layout import Entity, Kind, Qos, gid_of, is_left_out, is_legal
 from fibws.hub.ros2.network import Declared, Ros2Network
 from fibws.hub.ros2.nodes import Ros2Node
@@ -59,7 +60,7 @@ class Ros2Tokens:
         """Return whether ROS 2 may see a node."""
         found = self._graph.nodes.get(node)
         is_own = found is not None and not isinstance(found, Ros2Node | NodeOfLink)
-        return is_own and node not in self._graph.internal
+        return is_own and node not in self._graph.rights.internal
 
     def may_show(self, name: str) -> bool:
         """Return whether ROS 2 may see a topic or a service."""

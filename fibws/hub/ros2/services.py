@@ -240,7 +240,7 @@ class Ros2Services:
         They are at most `MOST_REQUESTS`.
         """
         for call in list(self._requests):
-            if not self._graph.is_allowed(call.caller, "call", call.service.name):
+            if not self._graph.rights.allows(call.caller, "call", call.service.name):
                 call.withdraw()
 
     def _node_changed(self, name: str) -> None:
@@ -340,7 +340,7 @@ class Ros2Services:
         """Return the type of a service in ROS 2 if it is to be shown there."""
         if service is None or isinstance(service.server, InternalServer | Ros2Server):
             return None
-        may_call = self._graph.is_allowed(CLIENT, "call", service.name)
+        may_call = self._graph.rights.allows(CLIENT, "call", service.name)
         if not may_call or not self.own.may_show(service.name):
             return None
         if not self.own.is_shown(service.node):

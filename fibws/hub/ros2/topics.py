@@ -539,7 +539,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
             for group, message in messages.items()
             for node, source in group.sources.items()
         }
-        may_publish = self._graph.is_allowed(CLIENT, "subscribe", links.topic)
+        may_publish = self._graph.rights.allows(CLIENT, "subscribe", links.topic)
         for node, old in list(links.own_publishers.items()):
             is_same = sources.get(node) == (old.source, old.message)
             if not is_same or not self._own.is_shown(node) or not may_publish:
@@ -578,7 +578,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
     def _settle_own_subscribers(
         self, links: Ros2Links, messages: dict[TypeGroup, Ros2Message]
     ) -> None:
-        may_subscribe = self._graph.is_allowed(CLIENT, "publish", links.topic)
+        may_subscribe = self._graph.rights.allows(CLIENT, "publish", links.topic)
         wanted = {
             (node, message.name, message.type_hash)
             for group, message in messages.items()

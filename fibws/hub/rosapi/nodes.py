@@ -131,7 +131,7 @@ class RosoutNode:
     def replaced(self) -> None:
         """Make room for a client of this name."""
         self._remove_services()
-        self._graph.internal.discard(ROSOUT)
+        self._graph.rights.internal.discard(ROSOUT)
         self._move(ROSAPI)
 
     def close(self) -> None:
@@ -144,7 +144,7 @@ class RosoutNode:
         self._graph.leave(self, ROSOUT)
 
     def _enter(self) -> None:
-        self._graph.internal.add(ROSOUT)
+        self._graph.rights.internal.add(ROSOUT)
         self._move(ROSOUT)
         services = loggers.services(ROSOUT)
         for service, (type_, function) in services.items():
@@ -261,10 +261,10 @@ class OwnNodes:
         self._graph = graph
         self._hubs = hubs
         self._audit = audit
-        graph.internal.update(RESERVED_NODES)
+        graph.rights.internal.update(RESERVED_NODES)
         graph.permanent.update(RESERVED_NODES)
         graph.reserved.update({"/rosout_agg", *PUBLISHED} - {ROSOUT})
-        graph.guards[ROSOUT] = self._check_author
+        graph.rights.guards[ROSOUT] = self._check_author
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port, address=address)
         self.parameters = graph.parameters.names()
         """The parameters that the hub sets for itself."""
@@ -349,7 +349,7 @@ class OwnNodes:
         author = values["name"]
         if author not in ("", node):
             fault = f"log lines must have the name of their node, got {quoted(author)}"
-            raise self._graph.refused(NotAllowed(node, "publish", ROSOUT, fault))
+            raise self._graph.rights.refused(NotAllowed(node, "publish", ROSOUT, fault))
 
 
 def _namespace(name: str) -> str:

@@ -13,7 +13,8 @@ from typing import Any
 
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.errors import NotAllowed
-from fibws.hub.graph.graph import DistantNode, ExternalNode, Graph
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.nodes import DistantNode, ExternalNode
 from fibws.hub.graph.service import Deferred, Function, Response
 from fibws.hub.log.audit import Audit
 from fibws.hub.log.text import shortened
@@ -171,7 +172,7 @@ class Rosnode:
         """Check that a node is the caller's, or the caller an admin; raises `NotAllowed`."""
         policy = self._graph.policy
         if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
-            raise self._graph.refused(NotAllowed(caller, "admin", node))
+            raise self._graph.rights.refused(NotAllowed(caller, "admin", node))
 
     def _give_up(self, client: ListedClient, data: bytes) -> None:
         text = f"{self._pings[client][data].node} did not answer within {PATIENCE:g} s"

@@ -8,7 +8,8 @@ from urllib.parse import urlsplit
 
 from pydantic_core import to_json
 
-from fibws.hub.graph.graph import ExternalNode, Graph, NodeOfHub, NodeOfLink
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.nodes import ExternalNode, NodeOfHub, NodeOfLink
 from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
 from fibws.hub.graph.view import GraphView
@@ -91,7 +92,7 @@ class Snapshot:
                     "name": name,
                     "address": address if is_visible else "",
                     "since": {"secs": secs, "nsecs": nsecs},
-                    "own": name in self._graph.internal or isinstance(node, NodeOfLink),
+                    "own": name in self._graph.rights.internal or isinstance(node, NodeOfLink),
                     "api": api if is_visible else "",
                     "fault": fault if is_visible else "",
                     "hub": hub,

@@ -150,7 +150,7 @@ class RosbridgeGoals:
         """Cancel, one by one, the goals that the client's rights do not allow any more."""
         client = self._client
         for goal in list(self._sent):
-            is_allowed = client.graph.is_allowed(client.node, "call", goal.action.name)
+            is_allowed = client.graph.rights.allows(client.node, "call", goal.action.name)
             if goal in self._sent and not is_allowed:
                 goal.withdraw()
             yield
@@ -266,7 +266,7 @@ class RosbridgeActions:
         and the client is asked to stop executing them.
         """
         for name in dict.fromkeys((*self._served, *self._goals_of)):
-            if not self._client.graph.is_allowed(self.node, "provide", name):
+            if not self._client.graph.rights.allows(self.node, "provide", name):
                 for goal in list(self._goals_of.get(name, {}).values()):
                     if goal.id in self._goals:
                         goal.cancel()

@@ -91,7 +91,7 @@ class RosbridgeCalls:
         """End, one by one, the calls that the client's rights do not allow any more."""
         client = self._client
         for call in list(self._waiting):
-            is_allowed = client.graph.is_allowed(client.node, "call", call.service.name)
+            is_allowed = client.graph.rights.allows(client.node, "call", call.service.name)
             if call in self._waiting and not is_allowed:
                 call.withdraw()
             yield
@@ -246,7 +246,7 @@ class RosbridgeServices:
         Another server may have displaced the client; the calls that it still has fail, too.
         """
         for name in dict.fromkeys((*self._served, *self._calls_of)):
-            if not self._client.graph.is_allowed(self.node, "provide", name):
+            if not self._client.graph.rights.allows(self.node, "provide", name):
                 yield from self._remove(name)
                 self._client.report_withdrawn("provide", name)
             yield
@@ -367,7 +367,7 @@ class RosbridgeServices:
         call = server._calls.get(id_) if server is not None else None
         if server is None or call is None:
             return self
-        self._client.graph.check_allowed(self.node, "provide", call.service.name)
+        self._client.graph.rights.check(self.node, "provide", call.service.name)
         return server
 
     def _pop_call(self, response: ServiceResponse) -> Call | None:

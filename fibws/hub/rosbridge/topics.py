@@ -139,7 +139,7 @@ class RosbridgeTopics:
         statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
         topic = source.topic
         # The log, which every node writes to, does not show who reads it.
-        if topic.name not in self._client.graph.guards or self._client.graph.is_allowed(
+        if topic.name not in self._client.graph.rights.guards or self._client.graph.rights.allows(
             self._client.node, "subscribe", topic.name
         ):
             self._watch(request, topic, source.group.watching_sinks, source)
@@ -191,7 +191,7 @@ class RosbridgeTopics:
         source = self.sources.get(request.topic)
         if source is None:
             topic = self._topic(request.topic)
-            self._client.graph.check_allowed(self._client.node, "publish", topic.name)
+            self._client.graph.rights.check(self._client.node, "publish", topic.name)
             type_ = request.type or (topic.type.name if topic.type is not None else None)
             if type_ is None:
                 raise OperationError(
@@ -200,7 +200,7 @@ class RosbridgeTopics:
             source = self._register(request, type_, None, None)
         if self._wills is None:
             client = self._client
-            allowed = client.graph.is_source_allowed
+            allowed = client.graph.rights.allows_source
             self._wills = Wills(client.node, self._quota(), client.clock, allowed)
         self._wills.set(source, request.msg, request.timeout)
         self._client.statuses.info(request.id, f"{source.topic.name} has a will")
@@ -226,7 +226,7 @@ class RosbridgeTopics:
         if source is None:
             topic = self._topic(request.topic)
             # Before anything that depends on whether there is such a topic.
-            self._client.graph.check_allowed(self._client.node, "publish", topic.name)
+            self._client.graph.rights.check(self._client.node, "publish", topic.name)
             if topic.name in self._refused:
                 self._drop(topic.name, request)
                 return
@@ -511,13 +511,13 @@ class RosbridgeTopics:
         """Take back, one by one, what the client's rights do not allow any more."""
         graph, node = self._client.graph, self._client.node
         for spelling, source in list(self.sources.items()):
-            if spelling in self.sources and not graph.is_source_allowed(source):
+            if spelling in self.sources and not graph.rights.allows_source(source):
                 self.unadvertise(Unadvertise(topic=spelling))
                 self._client.report_withdrawn("publish", source.topic.name)
             yield
         for spelling, subscription in list(self.subscriptions.items()):
             name = subscription.topic.name
-            if spelling in self.subscriptions and not graph.is_allowed(node, "subscribe", name):
+            if spelling in self.subscriptions and not graph.rights.allows(node, "subscribe", name):
                 self.unsubscribe(Unsubscribe(topic=spelling))
                 self._client.report_withdrawn("subscribe", name)
             yield

@@ -9,7 +9,7 @@ import pytest
 from work import executed_lines
 
 from fibws.hub.foxglove.feeds import BATCH, MOST_PROBES, PROBE_SECONDS, Schemas
-from fibws.hub.graph.graph import ExternalNode
+from fibws.hub.graph.nodes import ExternalNode
 from fibws.hub.graph.types import MessageType
 
 from ..fakes import ADD, FIBONACCI, INT32, NANOSECONDS, STANDARD, STRING

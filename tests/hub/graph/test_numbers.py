@@ -69,7 +69,7 @@ def test_looking_up_a_topic_takes_no_number() -> None:
 
 def test_refused_registrations_take_no_number() -> None:
     graph = new_graph(AllowNone())
-    graph.internal.add("/talker")
+    graph.rights.internal.add("/talker")
     first = use_once(graph)
     with pytest.raises(NotAllowed):
         graph.advertise(graph.topic("/a"), "/stranger", INT32)
@@ -102,7 +102,7 @@ def test_topic_keeps_its_number_while_it_has_users_and_its_type() -> None:
 def test_topics_can_be_used_once_all_numbers_have_been_given_out() -> None:
     graph = new_graph()
     kept = [graph.advertise(graph.topic(f"/kept{i}"), "/talker", INT32).topic for i in range(3)]
-    graph._topic_numbers._newest = 2**32 - 2
+    graph._groups._numbers._newest = 2**32 - 2
     found = [use_once(graph, f"/once{i}") for i in range(3)]
     assert found == [2**32 - 1, 4, 5]
     assert len({each.number for each in kept}) == 3

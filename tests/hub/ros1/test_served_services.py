@@ -267,7 +267,7 @@ async def test_calls_end_with_the_right_to_them(start_hub: StartHub, tmp_path: P
     hub = await start_hub(ros1=0, tokens=path)
     assert hub.ros1 is not None
     server = Server()
-    hub.graph.internal.add(server.node)
+    hub.graph.rights.internal.add(server.node)
     clients, services = [], []
     for name in ("/add", "/other"):
         services.append(hub.graph.serve(name, ADD, None, server))
@@ -359,7 +359,7 @@ class RightsByName(AllowAll):
 async def test_rights_are_those_of_the_calling_node() -> None:
     hub = ServingHub(RightsByName())
     await hub.start()
-    hub.graph.internal.add("/provider")
+    hub.graph.rights.internal.add("/provider")
     for name in ("/add", "/public", "/secret"):
         hub.graph.serve(name, ADD, None, Server(add))
     new_node(hub.nodes, "/ros1_node")

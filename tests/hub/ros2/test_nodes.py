@@ -57,7 +57,7 @@ def test_nodes_with_other_rights_are_attached_again_in_turns(world: World) -> No
     assert sorted(before) == ["/n0", "/n1", "/n2"]
     world.nodes.set_principal(principal("new"))
     # The rights are those of the new one at once.
-    assert not any(world.graph.is_allowed(name, "publish", "/a") for name in before)
+    assert not any(world.graph.rights.allows(name, "publish", "/a") for name in before)
     [steps] = world.work
     next(steps)
     assert [world.nodes.attached[name] is before[name] for name in sorted(before)] == [
@@ -77,7 +77,7 @@ def test_newer_rights_replace_those_that_are_being_given(world: World) -> None:
     older, newer = world.work
     assert list(older) == []
     assert len(list(newer)) == 3
-    assert all(world.graph.is_allowed(name, "publish", "/a") for name in world.nodes.attached)
+    assert all(world.graph.rights.allows(name, "publish", "/a") for name in world.nodes.attached)
 
 
 def test_node_that_leaves_meanwhile_stays_away(world: World) -> None:

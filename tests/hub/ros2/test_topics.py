@@ -12,7 +12,7 @@ from conftest import StartHub
 from patience import PATIENCE
 
 import fibws
-from fibws.hub.graph.graph import DistantNode
+from fibws.hub.graph.nodes import DistantNode
 from fibws.hub.graph.topic import SinkReport
 from fibws.hub.server import HubServer
 from fibws.msg.sensor_msgs import Image

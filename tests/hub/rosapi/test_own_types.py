@@ -81,7 +81,7 @@ def test_services_have_their_types(rosapi: RosapiClient) -> None:
     types = {
         name: service.type
         for name, service in rosapi.graph.services.items()
-        if service.node in rosapi.graph.internal
+        if service.node in rosapi.graph.rights.internal
     }
     standard = Interfaces()
     assert {name: type_.md5sum for name, type_ in types.items()} == {

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from fibws.hub.graph.graph import DistantNode
+from fibws.hub.graph.nodes import DistantNode
 from fibws.hub.rosapi.rosnode import PATIENCE
 from fibws.protocol.websocket import KILLED
 
