@@ -34,13 +34,10 @@ import sys
 import time
 from collections.abc import Iterator
 from functools import partial
-from itertools import chain, count
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
-
-from pydantic import BaseModel, ConfigDict, ValidationError
-from pydantic_core import from_json, to_json
 
 from fibws.access.rights import Principal
 from fibws.hub.errors import FederationError, NotAllowed
@@ -51,19 +48,15 @@ from fibws.hub.federation.records import (
     Announcement,
     HubInfo,
     LinkMessage,
-    Number,
     PublisherRecord,
-    Reply,
     Request,
-    Skipped,
     TopicRecord,
     decode_announcement,
-    decode_fields,
     encode_announcement,
-    encode_fields,
     failure,
-    fault,
 )
+from fibws.hub.federation.zenoh_requests import STATE_TIMEOUT, ZenohRequests
+from fibws.hub.federation.zenoh_state import FIRST_RETRY, KnownHub, ZenohState, decode_state
 from fibws.hub.log.text import is_power_of_ten, printable
 from fibws.hub.zenoh_session import (
     LEASE,
@@ -90,22 +83,12 @@ logger = logging.getLogger("fibws.hub")
 NODE = "/hub_zenoh"
 """The node of the graph that stands for the network."""
 PING_INTERVAL = 2.0
-STATE_TIMEOUT = 5.0
-"""Seconds in which a hub must tell what it has."""
-FIRST_RETRY = 0.02
-"""Seconds until a hub that did not tell is asked again; they double up to `RETRY`."""
 ABSENCE = 60.0
 """Seconds until a hub that has announced too much is asked again."""
-REQUEST_TIMEOUT = 24 * 3600.0
-"""Seconds, which zenoh needs to know; the hub of the caller ends calls much earlier."""
 BUSY = 256 * 1024
 """Bytes of announcements that wait, from which on no more are made."""
 MOST_USERS = 10_000
 """Hubs that may subscribe to one publisher."""
-MOST_EARLY = 1000
-"""Requests of a hub that are kept until it has told what it has."""
-MOST_AHEAD = 1024 * 1024
-"""Bytes of a hub's announcements that are kept until it has told what was missed before them."""
 
 _ATTACHMENT = struct.Struct("<Qq16s")
 _COUNTER = struct.Struct("<Q")
@@ -113,63 +96,6 @@ _INTEREST = struct.Struct("<QB")
 _TIME = struct.Struct("<q")
 _FLOWING = b"\x01"
 """The attachment that says that messages pass from now on."""
-
-
-class _State(BaseModel):
-    """The answer to a query for everything that a hub announces."""
-
-    model_config = ConfigDict(frozen=True, extra="ignore")
-
-    hub: HubInfo
-    time: int
-    counter: Number
-    announcement: Announcement
-    since: Number = 0
-    """The counter after which all changes are in it; 0 if all that there is."""
-    more: bool = False
-    """Whether the hub has more to tell."""
-
-
-class _KnownHub:
-    """What is known of the announcements of another hub.
-
-    Attributes:
-        counter: of the last one that was taken.
-        promised: the counter that the hub has told with the last ping.
-        is_asked: whether the hub was asked for what was missed.
-        delay: the seconds until it is asked again if it does not answer.
-    """
-
-    __slots__ = ("_ahead", "_ahead_bytes", "counter", "delay", "is_asked", "promised")
-
-    def __init__(self) -> None:
-        self.counter = 0
-        self.promised = 0
-        self.is_asked = False
-        self.delay = FIRST_RETRY / 2
-        self._ahead: dict[int, bytes] = {}
-        self._ahead_bytes = 0
-
-    def keep(self, counter: int, data: bytes) -> None:
-        """Keep an announcement until those before it are known, if there is room."""
-        if self._ahead_bytes + len(data) <= MOST_AHEAD:
-            self._ahead[counter] = data
-            self._ahead_bytes += len(data)
-
-    def take_next(self) -> bytes | None:
-        """Return the announcement that follows, if it was kept; forget earlier ones."""
-        for counter in [each for each in self._ahead if each <= self.counter]:
-            self._ahead_bytes -= len(self._ahead.pop(counter))
-        data = self._ahead.pop(self.counter + 1, None)
-        if data is not None:
-            self._ahead_bytes -= len(data)
-            self.counter += 1
-        return data
-
-    @property
-    def has_gap(self) -> bool:
-        """Whether announcements are missing before those that are kept."""
-        return bool(self._ahead)
 
 
 class _ZenohPublisher:
@@ -233,15 +159,12 @@ class ZenohBackplane(Backplane):
         self._control = ZenohCalls("zenoh-control")
         self._receivers = Receivers("zenoh-receivers")
         """For what waits for a hub, by its id."""
-        self._max_queued = max_queued
         self._lanes = ZenohLanes("zenoh", max_queued, self._count_dropped)
         self._peers: dict[str, Peer] = {}
         """By the ids of the hubs."""
         self._alive: set[str] = set()
         """The hubs that have a token."""
-        self._known: dict[str, _KnownHub] = {}
-        self._early_queries: dict[str, list[zenoh.Query]] = {}
-        """Requests of hubs that are not known yet, by their ids."""
+        self._known: dict[str, KnownHub] = {}
         self._log = ChangeLog()
         self._publishers: dict[int, _ZenohPublisher] = {}
         self._wanted: set[tuple[str, int]] = set()
@@ -252,10 +175,18 @@ class ZenohBackplane(Backplane):
         self._own_token: Any = None
         self._is_attached = False
         """Whether hubs may join: not while their rights change, nor if these forbid it."""
-        self._ids = count(1)
-        self._requests: dict[int, tuple[str, OnReply, Any]] = {}
-        """Own requests by their ids: the hub, what takes replies, and what ends the query."""
-        self._handled: dict[tuple[str, str], Cancel] = {}
+        self._requests = ZenohRequests(
+            network,
+            hub.id,
+            loop,
+            self._base,
+            self._peers,
+            self._inbox,
+            self._receivers,
+            max_queued,
+            session=lambda: self._session,
+            report=self._report,
+        )
         self._faults = 0
         self._skipped: set[tuple[str, str]] = set()
         """The kinds of invalid records that were logged, by hub."""
@@ -291,13 +222,15 @@ class ZenohBackplane(Backplane):
         import zenoh
 
         session, own = self._session, f"{self._base}/{self._hub.id}"
-        put = self._inbox.put
+        put, requests = self._inbox.put, self._requests
         self._declared = [
             session.declare_queryable(
                 f"{own}/state", direct(lambda query: put(self._answer_state, query)), complete=True
             ),
             session.declare_queryable(
-                f"{own}/request", direct(lambda query: put(self._answer, query)), complete=True
+                f"{own}/request",
+                direct(lambda query: put(requests.answer, query)),
+                complete=True,
             ),
             session.declare_queryable(
                 f"{own}/ping",
@@ -313,7 +246,8 @@ class ZenohBackplane(Backplane):
                 direct(lambda sample: put(self._interest, sample.payload.to_bytes())),
             ),
             session.declare_subscriber(
-                f"{own}/cancel", direct(lambda sample: put(self._cancel, sample.payload.to_bytes()))
+                f"{own}/cancel",
+                direct(lambda sample: put(requests.cancelled, sample.payload.to_bytes())),
             ),
             session.declare_subscriber(
                 f"{self._base}/*/state",
@@ -497,54 +431,15 @@ class ZenohBackplane(Backplane):
         put = partial(self._session.put, f"{self._base}/{hub}/{key}", data, **lossless())
         self._receivers.call(hub, put, len(data))
 
-    def _is_full(self, hub: str, size: int) -> bool:
-        """Return whether too much waits for a hub to send it so many bytes more."""
-        return self._receivers.waiting(hub) + size > self._max_queued
-
     def request(self, peer: Peer, request: Request, on_reply: OnReply) -> Cancel:
         """Query another hub; see `Backplane`."""
-        import zenoh
-
-        if self._is_full(peer.hub.id, len(request.body)) and not request.must_arrive:
-            on_reply(failure(f"too much waits for hub {peer.hub.name}", "limit"))
-            return lambda: None
-        id_, token = next(self._ids), zenoh.CancellationToken()
-        self._requests[id_] = peer.hub.id, on_reply, token
-        fields = {"op": request.op, **request.fields, "hub": self._hub.id, "id": str(id_)}
-        attachment = encode_fields(fields)
-
-        def replied(reply: zenoh.Reply) -> None:
-            sample = reply.ok
-            if sample is not None and sample.attachment is not None:
-                body = sample.payload.to_bytes()
-                self._inbox.put(self._replied, id_, sample.attachment.to_bytes(), body)
-
-        def get() -> None:
-            self._session.get(
-                f"{self._base}/{peer.hub.id}/request",
-                direct(replied, lambda: self._inbox.put(self._ended, id_)),
-                payload=request.body,
-                attachment=attachment,
-                timeout=REQUEST_TIMEOUT,
-                consolidation=zenoh.ConsolidationMode.NONE,
-                cancellation_token=token,
-                **lossless(),
-            )
-
-        self._receivers.call(peer.hub.id, get, len(request.body))
-
-        def cancel() -> None:
-            if self._requests.pop(id_, None) is not None:
-                self._put_for(peer.hub.id, "cancel", f"{self._hub.id} {id_}".encode())
-                self._receivers.call(peer.hub.id, token.cancel)
-
-        return cancel
+        return self._requests.send(peer, request, on_reply)
 
     def leave(self, peer: Peer) -> None:
         """Leave a hub that has announced too much; it is asked again after `ABSENCE`."""
         hub, reason = peer.hub.id, "it has announced too much"
         self._lose(hub, reason)
-        self._known[hub] = known = _KnownHub()
+        self._known[hub] = known = KnownHub()
         known.is_asked = True
         self._loop.call_later(ABSENCE, self._ask, hub, known)
 
@@ -564,7 +459,7 @@ class ZenohBackplane(Backplane):
         if self._is_attached:
             self._network.detach(self)
         self._inbox.close()
-        self._early_queries.clear()
+        self._requests.close()
         await asyncio.to_thread(self._close_session)
 
     def _close_session(self) -> None:
@@ -594,10 +489,10 @@ class ZenohBackplane(Backplane):
         """Ask a hub for everything that it has, if hubs may join."""
         if not self._is_attached:
             return
-        self._known[hub] = known = _KnownHub()
+        self._known[hub] = known = KnownHub()
         self._ask(hub, known)
 
-    def _ask(self, hub: str, known: _KnownHub) -> None:
+    def _ask(self, hub: str, known: KnownHub) -> None:
         """Ask a hub for what it has announced since what is known."""
         if self._known.get(hub) is not known:
             return
@@ -620,7 +515,7 @@ class ZenohBackplane(Backplane):
 
         self._receivers.call(hub, get)
 
-    def _told(self, hub: str, known: _KnownHub, answers: list[bytes], times: list[int]) -> None:
+    def _told(self, hub: str, known: KnownHub, answers: list[bytes], times: list[int]) -> None:
         """Take what a hub has told, or ask again.
 
         Args:
@@ -630,7 +525,7 @@ class ZenohBackplane(Backplane):
             return
         known.is_asked = False
         try:
-            state = _decode_state(answers[0], partial(self._skip, hub)) if answers else None
+            state = decode_state(answers[0], partial(self._skip, hub)) if answers else None
         except FederationError as error:
             self._report(error, hub)
             return
@@ -655,13 +550,13 @@ class ZenohBackplane(Backplane):
         else:
             self._catch_up(peer, known)
 
-    def _join(self, state: _State, times: list[int]) -> Peer:
+    def _join(self, state: ZenohState, times: list[int]) -> Peer:
         address = f"zenoh, domain {self._domain}"
         peer = Peer(state.hub, self, address, connected=time.time_ns())
         peer.measured(times[0], state.time, times[1])
         self._peers[peer.hub.id] = peer
         self._network.joined(peer)
-        self._answer_early(peer.hub.id)
+        self._requests.answer_early(peer.hub.id)
         return peer
 
     def _lose(self, hub: str, reason: str) -> None:
@@ -669,35 +564,17 @@ class ZenohBackplane(Backplane):
         self._known.pop(hub, None)
         self._skipped = {each for each in self._skipped if each[0] != hub}
         lost = failure(f"the hub is lost: {reason}", "server_lost")
-        requests = [id_ for id_, (of, *_) in self._requests.items() if of == hub]
-        handled = [each for each in self._handled if each[0] == hub]
         # It may be back, and subscribe again, before the steps are taken.
         used = [(number, each) for number, each in self._publishers.items() if hub in each.users]
         for _, publisher in used:
             publisher.users.discard(hub)
-        ends = chain(
-            (partial(self._fail_request, id_, lost) for id_ in requests),
-            (partial(self._end_handled, each) for each in handled),
-            (partial(self._end_unused, *each) for each in used),
-        )
-        self._network.finish(call_all(ends))
+        unused = (partial(self._end_unused, *each) for each in used)
+        self._network.finish(call_all(chain(self._requests.ends(hub, lost), unused)))
         self._wanted = {each for each in self._wanted if each[0] != hub}
         self._receivers.forget(hub)
         self._control.call(lambda: self._forget_subscribers(hub))
         if peer is not None:
             self._network.lost(peer, reason)
-
-    def _fail_request(self, id_: int, reply: Reply) -> None:
-        """End an own request, if it still waits."""
-        found = self._requests.pop(id_, None)
-        if found is not None:
-            found[1](reply)
-
-    def _end_handled(self, request: tuple[str, str]) -> None:
-        """Abandon a request of another hub, unless it has ended."""
-        cancel = self._handled.pop(request, None)
-        if cancel is not None:
-            cancel()
 
     def _forget_subscribers(self, hub: str) -> None:
         for key in [key for key in self._subscribers if key[0] == hub]:
@@ -714,7 +591,7 @@ class ZenohBackplane(Backplane):
             if peer is not None and not known.is_asked:
                 self._catch_up(peer, known)
 
-    def _catch_up(self, peer: Peer, known: _KnownHub) -> None:
+    def _catch_up(self, peer: Peer, known: KnownHub) -> None:
         """Take the announcements that follow what is known; ask for those that are missing."""
         hub = peer.hub.id
         while (data := known.take_next()) is not None:
@@ -737,7 +614,7 @@ class ZenohBackplane(Backplane):
         since = int(asked) if re.fullmatch("[0-9]{1,19}", asked) else 0
         since = since if self._log.covers(since) else 0
         piece = self._log.piece(since) if asked else self._log.piece(0, sys.maxsize)
-        state = _State.model_construct(
+        state = ZenohState.model_construct(
             None,
             hub=self._hub,
             time=time.time_ns(),
@@ -805,85 +682,6 @@ class ZenohBackplane(Backplane):
         peer.traffic.bytes_received += len(data)
         self._network.received(peer, LinkMessage(number, sequence, stamp, data))
 
-    # Requests.
-
-    def _answer_early(self, hub: str) -> None:
-        """Answer the requests of a hub that came before it was known, or is not known in time."""
-        for query in self._early_queries.pop(hub, ()):
-            self._answer(query, is_late=True)
-
-    def _answer(self, query: zenoh.Query, *, is_late: bool = False) -> None:
-        """Handle a request of another hub."""
-        attachment, payload = query.attachment, query.payload
-        try:
-            fields = decode_fields(attachment.to_bytes() if attachment is not None else b"")
-        except FederationError as error:
-            self._report(error, "")
-            return
-        hub = str(fields.pop("hub", ""))
-        peer = self._peers.get(hub)
-        id_ = str(fields.pop("id", ""))
-        op = str(fields.pop("op", ""))
-
-        def reply(found: Reply) -> None:
-            if found.is_final and peer is not None:
-                self._handled.pop((peer.hub.id, id_), None)
-            self._reply(query, hub, found)
-
-        if peer is None:
-            waiting = self._early_queries.setdefault(hub, [])
-            if is_late or len(waiting) >= MOST_EARLY:
-                reply(failure("this hub does not know yours yet", "unknown_hub"))
-                return
-            waiting.append(query)
-            self._loop.call_later(STATE_TIMEOUT, self._answer_early, hub)
-            return
-        body = payload.to_bytes() if payload is not None else b""
-        handled = peer.hub.id, id_
-        self._handled[handled] = lambda: None
-        cancel = self._network.requested(peer, Request(op, fields, body), reply)
-        if handled in self._handled:
-            self._handled[handled] = cancel
-
-    def _reply(self, query: zenoh.Query, hub: str, reply: Reply) -> None:
-        """Answer a request of a hub; if too much waits for it, with an error alone."""
-        if self._is_full(hub, len(reply.body)):
-            if not reply.is_final:
-                return  # It is a goal's feedback.
-            reply = failure("too much waits for this hub", "limit")
-        key = f"{self._base}/{self._hub.id}/request"
-        head = encode_fields({**reply.fields, "final": reply.is_final})
-
-        def send() -> None:
-            query.reply(key, reply.body, attachment=head)
-            if reply.is_final:
-                query.drop()  # type: ignore[no-untyped-call]
-
-        self._receivers.call(hub, send, len(reply.body))
-
-    def _cancel(self, data: bytes) -> None:
-        hub, _, id_ = data.decode("ascii", "replace").partition(" ")
-        self._end_handled((hub, id_))
-
-    def _replied(self, id_: int, head: bytes, body: bytes) -> None:
-        found = self._requests.get(id_)
-        if found is None:
-            return
-        hub, on_reply, _ = found
-        try:
-            fields = decode_fields(head)
-        except FederationError as error:
-            self._report(error, hub)
-            return
-        is_final = bool(fields.pop("final", True))
-        if is_final:
-            del self._requests[id_]
-        on_reply(Reply(fields, body, is_final))
-
-    def _ended(self, id_: int) -> None:
-        """Fail a request whose query has ended without a last reply."""
-        self._fail_request(id_, failure("the other hub did not answer", "server_lost"))
-
     # Health.
 
     def _ping(self) -> None:
@@ -931,30 +729,6 @@ class ZenohBackplane(Backplane):
         if is_power_of_ten(self._faults):
             text = "Hub %s on zenoh (%d faults so far): %s"
             logger.warning(text, hub or "?", self._faults, printable(str(error)))
-
-
-def _decode_state(data: bytes, skipped: Skipped) -> _State:
-    """Return everything that a hub announces, without what is invalid in it.
-
-    Raises:
-        FederationError: it is no state, or too much of it is invalid.
-    """
-    try:
-        return _State.model_validate_json(data)
-    except ValidationError:
-        pass  # A record may be at fault alone.
-    try:
-        found = from_json(data)
-        if not isinstance(found, dict):
-            raise FederationError("invalid state: expected an object")
-        announced = to_json(found.get("announcement"))
-        state = _State.model_validate_json(to_json({**found, "announcement": {}}))
-    except ValidationError as error:
-        raise FederationError(f"invalid state: {fault(error)}") from None
-    except ValueError as error:
-        raise FederationError(f"invalid state: {error}") from None
-    announcement = decode_announcement(announced, skipped)
-    return state.model_copy(update={"announcement": announcement})
 
 
 def _data_key(base: str, hub: str, number: int, topic: str) -> str:

@@ -11,7 +11,8 @@ from unittest.mock import Mock
 import pytest
 
 from fibws.hub.federation.records import HubInfo
-from fibws.hub.federation.zenoh_backplane import MOST_AHEAD, ZenohBackplane, _KnownHub
+from fibws.hub.federation.zenoh_backplane import ZenohBackplane
+from fibws.hub.federation.zenoh_state import MOST_AHEAD, KnownHub
 
 from .test_link import ID, NODE
 
@@ -35,7 +36,7 @@ class World:
             max_queued=2**20,
         )
         self.backplane._is_attached = True
-        self.known = self.backplane._known[ID] = _KnownHub()
+        self.known = self.backplane._known[ID] = KnownHub()
 
     def join(self, announcement: Any, **fields: Any) -> None:
         hub = {"id": ID, "name": "other"}
