@@ -125,10 +125,6 @@ class AccessPolicy:
             return node
         return principal.proof, principal.name, principal.rights.text
 
-    def principal_of(self, node: str) -> Principal | None:
-        """Return the principal of a node; None for the hub's own nodes and unknown ones."""
-        return self._principals.get(node)
-
     def _may_be(self, principal: Principal, node: str) -> bool:
         rights = principal.rights
         if TOOL.fullmatch(node):

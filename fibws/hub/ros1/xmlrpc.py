@@ -165,20 +165,6 @@ class _Values:
         raise XmlRpcError("invalid XML-RPC: document types are refused")
 
 
-def parse_call(data: bytes) -> tuple[str, list[Any]]:
-    """Return the method and the parameters of a whole call; raises `XmlRpcError`."""
-    parser = CallParser()
-    parser.feed(data)
-    return parser.call()
-
-
-def parse_response(data: bytes) -> Any:
-    """Return the value of a whole response; raises `XmlRpcError`, also for a fault."""
-    parser = CallParser()
-    parser.feed(data)
-    return parser.response()
-
-
 def write_call(method: str, params: Iterable[object]) -> bytes:
     """Return a call."""
     parts = [_HEAD, "<methodCall><methodName>", method, "</methodName><params>"]
@@ -188,11 +174,6 @@ def write_call(method: str, params: Iterable[object]) -> bytes:
         parts.append("</param>")
     parts.append("</params></methodCall>\n")
     return "".join(parts).encode()
-
-
-def write_response(value: object) -> bytes:
-    """Return the response with a value."""
-    return b"".join(iter_response(value))
 
 
 def iter_response(value: object) -> Iterator[bytes]:

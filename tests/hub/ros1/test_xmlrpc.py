@@ -18,11 +18,9 @@ from fibws.hub.errors import XmlRpcError
 from fibws.hub.ros1.xmlrpc import (
     DEEPEST,
     CallParser,
-    parse_call,
-    parse_response,
+    iter_response,
     write_call,
     write_fault,
-    write_response,
     write_value,
 )
 
@@ -45,6 +43,22 @@ VALUES: list[Any] = [
     {},
     {"a": 1, "ä <b>": {"c": [{"d": False}]}},
 ]
+
+
+def parse_call(data: bytes) -> tuple[str, list[Any]]:
+    parser = CallParser()
+    parser.feed(data)
+    return parser.call()
+
+
+def parse_response(data: bytes) -> Any:
+    parser = CallParser()
+    parser.feed(data)
+    return parser.response()
+
+
+def write_response(value: object) -> bytes:
+    return b"".join(iter_response(value))
 
 
 @pytest.mark.parametrize("value", VALUES, ids=repr)
