@@ -75,7 +75,7 @@ logger = logging.getLogger("fibws.hub")
 ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any]], object]
 
 RECORDING_TIMEOUT = 10.0
-"""Seconds in which the recorder must write something when the hub ends, until all is written."""
+"""On shutdown, the recorder is given up after so many seconds without a written message."""
 SWEEP_INTERVAL = 1.0
 DRAIN_RATE = 100.0
 """Clients that are closed in a second before the hub ends, if there is time enough."""
@@ -719,7 +719,7 @@ class HubServer:
 
 
 class _Reports:
-    """What connections report to their hub."""
+    """The reports of connections to their hub."""
 
     def __init__(self, hub: HubServer) -> None:
         self._hub = hub
@@ -742,7 +742,7 @@ class _Reports:
         self._hub._own.connected(connection)
 
     def ponged(self, connection: Connection, data: bytes) -> None:
-        """Take note of a client's pong."""
+        """Called when a client has sent a pong."""
         self._hub._own.ponged(connection, data)
 
     def lost(self, connection: Connection) -> None:

@@ -322,7 +322,7 @@ class Receivers:
                 jobs.clear()
 
     def close(self) -> None:
-        """Take no more; the threads end once all is done that waits."""
+        """Accept no further calls; the threads end once the waiting ones are done."""
         with self._changed:
             self._is_closed = True
             self._changed.notify_all()
@@ -510,7 +510,7 @@ class Inbox:
         self._numbers = count()
         self._messages: deque[_Arrival] = deque()
         self._calls: deque[_Arrival] = deque()
-        """What is no message."""
+        """Calls that are not messages."""
         self._bytes = 0
         self._is_due = False
         self._is_closed = False

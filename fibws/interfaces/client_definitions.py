@@ -374,7 +374,7 @@ class ClientDefinitions:
         return found
 
     def forget_refusals(self, client: str) -> None:
-        """Take note that a client has left."""
+        """Called when a client has left."""
         self._refusals.pop(client, None)
 
     def _find_same(

@@ -70,7 +70,7 @@ _TOKEN: Final = re.compile(
 )
 _INCLUDE: Final = re.compile(r'\s*#\s*include\s*[<"]([^">]+)[">]\s*')
 _GUARD: Final = re.compile(r"\s*#\s*(ifndef\s+\w+|define\s+\w+|endif\b.*|pragma\b.*)\s*")
-"""What surrounds a file so that it is read once, which each is anyway."""
+"""Include guards; each file is read once without them."""
 _ESCAPES: Final = {"n": "\n", "t": "\t", "r": "\r", "0": "\0"}
 
 

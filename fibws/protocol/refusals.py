@@ -1,4 +1,4 @@
-"""What the HTTP response says with which a server refuses a WebSocket."""
+"""The text of an HTTP response that refuses a WebSocket."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ class Backplane(ABC):
 
     @abstractmethod
     def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
-        """Ask a hub for the messages of a publisher that it has announced, or for no more."""
+        """Begin or cease to ask a hub for the messages of a publisher that it has announced."""
 
     @abstractmethod
     def flowing(self, number: int) -> None:
@@ -186,22 +186,22 @@ class Network(Protocol):
         """Forget a backplane; its peers have been lost before."""
 
     def idle(self, backplane: Backplane) -> None:
-        """Take note that a backplane is not busy any more."""
+        """Called when a backplane is not busy any longer."""
 
     def joined(self, peer: Peer) -> None:
-        """Take note that a hub is reached."""
+        """Called when a hub is reached."""
 
     def lost(self, peer: Peer, reason: str) -> None:
-        """Take note that a hub is not reached any more."""
+        """Called when a hub is lost."""
 
     def announced(self, peer: Peer, announcement: Announcement) -> Iterator[None]:
         """Take changes of what a hub has, a record with each step."""
 
     def interested(self, backplane: Backplane, number: int, *, wanted: bool) -> None:
-        """Take note that hubs ask for the messages of a publisher, or that none does any more."""
+        """Called when the first hub asks for the messages of a publisher, and when none does."""
 
     def is_flowing(self, peer: Peer, number: int) -> None:
-        """Take note that messages of a publisher, which were asked for, pass from now on."""
+        """Called when messages of a publisher begin to pass, after they were asked for."""
 
     def received(self, peer: Peer, message: LinkMessage) -> None:
         """Take a message; its data belong to the hub."""
@@ -214,7 +214,7 @@ class Network(Protocol):
 
 
 def call_all(functions: Iterator[Callable[[], object]]) -> Iterator[None]:
-    """Call functions, one with each step; whatever fails of this, the rest is done."""
+    """Call functions, one with each step; go on if one fails."""
     for each in functions:
         try:
             each()

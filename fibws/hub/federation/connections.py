@@ -134,7 +134,7 @@ class LinkEndpoint:
 
     @property
     def is_behind(self) -> bool:
-        """Whether the socket takes no more at present."""
+        """Whether the socket's buffer is full."""
         return self._opening.queue.paused
 
     def wake(self) -> None:
@@ -175,7 +175,7 @@ class _OwnWire:
         """The reason given when this hub closes the connection."""
         self.closing = asyncio.Event()
         self.is_behind = False
-        """Whether the socket takes no more at present."""
+        """Whether the socket's buffer is full."""
 
     def wake(self) -> None:
         """Write soon."""
@@ -273,7 +273,7 @@ class Join:
         self._wire: _OwnWire | None = None
         """That of the present connection."""
         self._rights: Principal | None = None
-        """Those of the other hub on that connection."""
+        """The other hub's rights on the present connection."""
 
     def check_rights(self) -> None:
         """Join again if the other hub has other rights here than it had when it was joined."""

@@ -233,7 +233,7 @@ class Federation:
             offers.resume()
 
     def joined(self, peer: Peer) -> None:
-        """Take note that a hub is reached; its totals continue if it was reached before."""
+        """Called when a hub is reached; its totals continue if it was reached before."""
         before = self._traffic.pop((peer.backplane.kind, peer.hub.id), None)
         if before is not None:
             peer.traffic = before.plus(peer.traffic)
@@ -293,7 +293,7 @@ class Federation:
         self._interest_changed(number)
 
     def is_flowing(self, peer: Peer, number: int) -> None:
-        """Take note that messages pass that were asked for."""
+        """Called when messages begin to pass that were asked for."""
         self._remote.topics.is_flowing(self._remote.home(peer), number)
 
     def received(self, peer: Peer, message: LinkMessage) -> None:

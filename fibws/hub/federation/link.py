@@ -64,7 +64,7 @@ SUBPROTOCOL = "fibws.hub.v1"
 UNSENT = 16 * 1024
 """Bytes that may wait at the socket."""
 BUSY = 256 * 1024
-"""Bytes of announcements and other records that wait, from which on no more are made."""
+"""Bytes of waiting records, from which on no changes are announced until some were sent."""
 MOST_ANNOUNCED = 1024 * 1024
 """Bytes that one announcement may have; it is read at once."""
 MOST_FIELDS = 64 * 1024
@@ -259,7 +259,7 @@ class Link(Backplane):
             self._wire.wake()
 
     def interest(self, peer: Peer, number: int, *, wanted: bool) -> None:
-        """Ask for the messages of a publisher, or for no more."""
+        """Begin or cease to ask for the messages of a publisher."""
         self._send_control(INTEREST, _INTEREST.pack(number, wanted))
 
     def flowing(self, number: int) -> None:
@@ -623,7 +623,7 @@ class Link(Backplane):
         self._send_control(PING, _PING.pack(self._now()))
 
     def closed(self, reason: str) -> None:
-        """Take note that the connection is closed; the second time it does nothing.
+        """Called when the connection is closed; the second call does nothing.
 
         Args:
             reason: why, for people.

@@ -87,7 +87,7 @@ class Outlets:
         self._wanted_by.setdefault(number, {})[backplane] = None
 
     def end(self, backplane: Backplane, number: int) -> None:
-        """Send them no more."""
+        """Stop sending messages."""
         found = self._wanted_by.get(number, {})
         found.pop(backplane, None)
         if not found:

@@ -43,7 +43,7 @@ class Ages:
         """The hub and the ``since`` of the remote ones that have been replaced."""
 
     def note(self, kind: Kind, name: str, own: object | None, *, is_remote: bool = False) -> None:
-        """Take note of what has a name now.
+        """Record which node, service or action has a name now.
 
         Args:
             own: the node, service or action if it is of this hub.
@@ -58,11 +58,11 @@ class Ages:
             self._since[kind, name] = own, self._now()
 
     def replaced(self, kind: Kind, name: str, hub: str, since: int) -> None:
-        """Take note that one of this hub has replaced one of another hub."""
+        """Record that an owner on this hub has replaced one on another hub."""
         self._replaced[kind, name] = hub, since
 
     def forget_replaced(self, kind: Kind, name: str) -> None:
-        """Take note that one of another hub has the name again."""
+        """Record that an owner on another hub has the name again."""
         self._replaced.pop((kind, name), None)
 
     def since(self, kind: Kind, name: str) -> int:

@@ -111,11 +111,11 @@ class RemoteGraph:
         return self._announced.take(home, announcement)
 
     def reported_older(self, node: str, hub: str) -> None:
-        """Take note that another hub has closed a node, as one of this name is older."""
+        """Called when another hub has closed a node, as one of this name is older."""
         self._nodes.reported_older(node, hub)
 
     def interest_changed(self, topic: str) -> None:
-        """Ask for the messages of a topic's publishers, or for no more, as other hubs want."""
+        """Begin or cease to ask for the messages of a topic's publishers, as other hubs want."""
         self._work.add("topics", topic)
 
     def close(self) -> None:

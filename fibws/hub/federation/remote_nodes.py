@@ -179,7 +179,7 @@ class RemoteNodes:
         )
 
     def _replaced(self, node: RemoteNode) -> None:
-        """Take note that another node has taken the name of a remote node."""
+        """Called when another node has taken the name of a remote node."""
         self._ages.replaced("nodes", node.name, node.hub.id, node.record.since)
         self._leaving(node)
 

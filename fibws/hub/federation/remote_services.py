@@ -64,7 +64,7 @@ class RemoteServices:
         return self._served.get((kind, name))
 
     def note_change(self, kind: Kind, name: str) -> bool:
-        """Take note of a change in the graph; return whether a name is to be settled."""
+        """Record a change in the graph; return whether its name must be settled."""
         found, attached = self._present(kind, name), self._served.get((kind, name))
         is_remote = attached is not None and attached.served is found
         self._ages.note(kind, name, None if is_remote else found, is_remote=is_remote)

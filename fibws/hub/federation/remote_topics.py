@@ -163,7 +163,7 @@ class RemoteTopics(ForeignTopics[RemotePublisher, RemoteSubscriber]):
             publisher.receive(message)
 
     def is_flowing(self, home: PeerGraph, number: int) -> None:
-        """Take note that messages of a publisher pass."""
+        """Called when messages of a publisher begin to pass."""
         publisher = self._by_number.get((home, number))
         if publisher is not None and publisher.is_wanted and publisher.source is not None:
             publisher.is_flowing = True
@@ -259,7 +259,7 @@ class RemoteTopics(ForeignTopics[RemotePublisher, RemoteSubscriber]):
         )
 
     def detach_user(self, name: str, old: RemotePublisher | RemoteSubscriber) -> None:
-        """Detach a publisher or subscriber, and ask for no more messages of it."""
+        """Detach a publisher or subscriber, and cease to ask for its messages."""
         if isinstance(old, RemotePublisher):
             if old.lingering is not None:
                 old.lingering.cancel()
@@ -296,7 +296,7 @@ class RemoteTopics(ForeignTopics[RemotePublisher, RemoteSubscriber]):
         )
 
     def _settle_interest(self, attached: ForeignUsers[RemotePublisher, RemoteSubscriber]) -> None:
-        """Ask for the messages that are needed, and some time later for no more."""
+        """Ask for the messages that are needed; cease to ask some time after they are not."""
         for publisher in attached.publishers.values():
             if publisher.source is None:
                 continue

@@ -86,7 +86,7 @@ PING_INTERVAL = 2.0
 ABSENCE = 60.0
 """Seconds until a hub that has announced too much is asked again."""
 BUSY = 256 * 1024
-"""Bytes of announcements that wait, from which on no more are made."""
+"""Bytes of waiting announcements, from which on changes are not announced until some were sent."""
 MOST_USERS = 10_000
 """Hubs that may subscribe to one publisher."""
 
@@ -475,7 +475,7 @@ class ZenohBackplane(Backplane):
     # Other hubs.
 
     def _token(self, hub: str, is_alive: bool) -> None:
-        """Take note of a hub's token."""
+        """Called when a hub's token appears or disappears."""
         if hub == self._hub.id:
             return
         if not is_alive:
@@ -635,7 +635,7 @@ class ZenohBackplane(Backplane):
     # Messages.
 
     def _matched(self, number: int) -> None:
-        """Take note that no hub subscribes to a publisher any more."""
+        """Called when no hub subscribes to a publisher any longer."""
         found = self._publishers.get(number)
         if found is not None and found.publisher is not None:
             if found.users and not found.publisher.matching_status.matching:
@@ -658,7 +658,7 @@ class ZenohBackplane(Backplane):
             self._forget_user(number, found, hub)
 
     def _forget_user(self, number: int, publisher: _ZenohPublisher, hub: str) -> None:
-        """Send a publisher's messages to a hub no more."""
+        """Remove a hub from a publisher's users."""
         if hub in publisher.users:
             publisher.users.discard(hub)
             self._end_unused(number, publisher)

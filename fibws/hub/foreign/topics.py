@@ -194,7 +194,7 @@ class ForeignTopics(ABC, Generic[P, S]):
         return bool(user.tried_with != self.type_of(topic, user))
 
     def drop_user(self, name: str, user: Any) -> None:
-        """Detach a publisher or subscriber that its node has no more."""
+        """Detach a publisher or subscriber that its node has removed."""
         if isinstance(user, ForeignPublisher):
             user.node.published.pop(name, None)
         else:

@@ -40,7 +40,7 @@ MOST_PROBES = 20
 PROBE_SECONDS = 5.0
 
 K = TypeVar("K", bound=Hashable)
-"""What names an entry."""
+"""The key of an entry."""
 E = TypeVar("E")
 """An entry."""
 
@@ -51,7 +51,7 @@ class Feed(ABC, Generic[K, E]):
     def __init__(self, client: FoxgloveClient) -> None:
         self.client = client
         self.known: dict[K, E] = {}
-        """What the client has been sent."""
+        """The entries that were sent to the client."""
         self._pending: OrderedDict[K, None] = OrderedDict()
         """The entries that may have changed since."""
 
@@ -68,7 +68,7 @@ class Feed(ABC, Generic[K, E]):
         return 0
 
     def changed(self, *keys: K) -> None:
-        """Take note that entries may have changed."""
+        """Called when entries may have changed."""
         self._pending.update(dict.fromkeys(keys))
         if self._pending:
             self.client.turns.wait(self._send)
@@ -250,7 +250,7 @@ class Probe:
         return SinkReport()
 
     def close(self) -> None:
-        """Ask no more."""
+        """Stop asking."""
         self._timer.cancel()
         self._client.graph.unsubscribe(self._topic, self)
 

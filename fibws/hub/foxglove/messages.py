@@ -116,7 +116,7 @@ class AdvertiseChannels(_Model):
 
 
 class UnadvertiseChannels(_Model):
-    """The client publishes some topics no more."""
+    """The client has stopped publishing some topics."""
 
     op: Literal["unadvertise"]
     channels: Numbers = Field(alias="channelIds")
@@ -154,7 +154,7 @@ class SubscribeParameterUpdates(_Model):
 
 
 class UnsubscribeParameterUpdates(_Model):
-    """The client wants to know it no more; no names stand for all."""
+    """Stop reporting some parameters; an empty list means all."""
 
     op: Literal["unsubscribeParameterUpdates"]
     names: Names
@@ -167,7 +167,7 @@ class SubscribeConnectionGraph(_Model):
 
 
 class UnsubscribeConnectionGraph(_Model):
-    """The client wants to know it no more."""
+    """Stop reporting the connection graph."""
 
     op: Literal["unsubscribeConnectionGraph"]
 
@@ -216,7 +216,7 @@ class ClientRequest(NamedTuple):
 
 
 class PlaybackRequest(NamedTuple):
-    """What the client wants of the player of a bag."""
+    """A command for the player of a bag."""
 
     is_pause: bool
     speed: float

@@ -40,7 +40,7 @@ class ParameterAccess:
         self._changed: OrderedDict[str, None] = OrderedDict()
         """The names that have changed since the client was last sent changes."""
         self._pending: OrderedDict[str, None] = OrderedDict()
-        """Those whose values are still to be sent."""
+        """The parameters whose values are still to be sent."""
         self.answer_bytes = 0
         """The bytes of the values in an answer that is not complete yet."""
 
@@ -109,12 +109,12 @@ class ParameterAccess:
         self._watch(watched)
 
     def unwatch(self, names: Sequence[str]) -> Work:
-        """Send the values of some parameters, or of all if there are no names, no more."""
+        """Stop sending the values of some parameters; of all if there are no names."""
         removed = yield from _distinct(names, canonical)
         self._watch(self._watched.difference(removed) if names else set())
 
     def changed(self, name: str) -> None:
-        """Take note that a parameter, or a namespace, was set or deleted."""
+        """Called when a parameter or a namespace was set or deleted."""
         if self._watched:
             self._changed[name] = None
             self._client.turns.wait(self._report)

@@ -91,7 +91,7 @@ class PlaybackControl:
         return () if self._topic is None else (self._topic.name,)
 
     def changed(self, *names: str) -> None:
-        """Take note that topics or services may have changed."""
+        """Called when topics or services may have changed."""
         ours = {
             name.removesuffix(TOPIC) + SERVICE if name.endswith(TOPIC) else name
             for name in names

@@ -349,7 +349,7 @@ class FoxgloveSession(NodeSession[FoxgloveClient], Application):
             self._client.queue.reply_fresh(self._time)
 
     def changed(self, topics: Iterable[str], services: Iterable[str]) -> None:
-        """Take note that topics' users or types have changed, and services were added or removed.
+        """Called when topics' users or types have changed, or services were added or removed.
 
         Nothing happens once the client has left.
         """

@@ -188,7 +188,7 @@ class FoxgloveSubscription:
         self.receive(publication)
 
     def behind(self) -> None:
-        """Take note that messages wait for the client, and may be dropped."""
+        """Called when messages wait for the client, and may be dropped."""
         self._subscriptions.behind()
 
     def report(self) -> SinkReport:
@@ -359,7 +359,7 @@ class Publications:
         self._uses[source] = self._uses.get(source, 0) + 1
 
     def remove(self, id_: int) -> None:
-        """Publish a topic no more; an unknown id may be of one that was refused."""
+        """Stop publishing a topic; an unknown id may be of one that was refused."""
         if id_ not in self._channels:
             return
         source, _ = self._channels.pop(id_)

@@ -51,7 +51,7 @@ class ActionServer(Protocol):
         """Forget a goal that has ended."""
 
     def displaced(self, action: Action) -> None:
-        """Take note that another server has taken the action over."""
+        """Called when another server has taken the action over."""
 
 
 class ActionClient(Protocol):

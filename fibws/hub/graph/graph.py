@@ -125,7 +125,7 @@ class Graph:
         self.calls = CallTotals(ticks or now)
         """The calls of all services so far."""
         self.revision = 0
-        """Another number whenever something but the parameters has changed."""
+        """Incremented on every change except those of parameters."""
         self._types = Types(interfaces, self.clock.now, strict=strict_types, shows=self._shows_type)
         self.definitions = self._types.definitions
         """The definitions of all types: the installed ones, and those that clients brought."""
@@ -223,7 +223,7 @@ class Graph:
             self._report("node", name)
 
     def abandon(self, registrations: Iterable[object]) -> None:
-        """Take note that sources, sinks, services or actions are about to be removed.
+        """Mark sources, sinks, services or actions that are about to be removed.
 
         A node may leave many, and others have their turns meanwhile. Whoever comes under its name,
         or uses one of its names, finds them gone.

@@ -78,7 +78,7 @@ class LatchTotal:
         self.dropped = 0
         """Latched messages that were dropped so far, for lack of room."""
         self.quotas: dict[LatchQuota, None] = {}
-        """Those of which anything is kept."""
+        """The quotas in which bytes are kept."""
         self.on_grow: Callable[[int], object] = lambda size: None
         """Called with the bytes that are kept from now on."""
 

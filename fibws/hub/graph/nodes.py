@@ -11,7 +11,7 @@ class GraphNode(Protocol):
     """A node of the graph: a client, or a part of the hub itself."""
 
     def replaced(self) -> None:
-        """Take note that another client has taken its name."""
+        """Called when another client has taken its name."""
 
     def publishing(self) -> Iterable[str]:
         """Return the global names of the topics that it publishes."""

@@ -77,7 +77,7 @@ class Watcher(Protocol):
     """One request for reports of the nodes."""
 
     def changed(self) -> None:
-        """Take note that there is something to `read`; further changes are not announced."""
+        """Called when there are changes to `read`; further ones are not announced before that."""
 
     def report(self) -> None:
         """Read the news and send them, unless the client is too slow for that at present."""
@@ -159,19 +159,19 @@ class PeerWatch:
             self._remove(watcher)
 
     def joined(self, node: str) -> None:
-        """Take note of a node that is there now."""
+        """Record that a node has come."""
         if node not in self._unlinked:
             self._change(node, joined=True)
 
     def left(self, node: str) -> None:
-        """Take note of a node that is not there any more."""
+        """Record that a node has left."""
         if node in self._unlinked:
             self._unlinked.discard(node)
         else:
             self._change(node, joined=False)
 
     def unlinked(self, node: str) -> None:
-        """Take note that no messages pass to or from a node, which may be there or join later.
+        """Record that no messages pass to or from a node, which may be there or join later.
 
         ROS 1 nodes need a connection for each topic.
         """
@@ -181,11 +181,11 @@ class PeerWatch:
             self._unlinked.add(node)
 
     def copy_unlinked(self, other: PeerWatch, nodes: Container[str]) -> None:
-        """Take note that no messages pass to or from some nodes, as another watch knows it."""
+        """Record that no messages pass to or from the nodes that another watch lists."""
         self._unlinked.update(node for node in other._unlinked if node in nodes)
 
     def linked(self, node: str) -> None:
-        """Take note that messages pass now."""
+        """Record that messages pass now."""
         if node in self._unlinked:
             self._unlinked.discard(node)
             self._change(node, joined=True)

@@ -46,7 +46,7 @@ class Policy(Protocol):
         """
 
     def leave(self, node: str) -> None:
-        """Take note that a node has left, or that it has no rights any more."""
+        """Called when a node has left, or has lost all rights."""
 
     def may(self, node: str, right: Right, name: str) -> bool:
         """Return whether a node may do this with a topic, service, action or parameter."""

@@ -96,7 +96,7 @@ class ServiceServer(Protocol):
         """Forget a call, which needs no response any more."""
 
     def displaced(self, service: Service) -> None:
-        """Take note that another server has taken the service over."""
+        """Called when another server has taken the service over."""
 
 
 @dataclass(slots=True, eq=False)

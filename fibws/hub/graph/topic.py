@@ -308,7 +308,7 @@ class Topic:
             self.watching_publishers.left(node)
 
     def sink_linked(self, sink: Sink, group: TypeGroup | None = None) -> None:
-        """Take note that messages pass to a sink outside the hub.
+        """Record that messages pass to a sink outside the hub.
 
         Args:
             group: the only group whose messages pass; None for all.
@@ -318,7 +318,7 @@ class Topic:
                 each.watching_sinks.linked(sink.node)
 
     def sink_unlinked(self, sink: Sink) -> None:
-        """Take note that messages do not pass to it any more."""
+        """Record that messages have ceased to pass to a sink outside the hub."""
         for each in self.groups_for(sink):
             each.watching_sinks.unlinked(sink.node)
 
@@ -420,13 +420,13 @@ class Source:
         return self.group.sources.get(self.node) is self
 
     def link(self) -> None:
-        """Take note that messages of a source outside the hub arrive from now on."""
+        """Record that messages of a source outside the hub arrive from now on."""
         self.group.watching_sources.linked(self.node)
         self.topic.watching_publishers.linked(self.node)
         self.group.changed()
 
     def unlink(self) -> None:
-        """Take note that no messages of it arrive."""
+        """Record that no messages of a source outside the hub arrive."""
         self.group.watching_sources.unlinked(self.node)
         self.topic.watching_publishers.unlinked(self.node)
 

@@ -97,14 +97,14 @@ class TopicTotals:
         self._topics = topics
         self._most = most
         self._left: dict[str, MessageTotals] = {}
-        """By the topics that have totals of their own: what those who have left had."""
+        """Totals of disconnected clients, by topic."""
         self._left_others = MessageTotals()
         """The totals of clients that have left all other topics."""
         self._forgotten = MessageTotals()
         """The totals of topics whose places newer topics took."""
         self._others: set[str] = set()
-        """Names that count among the others, for as long as there is such a topic: its totals must
-        not go over to another name."""
+        """Topics that are counted among the others; they stay there until they are removed, so that
+        no total decreases."""
 
     def source_left(self, source: Source) -> None:
         """Keep the totals of a source that leaves."""

@@ -110,9 +110,9 @@ class TypeGroup:
         self.typed = SinkSet()
         """The sinks that name this type, and get its messages alone."""
         self.also: set[Sink] = set()
-        """Those that name it, and get the messages of all types."""
+        """The sinks that name its type, and get the messages of all types."""
         self.holding: dict[Sink, bool] = {}
-        """Those that hold the topic to it, and whether they need its definition."""
+        """The sinks that hold the topic to its type, and whether they need the definition."""
         self.followers: dict[Sink, Callable[[], object]] = {}
         """The sinks that only name its type, with what lets them subscribe to another definition
         of it."""
@@ -121,7 +121,7 @@ class TypeGroup:
         self.told: tuple[tuple[str, bool], ...] = ()
         """The other types that its members were told of, and whether these were published."""
         self.reports: dict[Source | Sink, Callable[[str], object]] = {}
-        """What tells members of conflicts; see `Graph.advertise`."""
+        """The functions that tell members of conflicts; see `Graph.advertise`."""
         self.watching_sources = PeerWatch(self.sources)
         """The typed sinks that watch who publishes."""
         self.listeners = Union(self.typed, topic.untyped)
@@ -203,7 +203,7 @@ class TypeGroup:
         self.changed()
 
     def changed(self) -> None:
-        """Take note that receivers, or the sources that sinks watch, have changed."""
+        """Called when receivers, or the sources that sinks watch, have changed."""
         self._receivers = None
 
     def deliver(self, publication: Publication) -> None:

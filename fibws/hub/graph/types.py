@@ -20,7 +20,7 @@ from fibws.errors import (
     UnknownPackage,
 )
 from fibws.hub.errors import UnknownDefinition
-from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64text
+from fibws.interfaces import Interfaces, MessageDefinition, base64text
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.client_definitions import (

@@ -41,7 +41,7 @@ class LoopLag:
         self._timer = self._clock.call_later(INTERVAL, self._measure)
 
     def stop(self) -> None:
-        """Measure no more."""
+        """Stop measuring."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None

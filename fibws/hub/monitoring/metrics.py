@@ -109,7 +109,7 @@ class ClientTotals:
 
 
 class MeasuredRecording(Protocol):
-    """What records topics within the hub."""
+    """The recorder of topics, as far as metrics use it."""
 
     @property
     def is_recording(self) -> bool:

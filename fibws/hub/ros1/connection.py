@@ -65,7 +65,7 @@ class Handler(Protocol):
         """Continue."""
 
     def connection_lost(self) -> None:
-        """Take note of the end."""
+        """Called when the connection has ended."""
 
 
 class Acceptor(Protocol):

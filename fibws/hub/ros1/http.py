@@ -445,7 +445,7 @@ class NodeCalls:
             self._tasks[uri] = asyncio.get_running_loop().create_task(self._notify(uri))
 
     def forget(self, uri: str) -> None:
-        """Send a node no more notifications."""
+        """Drop the notifications for a node."""
         self._notes.pop(uri, None)
         task = self._tasks.pop(uri, None)
         if task is not None:

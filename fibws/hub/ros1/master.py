@@ -322,7 +322,7 @@ class Master:
         return 1, f"Subscribed to parameter [{key}]", self._parameter_or_empty(key)
 
     def unsubscribe_param(self, caller: XmlRpcCaller, node: str, uri: str, key: str) -> Answer:
-        """Report changes of a parameter no more."""
+        """Stop reporting changes of a parameter."""
         namespace = _namespace(key)
         subscribers = self._parameter_subscribers.get(namespace, {})
         was_there = subscribers.get(node) == uri

@@ -177,7 +177,7 @@ class Ros1Server:
             connection.abort()
 
     def _failed(self, uri: str, error: NodeUnreachable) -> None:
-        """Take note that a notification has failed; a node that is registered is sent it again."""
+        """Called when a notification has failed; a node that is registered is sent it again."""
         if self.nodes.at(uri):
             self.nodes.set_fault(uri, error.fault)
         else:

@@ -84,11 +84,11 @@ class RemoteService:
             task.cancel()
 
     def displaced(self, service: Service) -> None:
-        """Take note that another server has the service; calls that wait may still be answered."""
+        """Called when another server has the service; calls that wait may still be answered."""
         self._links.displaced(self)
 
     def close(self) -> None:
-        """Ask for the type no more, and keep no connections."""
+        """Stop asking for the type, and close the connections."""
         if self._watching is not None:
             self._watching.cancel()
         self._connections.close()
@@ -290,7 +290,7 @@ class ServedClient:
             self._transport.pause_reading()
 
     def pause_writing(self) -> None:
-        """Serve no more requests: the client does not read the responses."""
+        """Stop serving requests: the client does not read the responses."""
         self._writable.clear()
 
     def resume_writing(self) -> None:
@@ -451,7 +451,7 @@ class ServiceLinks:
             yield
 
     def displaced(self, remote: RemoteService) -> None:
-        """Take note that another server has taken over a service."""
+        """Called when another server has taken over a service."""
         if self._remote.get(remote.name) is remote:
             self.forget(remote)
             self._nodes.service_displaced(remote.name)

@@ -97,7 +97,7 @@ class Slave:
         )
 
     def _ignore(self, caller: XmlRpcCaller, caller_id: str, *arguments: object) -> Answer:
-        """Take note of nothing: the hub has the master's knowledge itself."""
+        """Ignored: the hub has the master's knowledge itself."""
         return 1, "", 0
 
     def _master_uri(self, caller: XmlRpcCaller, caller_id: str) -> Answer:

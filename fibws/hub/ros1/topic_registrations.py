@@ -43,7 +43,7 @@ class RegisteredLinks(Protocol):
         """Return what takes the messages of a topic for all ROS 1 subscribers."""
 
     def changed(self, topic: Topic) -> None:
-        """Take note that publishers or subscribers of a topic have changed."""
+        """Called when publishers or subscribers of a topic have changed."""
 
 
 class TopicLink(Receiver, Protocol):
@@ -180,7 +180,7 @@ class TopicRegistrations(ForeignTopics[Ros1Publisher, Ros1Subscriber]):
         graph.watch_topics(lambda topic: self._mark(topic.name))
 
     def close(self) -> None:
-        """Send no more updates to nodes."""
+        """Stop sending updates to nodes."""
         self._work.close()
 
     # Looking up.

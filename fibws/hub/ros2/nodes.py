@@ -44,7 +44,7 @@ class Ros2Endpoints(Protocol):
     """Attaches the topics, or the services, of ROS 2 nodes."""
 
     def changed(self, name: str) -> None:
-        """Take note that the ROS 2 nodes that use a name have changed."""
+        """Called when the ROS 2 nodes that use a name have changed."""
 
     def detach(self, node: Ros2Node) -> None:
         """Detach, name by name, what a node uses that has left."""
@@ -103,7 +103,7 @@ class Ros2Nodes:
     # Tokens.
 
     def token(self, text: str, is_alive: bool) -> None:
-        """Take note of a token that appears or disappears."""
+        """Called when a token appears or disappears."""
         if not is_alive:
             self._remove(text)
             return

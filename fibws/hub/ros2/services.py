@@ -101,7 +101,7 @@ class Ros2Server:
             cancel()
 
     def displaced(self, service: Service) -> None:
-        """Take note that another server has the service; calls that wait may still be answered."""
+        """Called when another server has the service; calls that wait may still be answered."""
         self.service = None
 
     def close(self) -> None:
@@ -116,7 +116,7 @@ class Ros2Server:
         self._client.close()
 
     def forget(self, caller: str) -> None:
-        """Show a caller that has left no more."""
+        """Stop showing a caller that has left."""
         client = self._clients.pop(caller, None)
         if client is not None:
             client.close()
@@ -195,7 +195,7 @@ class Ros2Services:
             self.changed(name)
 
     def close(self) -> None:
-        """Serve ROS 2 no more; the ROS 2 nodes have left."""
+        """Stop serving ROS 2; the ROS 2 nodes have left."""
         self._is_closed = True
         self._left.finish()
         for service in self._own_services.values():

@@ -392,7 +392,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
     # Messages of ROS 2.
 
     def _settle_inlets(self, links: Ros2Links) -> None:
-        """Subscribe to the keys that are needed, and some time later to no more."""
+        """Open the subscriptions that are needed; close the others after `LINGER`."""
         wanted: dict[tuple[str, str], int] = {}
         for publisher in links.publishers.values():
             if publisher.message is not None:
@@ -459,7 +459,7 @@ class Ros2Topics(ForeignTopics[Ros2Publisher, Ros2Subscriber]):
             self._link(links, type_)
 
     def _link(self, links: Ros2Links, type_: tuple[str, str]) -> None:
-        """Take note that messages of all publishers of a type arrive."""
+        """Called when messages of all publishers of a type arrive."""
         for publisher in links.publishers.values():
             if publisher.type == type_ and publisher.source is not None:
                 publisher.source.link()

@@ -142,7 +142,7 @@ class TextCache:
         self._max_bytes = max_bytes
         self._texts: WeakKeyDictionary[Definitions, dict[str, bytes]] = WeakKeyDictionary()
         self._bytes = 0
-        """Those of definitions that are forgotten count until all are dropped."""
+        """Bytes of all texts; texts of forgotten definitions count until all are dropped."""
 
     def get(self, definitions: Definitions, name: str) -> bytes:
         """Return the text of a type."""

@@ -97,7 +97,7 @@ class ConnectedClients:
         return self._by_name.get(node)
 
     def close(self) -> None:
-        """Publish no more."""
+        """Stop publishing."""
         if self._timer is not None:
             self._timer.cancel()
 

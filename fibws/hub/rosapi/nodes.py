@@ -305,7 +305,7 @@ class OwnNodes:
         self.clients.connected(client, self._graph.now())
 
     def ponged(self, client: ListedClient, data: bytes) -> None:
-        """Take note that a client has sent a pong with these data."""
+        """Called when a client has sent a pong with these data."""
         self._rosnode.ponged(client, data)
 
     def disconnected(self, client: ListedClient) -> None:

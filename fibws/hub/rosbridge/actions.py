@@ -244,7 +244,7 @@ class RosbridgeActions:
         statuses.info(request.id, f"{self.node} serves {name} ({type_.name})")
 
     def unadvertise(self, request: UnadvertiseAction) -> Work | None:
-        """Serve an action no more; return the steps that abort goals that have not ended."""
+        """Stop serving an action; return the steps that abort goals that have not ended."""
         name = self._client.resolve(request.action)
         return self._remove(name) if name in self._served else None
 

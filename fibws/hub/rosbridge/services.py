@@ -222,7 +222,7 @@ class RosbridgeServices:
         statuses.info(request.id, f"{self.node} provides {name} ({type_.name})")
 
     def unadvertise(self, request: UnadvertiseService) -> Work | None:
-        """Serve a service no more; return the steps that fail the calls that wait."""
+        """Stop serving a service; return the steps that fail the calls that wait."""
         if request.service is None:
             # ros-sharp sends no name, by mistake: that takes none back.
             return None
@@ -319,7 +319,7 @@ class RosbridgeServices:
         self._pop(call.id)
 
     def displaced(self, service: Service) -> None:
-        """Take note that another server has the service; calls that wait may still be answered.
+        """Called when another server has the service; calls that wait may still be answered.
 
         It may be this one, by advertising again.
         """

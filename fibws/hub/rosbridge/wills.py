@@ -135,7 +135,7 @@ class Wills:
                 self._publish(will, "it has left")
 
     def _begin(self, will: Will, timeout: float) -> None:
-        """Take note of a client's message on a topic that was silent before."""
+        """Called when a client publishes on a topic that was silent before."""
         will.is_published = False
         will.seen = will.source.messages
         will.silent_since = self._clock.time()

@@ -49,7 +49,7 @@ class ServerTls:
     def __init__(self, certificate: Path, key: Path, client_ca: Path | None = None) -> None:
         self._files = (certificate, key, client_ca)
         self.files = list(dict.fromkeys(filter(None, self._files)))
-        """Those that are read."""
+        """The files that are read."""
         self.on_refused: Callable[[str], object] = lambda reason: None
         """Takes the reason whenever a client's certificate is refused."""
         self.context: ssl.SSLContext

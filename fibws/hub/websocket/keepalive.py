@@ -39,20 +39,20 @@ class Keepalive:
         self._closing_since: float | None = None
 
     def opened(self) -> None:
-        """Take note that the handshake is done."""
+        """Called when the handshake is done."""
         self._open = True
 
     def ponged(self) -> None:
-        """Take note that the client has answered a ping."""
+        """Called when the client has answered a ping."""
         self._pong_due = None
 
     def behind(self, now: float) -> None:
-        """Take note that not all that the client has sent was read: a pong may be in the rest."""
+        """Extend the pong's deadline: unread input may contain the pong."""
         if self._pong_due is not None:
             self._pong_due = now + self._settings.ping_timeout
 
     def paused(self, now: float, unsent: int) -> None:
-        """Take note that the socket takes no more; ``unsent`` decreases while the client reads.
+        """Called when the socket's buffer is full; ``unsent`` decreases while the client reads.
 
         A client that asks for a large file needs no handshake: it has the time of one for each
         piece that it is sent.
@@ -63,15 +63,15 @@ class Keepalive:
             self._since = now
 
     def sends(self, now: float) -> None:
-        """Take note that the next piece of a large file is there for a client without handshake."""
+        """Called when the next piece of a large file is there for a client without handshake."""
         self._since = now
 
     def resumed(self) -> None:
-        """Take note that the socket takes data again."""
+        """Called when the socket takes data again."""
         self._paused_since = None
 
     def closing(self, now: float) -> None:
-        """Take note that the last frame is on its way, so that the client must close."""
+        """Called when the last frame is on its way, so that the client must close."""
         self._closing_since = now
 
     def excuse(self, seconds: float) -> None:

@@ -287,7 +287,7 @@ class Quotas:
         self._handshakes: OrderedDict[str, TokenBucket] = OrderedDict()
         """By address, those that have sent requests lately; the oldest request comes first."""
         self._groups: OrderedDict[tuple[Whose, str], dict[Limits, Quota]] = OrderedDict()
-        """Those of each principal and address by their limits; the oldest use comes first."""
+        """The quotas of principals and addresses, by their limits; the oldest use comes first."""
 
     def __len__(self) -> int:
         return sum(map(len, self._groups.values())) + len(self._handshakes)
@@ -397,13 +397,13 @@ class ClientQuotas:
         self._set_meter(member)
 
     def check_room(self, what: Registration) -> None:
-        """Raise `LimitReached` if no more of something may be registered."""
+        """Raise `LimitReached` if the limit of this kind of registration is reached."""
         for quota in self._joined.values():
             if quota.whose != "client":
                 quota.check_room(what)
 
     def leave(self, member: QuotaMember) -> None:
-        """Count the client no more; the second time nothing happens."""
+        """Stop counting the client; the second call does nothing."""
         for quota in self._joined.values():
             quota.members.discard(member)
         self._joined.clear()

@@ -148,7 +148,7 @@ class SharedLimits:
         return refusal
 
     def accept_failed(self, error: BaseException | None) -> bool:
-        """Take note that a connection could not be accepted; return whether that is understood."""
+        """Record that a connection could not be accepted; return whether the reason is known."""
         if not isinstance(error, OSError) or error.errno not in (errno.EMFILE, errno.ENFILE):
             return False
         files = _most_files()

@@ -87,7 +87,7 @@ _TOPIC_PROGRAMS = [
 """The programs of topic_tools, which are in one file, too."""
 _EXPRESSIONS = _PYTHON / "topic_tools" / "expressions.py"
 _EXPRESSION_PROGRAMS = ["relay_field", "transform"]
-"""Those that compute topics are in another one."""
+"""The programs of topic_tools that compute topics, which are in another file."""
 
 _WINDOWS = ["image_view", "rqt_bag", "rqt_launch", "rqt_msg", "rqt_runtime_monitor", "rviz"]
 """Packages whose programs open windows."""

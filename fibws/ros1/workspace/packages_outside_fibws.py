@@ -70,7 +70,7 @@ IN_CPP = set(
 )
 """Packages that many robots use, and that are in C++ or need it."""
 CPP = "in C++, which fibws does not build; nodes of an installed ROS join a hub with --ros1"
-"""What is to be said of them."""
+"""What errors say of these packages."""
 
 _ROS_ON_PYPI = {"xacro": "xacro", "urdfdom_py": "urdfdom-py", "urdf_parser_py": "urdf-parser-py"}
 _KEYS_ON_PYPI = {

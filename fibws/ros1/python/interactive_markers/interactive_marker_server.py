@@ -220,7 +220,7 @@ class InteractiveMarkerServer:
             return shown.marker
 
     def processFeedback(self, feedback: InteractiveMarkerFeedback) -> None:
-        """Take note of what somebody did, and call the marker's callback."""
+        """Process feedback from a viewer, and call the marker's callback."""
         with self._lock:
             shown = self._shown.get(feedback.marker_name)
             if shown is None:
