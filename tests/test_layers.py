@@ -92,6 +92,7 @@ BELOW_IN_HUB = {
         "names",
         "origins",
         "access",
+        "protocol.deflate",
         "protocol.websocket",
         "hub.delivery",
         "hub.http",
@@ -102,7 +103,8 @@ BELOW_IN_HUB = {
     | {"tls"},
     "http": {"errors", "access", "files", "names", "origins", "hub.access", "hub.http", "hub.log"}
     | {"hub.graph", "hub.memory", "hub.package_folders", "hub.recording", "hub.settings"}
-    | {"hub.websocket.endpoint", "hub.worker_threads", "protocol.websocket"},
+    | {"hub.websocket.deflate_extension", "hub.websocket.endpoint"}
+    | {"hub.worker_threads", "protocol.websocket"},
     "tls": {"errors", "files", "tls", "hub.access", "hub.log", "hub.tls"},
     "log": {"errors", "hub.log"},
     "memory": {"hub.delivery", "hub.memory", "protocol.websocket"},

@@ -33,6 +33,7 @@ OTHER_ENDPOINT = r"(?:serial|unixsock-stream|unixpipe|vsock)/\S+"
 _SURROGATE = re.compile("[\ud800-\udfff]")
 LOG_FORMATS = ("text", "json")
 COMPRESSIONS = ("none", "bz2", "lz4")
+DEFLATE = ("auto", "always", "never")
 
 
 def _setting(default: Any, help_: str, flag: str = "") -> Any:
@@ -301,6 +302,11 @@ class Settings:
     max_request_head: int = _setting(
         64 * KIB, "Bytes that a request's line and headers may have, cookies included."
     )
+    deflate: Literal["auto", "always", "never"] = _setting(
+        "auto",
+        "Compression of long texts for rosbridge clients that offer permessage-deflate: auto "
+        "(those of other machines), always or never.",
+    )
     ping_interval: float = _setting(20.0, "Seconds between two pings; 0 sends none.")
     ping_timeout: float = _setting(20.0, "Seconds in which a client must answer a ping.")
     open_timeout: float = _setting(10.0, "Seconds in which a client must finish its handshake.")
@@ -339,6 +345,8 @@ class Settings:
         self._check_texts()
         if self.log_format not in LOG_FORMATS:
             raise SettingError(f"--log-format must be text or json, got {self.log_format}")
+        if self.deflate not in DEFLATE:
+            raise SettingError(f"--deflate must be {', '.join(DEFLATE)}, got {self.deflate}")
         self._check_tls()
         self._check_record()
         if self.keep_params and self.params is None:

@@ -51,6 +51,8 @@ _SHORT_HEADERS = {first: [bytes((first, size)) for size in range(126)] for first
 _NO_MESSAGE = bytearray()
 _NO_VIEW = memoryview(_NO_MESSAGE)
 _OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
+_DEFLATED = frozenset({0x41, 0x42, 0xC1, 0xC2})
+"""First bytes of frames with which compressed messages begin."""
 _NUMBER = re.compile(r"[0-9]{1,18}")
 _LENGTH_16 = struct.Struct("!H")
 _LENGTH_64 = struct.Struct("!Q")
@@ -71,6 +73,7 @@ class CloseReason:
 SHUTDOWN = CloseReason(1001, "the hub is shutting down")
 RESTART = CloseReason(1012, "service restart")
 INVALID_UTF8 = CloseReason(1007, "a text is not UTF-8")
+INVALID_DEFLATE = CloseReason(1007, "a compressed message cannot be inflated")
 STALLED = CloseReason(1008, "stopped reading for too long")
 OVERFULL = CloseReason(1008, "too many replies wait to be read")
 FRAGMENTS = CloseReason(1009, "too many fragments in one message")
@@ -78,6 +81,8 @@ SILENT = CloseReason(1011, "no answer to a ping")
 REPLACED = CloseReason(4001, "new node registered with same name")
 KILLED = CloseReason(4002, "shutdown request: user request")
 
+TOO_LARGE = 1009
+"""The close code for a message that is larger than the hub takes."""
 UNAUTHENTICATED = 4401
 """The close code for a token that is missing, unknown, expired or revoked."""
 FORBIDDEN = 4403
@@ -212,6 +217,7 @@ class FrameParser:
         "_through",
         "_turn",
         "_view",
+        "deflated",
         "fragmented",
         "in_large",
         "max_size",
@@ -238,6 +244,9 @@ class FrameParser:
         """Takes text messages that begin from now on; may be changed at any time."""
         self.on_binary = on_binary
         """Takes binary messages, likewise."""
+        self.deflated: dict[int, Callable[[Payload], None]] = {}
+        """Takes whole compressed messages, by the first bytes of their frames; empty unless the
+        peer may send such."""
         self.messages = 0
         """Whole messages passed on so far."""
         self._on_other = on_other
@@ -393,8 +402,9 @@ class FrameParser:
             return start
         first, length = data[start], data[start + 1] - self._mask_bit
         if not 0 <= length < 128 or first & 0x70 or first & 0x0F not in _OPCODES:
-            self.give_up()
-            return start
+            if not (self.deflated and first in _DEFLATED and 0 <= length < 128):
+                self.give_up()
+                return start
         payload = 2 + self._key_size
         if length == 126:
             payload += 2
@@ -413,6 +423,8 @@ class FrameParser:
             take = self.on_text
         elif first == BINARY:
             take = self.on_binary
+        elif first in self.deflated:
+            take = self.deflated[first]
         else:
             self._through = whole
             return start

@@ -53,6 +53,9 @@ class Reading:
     def fail(self, reason: CloseReason) -> None:
         raise AssertionError(reason)
 
+    def grow(self, size: int) -> None:
+        raise AssertionError(size)
+
     def receive(self, data: bytes, first: int = TEXT) -> None:
         """Handle a message, and one behind it, in as many turns as it takes."""
         self.clock.measure(lambda: self.reader.receive(frame(first, data) + frame(TEXT, b"{}")))

@@ -5,16 +5,20 @@ from __future__ import annotations
 import http
 from collections.abc import Generator
 
+from websockets.datastructures import Headers
 from websockets.exceptions import InvalidMessage
+from websockets.extensions import Extension
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 from websockets.streams import StreamReader
 from websockets.typing import LoggerLike
 
 from fibws.hub.http.requests import text_response
+from fibws.hub.websocket.deflate_extension import DeflateExtension, DeflateFactory
 from fibws.hub.websocket.endpoint import Endpoints
 
 SUBPROTOCOL = "Sec-WebSocket-Protocol"
+_DEFLATE = DeflateFactory()
 
 
 class HandshakeProtocol(ServerProtocol):
@@ -31,13 +35,36 @@ class HandshakeProtocol(ServerProtocol):
     def __init__(
         self, endpoints: Endpoints, *, limit: int, max_size: int, logger: LoggerLike
     ) -> None:
+        self.may_deflate = False
+        """Whether the client's offer of permessage-deflate is accepted, if its protocol has long
+        texts."""
         self._limit = limit
-        super().__init__(select_subprotocol=endpoints.select, max_size=max_size, logger=logger)
+        self._endpoints = endpoints
+        super().__init__(
+            select_subprotocol=endpoints.select,
+            extensions=[_DEFLATE],
+            max_size=max_size,
+            logger=logger,
+        )
 
     def parse(self) -> Generator[None]:
         """Parse what arrives; called once, when the connection is made."""
         self.reader = _HeadReader(self._limit)
         return super().parse()
+
+    def process_extensions(self, headers: Headers) -> tuple[str | None, list[Extension]]:
+        """Return the header of the response for extensions, and those that are accepted."""
+        if self.may_deflate and self._endpoints.has_texts(self.process_subprotocol(headers)):
+            return super().process_extensions(headers)
+        return None, []
+
+    @property
+    def deflate_bits(self) -> int:
+        """The size of the client's window for compressed texts, as a power of two; 0 for none."""
+        for each in self.extensions:
+            assert isinstance(each, DeflateExtension)
+            return each.bits
+        return 0
 
     def refusal(self) -> str | None:
         """Return why the library has answered a request by itself, if it has."""

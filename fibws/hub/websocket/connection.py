@@ -47,6 +47,7 @@ from fibws.hub.settings import KIB, Settings
 from fibws.hub.tls.certificate import certificate_of
 from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.client_log import ClientLog
+from fibws.hub.websocket.deflate_extension import may_deflate
 from fibws.hub.websocket.endpoint import (
     STRANGER_BYTES,
     Endpoint,
@@ -462,6 +463,9 @@ class Connection(asyncio.BufferedProtocol):
             shared.flusher,
             max_bytes=shared.settings.max_queued_bytes,
         )
+        assert isinstance(self._protocol, HandshakeProtocol)
+        if self._protocol.deflate_bits:
+            self._reader.accept_deflated()
         self._keepalive.opened()
         try:
             self._open(request)
@@ -592,6 +596,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def _accept(self, request: Request) -> Response:
         drop_empty_subprotocols(request)
+        assert isinstance(self._protocol, HandshakeProtocol)
+        self._protocol.may_deflate = may_deflate(self._shared.settings.deflate, self.address)
         response = self._protocol.accept(request)
         response.headers[SIZE_HEADER] = str(self._shared.settings.max_message_size)
         response.headers[VALUES_HEADER] = SERIALIZED
@@ -731,6 +737,10 @@ class Connection(asyncio.BufferedProtocol):
         if self._protocol.state is State.OPEN:
             self._protocol.send_ping(data)
             self._send()
+
+    def grow(self, size: int) -> None:
+        """Count bytes that are kept of a message beyond those that came."""
+        self._shared.limits.account.grow(size)
 
     def close(self, reason: CloseReason) -> None:
         """Close in good order; a later sweep cuts off a client that does not answer."""

@@ -200,6 +200,10 @@ class Endpoints:
         if path:
             self._by_path[path] = open_
 
+    def has_texts(self, subprotocol: str | None) -> bool:
+        """Return whether messages are texts in the protocol of a connection: that of rosbridge."""
+        return subprotocol not in self._by_subprotocol
+
     def find(self, subprotocol: str | None, path: str) -> OpenEndpoint:
         """Return the protocol for a connection: the subprotocol decides, then the path."""
         by_path = self._by_path.get(path.partition("?")[0], self._default)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import logging
 import math
+import zlib
+from functools import partial
 from itertools import chain
 from typing import Protocol
 
@@ -15,12 +17,18 @@ from websockets.frames import Frame, Opcode
 
 from fibws.errors import InvalidUtf8
 from fibws.hub.settings import KIB, Settings
+from fibws.hub.websocket.deflate_extension import DeflatedFrame
 from fibws.hub.websocket.endpoint import STRANGER_BYTES, Endpoint, Work
 from fibws.hub.websocket.quotas import CHARGED_BYTES, ClientQuotas, Meter
 from fibws.hub.websocket.turns import Turns
+from fibws.protocol.deflate import DEFLATED, inflate
 from fibws.protocol.websocket import (
+    BINARY,
     FRAGMENTS,
+    INVALID_DEFLATE,
     INVALID_UTF8,
+    TEXT,
+    TOO_LARGE,
     CloseReason,
     FrameParser,
     Payload,
@@ -62,6 +70,9 @@ class ReadClient(Protocol):
     def fail(self, reason: CloseReason) -> None:
         """Close because of a fault of the client."""
 
+    def grow(self, size: int) -> None:
+        """Count bytes that are kept of a message beyond those that came."""
+
 
 class MessageReader:
     """Splits what a client sends into messages, and measures how much that is.
@@ -79,6 +90,8 @@ class MessageReader:
         "_exempt",
         "_fragments",
         "_frames",
+        "_inflated",
+        "_is_deflated",
         "_medium",
         "_others",
         "_parser",
@@ -118,6 +131,10 @@ class MessageReader:
         """The buffer for connections in the middle of a longer frame."""
         self._fragments: list[bytes] = []
         self._binary = False
+        self._is_deflated = False
+        """Whether the fragments are of a compressed message."""
+        self._inflated: tuple[Payload, bool] | None = None
+        """A message that was compressed and is to be handled, and whether it is binary."""
         self._stopped = False
         self._exempt = False
         """Whether the data that is read now costs nothing, as its messages are dropped."""
@@ -140,6 +157,13 @@ class MessageReader:
         self._parser.max_size = self._settings.max_message_size
         if not self._settings.fast_framing:
             self._parser.give_up()
+
+    def accept_deflated(self) -> None:
+        """Accept compressed messages from now on."""
+        self._parser.deflated = {
+            TEXT | DEFLATED: partial(self._begin_inflating, binary=False),
+            BINARY | DEFLATED: partial(self._begin_inflating, binary=True),
+        }
 
     @property
     def messages(self) -> int:
@@ -256,6 +280,7 @@ class MessageReader:
     def _free(self) -> None:
         self._fragments = []
         self._frames = []
+        self._inflated = None
         self._work, self._work_bytes = None, 0
 
     # Messages.
@@ -283,13 +308,17 @@ class MessageReader:
             return
         if frame.opcode is not Opcode.CONT:
             self._binary = frame.opcode is Opcode.BINARY
+            self._is_deflated = isinstance(frame, DeflatedFrame)
         self._fragments.append(bytes(frame.data))
         parser = self._parser
         parser.fragmented = not frame.fin
         if frame.fin:
             message, self._fragments = b"".join(self._fragments), []
-            on_message = parser.on_binary if self._binary else parser.on_text
-            on_message(message)
+            if self._is_deflated:
+                self._begin_inflating(message, binary=self._binary)
+            else:
+                on_message = parser.on_binary if self._binary else parser.on_text
+                on_message(message)
 
     def _on_text(self, text: Payload) -> None:
         assert self.endpoint is not None
@@ -313,6 +342,27 @@ class MessageReader:
         else:
             if work is not None:
                 self._begin(work, len(data))
+
+    def _begin_inflating(self, data: Payload, *, binary: bool) -> None:
+        self._begin(self._inflate(data, binary=binary), len(data))
+
+    def _inflate(self, data: Payload, *, binary: bool) -> Work:
+        """Inflate a compressed message, which may be a thousand times as long."""
+        try:
+            message = yield from inflate(data, self._parser.max_size, self._count_inflated)
+        except OverflowError as error:
+            self._client.fail(CloseReason(TOO_LARGE, str(error)))
+        except zlib.error:
+            self._client.fail(INVALID_DEFLATE)
+        else:
+            self._inflated = message, binary
+
+    def _count_inflated(self, size: int) -> None:
+        """Count a piece of an inflated message as if it had come so."""
+        self._work_bytes += size
+        self._client.grow(size)
+        if self._quotas.meter is not None:
+            self._quotas.meter.uncharged_bytes += size
 
     def _begin(self, work: Work, size: int) -> None:
         """Do what is left of a message of some bytes; in further turns if it takes long."""
@@ -338,6 +388,10 @@ class MessageReader:
         except Exception:
             logger.exception("%s: an operation failed.", self._client.name)
         self._work, self._work_bytes = None, 0
+        if self._inflated is not None:
+            (message, binary), self._inflated = self._inflated, None
+            on_message = self._parser.on_binary if binary else self._parser.on_text
+            on_message(message)
         while self._frames and self._work is None:
             self.add(self._frames.pop(0))
         return self._work is None
@@ -368,7 +422,8 @@ class MessageReader:
             self.accept()
         else:
             # A message that began before is still to be paid for.
-            self._exempt = self._parser.large_taker not in (self._on_text, self._on_binary)
+            paid = (self._on_text, self._on_binary, *self._parser.deflated.values())
+            self._exempt = self._parser.large_taker not in paid
 
     def _drop_text(self, text: Payload) -> None:
         self._drop(text, is_text=True)

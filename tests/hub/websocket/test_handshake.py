@@ -8,8 +8,6 @@ from http import HTTPStatus
 
 import pytest
 from conftest import StartHub
-from websockets.asyncio.client import connect
-from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFactory
 
 from fibws.hub.http.requests import response
 from fibws.hub.server import HubServer
@@ -277,19 +275,6 @@ class TestHandshake:
             status, _, body = await client.response()
         assert status == 400
         assert b"The query's node: " in body
-
-    async def test_deflate_is_declined(self, hub: HubServer) -> None:
-        async with dialled(hub.port) as client:
-            await client.send(handshake(Sec_WebSocket_Extensions="permessage-deflate"))
-            status, headers, _ = await client.response()
-        assert status == 101
-        assert "sec-websocket-extensions" not in headers
-
-    async def test_real_client_works_without_the_deflate_it_offers(self, hub: HubServer) -> None:
-        async with connect(hub.url, extensions=[ClientPerMessageDeflateFactory()]) as websocket:
-            assert websocket.protocol.extensions == []
-            await websocket.send("{}")
-            assert json.loads(await websocket.recv())["op"] == "status"
 
     async def test_hub_gives_an_unused_name(self, hub: HubServer) -> None:
         async with (

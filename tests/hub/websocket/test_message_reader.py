@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import zlib
 from typing import Any
 
+import pytest
 from conftest import Faults
 from websockets.frames import Frame, Opcode
 
@@ -19,6 +21,7 @@ from fibws.hub.websocket.quotas import (
     Quotas,
 )
 from fibws.hub.websocket.turns import ITERATION, Turns
+from fibws.protocol.deflate import PIECE
 from fibws.protocol.websocket import CloseReason, Payload
 
 from ..fakes import FakeHub
@@ -56,6 +59,9 @@ class FakeConnection:
 
     def fail(self, reason: CloseReason) -> None:
         raise AssertionError(reason)
+
+    def grow(self, size: int) -> None:
+        raise AssertionError(size)
 
     def send(self, data: bytes) -> None:
         """Send bytes, and have them read at once."""
@@ -171,6 +177,34 @@ def test_message_counts_as_incoming_until_its_end() -> None:
     assert client.reader.kept_bytes == 3
     while client.reader.is_paused:
         client.turn()
+    assert client.reader.kept_bytes == 0
+
+
+def test_compressed_message_is_inflated_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Otherwise 64 KB that inflate to 64 MB would hold up all others."""
+    client = SteppedConnection()
+    client.reader.enter()
+    client.reader.accept_deflated()
+    grown: list[int] = []
+
+    def grow(size: int) -> None:
+        grown.append(size)
+        client.endpoint.now += ITERATION
+
+    received: list[int] = []
+    monkeypatch.setattr(client, "grow", grow)
+    client.endpoint.receive_text = lambda data: received.append(len(data))
+    deflater = zlib.compressobj(wbits=-15)
+    data = deflater.compress(b" " * (3 * PIECE)) + deflater.flush(zlib.Z_SYNC_FLUSH)
+    client.send(frame(TEXT, data[:-4], rsv=4) + frame(TEXT, b"x"))
+    for kept in (1, 2, 3):
+        assert grown == kept * [PIECE]
+        assert client.reader.kept_bytes > kept * PIECE
+        assert not received
+        client.turn()
+    while client.reader.is_paused:
+        client.turn()
+    assert received == [3 * PIECE, 1]
     assert client.reader.kept_bytes == 0
 
 
