@@ -85,7 +85,7 @@ BELOW = {
 
 BELOW_IN_HUB = {
     "graph": {"errors", "names", "interfaces", "access.rights", "hub.graph"},
-    "delivery": {"protocol.frame_queue", "hub.delivery"},
+    "delivery": {"protocol.deflate", "protocol.frame_queue", "hub.delivery"},
     "websocket": {
         "errors",
         "files",

@@ -25,6 +25,7 @@ from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import machine_addresses
+from fibws.hub.delivery.deflate import MOST_HELD, Deflater
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.errors import NotAllowed
 from fibws.hub.federation import link
@@ -237,12 +238,21 @@ class HubServer:
         )
         self._end.callback(self._own.close)
 
+    def _compress(self, loop: asyncio.AbstractEventLoop) -> Deflater:
+        """Return what compresses texts: in one thread, so that the event loop has a CPU."""
+        workers = WorkerThreads(loop, most=1)
+        self._end.push_async_callback(workers.close)
+        most = min(MOST_HELD, self._account.reserved)
+        deflater = Deflater(workers, time.perf_counter, most)
+        self._account.add_fixed("queues", lambda: deflater.held, 0)
+        return deflater
+
     def _answer_requests(self) -> None:
         """Prepare for clients and HTTP requests, which come once the server serves."""
         loop = asyncio.get_running_loop()
-        rosbridge = Rosbridge(
-            self.graph, loop, self.settings, self._threads, self._own.refusals.report
-        )
+        deflater = self._compress(loop)
+        report = self._own.refusals.report
+        rosbridge = Rosbridge(self.graph, loop, self.settings, self._threads, deflater, report)
         self.endpoints = endpoints = Endpoints(rosbridge.open)
         endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         endpoints.add(
@@ -309,6 +319,7 @@ class HubServer:
             endpoints=endpoints,
             loop=loop,
             flusher=flusher,
+            deflater=deflater,
             turns=turns,
             limits=self._limits,
             observer=_Reports(self),

@@ -9,10 +9,8 @@ import zlib
 from collections.abc import Callable, Generator, Iterator
 from typing import Final
 
-from fibws.protocol.websocket import TEXT, Payload, server_header
+from fibws.protocol.websocket import DEFLATED, TEXT, Payload, server_header
 
-DEFLATED: Final = 0x40
-"""The bit in the first byte of a frame that marks a compressed message (RSV1)."""
 MOST_BITS: Final = 15
 """The size of deflate's largest window, as a power of two."""
 PIECE: Final = 64 * 1024

@@ -24,6 +24,8 @@ TEXT: Final = 0x81
 """The first byte of a whole text message: final frame, no reserved bits, opcode 1."""
 BINARY: Final = 0x82
 """The first byte of a whole binary message."""
+DEFLATED: Final = 0x40
+"""The bit in the first byte of a frame that marks a compressed message (RFC 7692)."""
 ZERO_KEY: Final = bytes(4)
 """A masking key that changes nothing; see `client_frame`."""
 LARGE: Final = 256 * 1024
@@ -47,7 +49,10 @@ B = TypeVar("B", bytes, memoryview)
 Payload: TypeAlias = bytes | bytearray
 """The content of a message; a large one is the buffer that it was read into."""
 
-_SHORT_HEADERS = {first: [bytes((first, size)) for size in range(126)] for first in (TEXT, BINARY)}
+_SHORT_HEADERS = {
+    first: [bytes((first, size)) for size in range(126)]
+    for first in (TEXT, BINARY, TEXT | DEFLATED)
+}
 _NO_MESSAGE = bytearray()
 _NO_VIEW = memoryview(_NO_MESSAGE)
 _OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
@@ -121,7 +126,7 @@ def server_header(first: int, size: int) -> bytes:
     """Return the header of an unmasked frame.
 
     Args:
-        first: `TEXT` or `BINARY`.
+        first: `TEXT` or `BINARY`, or ``TEXT | DEFLATED``.
         size: bytes of the payload.
     """
     if size < 126:

@@ -13,6 +13,7 @@ import cbor2
 
 from fibws.access.rights import Principal
 from fibws.hub.delivery.clock import Workers
+from fibws.hub.delivery.deflate import Deflater, DeflatingSendQueue
 from fibws.hub.delivery.send_queue import Bytes, Flusher, Frame, LargeFrame, SendQueue
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
@@ -113,6 +114,25 @@ class InlineWorkers:
             self._is_busy = False
 
 
+class FakeWorkers:
+    """Threads that work when the test calls them."""
+
+    def __init__(self) -> None:
+        self.jobs: deque[tuple[Callable[[], object], Callable[[], object]]] = deque()
+
+    def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
+        self.jobs.append((work, done))
+
+    def finish(self) -> None:
+        """Finish the first job."""
+        for each in self.jobs.popleft():
+            each()
+
+    def finish_all(self) -> None:
+        while self.jobs:
+            self.finish()
+
+
 def frames(data: Frame) -> Iterator[tuple[int, bytes]]:
     """Split unmasked WebSocket frames, each a whole message, into first bytes and payloads."""
     if isinstance(data, LargeFrame):
@@ -162,9 +182,9 @@ class FakeHub:
             strict_types=self.settings.strict_types,
             policy=policy,
         )
-        self.rosbridge = Rosbridge(
-            self.graph, self.clock, self.settings, workers or InlineWorkers()
-        )
+        workers = workers or InlineWorkers()
+        self.deflater = Deflater(workers, self.clock.time)
+        self.rosbridge = Rosbridge(self.graph, self.clock, self.settings, workers, self.deflater)
 
     def client(
         self,
@@ -173,9 +193,21 @@ class FakeHub:
         serialized: bool = False,
         principal: Principal | None = None,
         is_page: bool = False,
+        deflate: int = 0,
     ) -> Client:
-        """Return a new client; one that is ``serialized`` speaks ``fibws.v1``."""
-        return Client(self, node, serialized=serialized, principal=principal, is_page=is_page)
+        """Return a new client; one that is ``serialized`` speaks ``fibws.v1``.
+
+        Args:
+            deflate: the size of its window, if it has negotiated compression.
+        """
+        return Client(
+            self,
+            node,
+            serialized=serialized,
+            principal=principal,
+            is_page=is_page,
+            deflate=deflate,
+        )
 
     @property
     def empty(self) -> bool:
@@ -196,11 +228,18 @@ class Client:
         serialized: bool,
         principal: Principal | None,
         is_page: bool,
+        deflate: int = 0,
     ) -> None:
         self.writes: list[Bytes] = []
         self.closings: list[CloseReason] = []
-        self.queue = SendQueue(
-            self.writes.append, self.fail, hub.flusher, max_bytes=hub.settings.max_queued_bytes
+        most = hub.settings.max_queued_bytes
+        write = self.writes.append
+        self.queue = (
+            DeflatingSendQueue(
+                write, self.fail, hub.flusher, hub.deflater, max_bytes=most, bits=deflate
+            )
+            if deflate
+            else SendQueue(write, self.fail, hub.flusher, max_bytes=most)
         )
         self._hub = hub
         session = hub.rosbridge.open(

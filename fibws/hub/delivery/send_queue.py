@@ -83,6 +83,7 @@ class SendQueue:
         "_unwritten",
         "_write",
         "bytes_sent",
+        "deflate",
         "dropped",
         "flusher",
         "frames",
@@ -102,6 +103,8 @@ class SendQueue:
     ) -> None:
         self.flusher = flusher
         self.max_bytes = max_bytes
+        self.deflate = 0
+        """The size of the client's window for compressed texts, as a power of two; 0 for none."""
         self.frames: list[Frame] = []
         """Frames to be written at the end of the turn."""
         self.paused = False

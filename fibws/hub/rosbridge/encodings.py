@@ -36,13 +36,15 @@ class Encoding(NamedTuple):
     ``compression`` is one of `COMPRESSIONS`, or `ROS1` on connections of ``fibws.v1``.
     ``fragment_size`` is the most characters of a text in one piece. ``headers`` adds connection
     headers, in JSON and `ROS1` only; JSON then has infinity as a number, too. ``strings`` makes
-    64-bit integers strings, in JSON only.
+    64-bit integers strings, in JSON only. ``deflate`` is the size of the client's window for
+    compressed frames, as a power of two, or 0; in JSON only.
     """
 
     compression: str = "none"
     fragment_size: int | None = None
     headers: bool = False
     strings: bool = False
+    deflate: int = 0
 
     @classmethod
     def merged(cls, requests: Collection[Subscribe]) -> Encoding:
@@ -56,6 +58,10 @@ class Encoding(NamedTuple):
         headers = compression in ("none", ROS1) and any(each.headers for each in requests)
         strings = compression == "none" and any(each.int64 for each in requests)
         return cls(compression, min(sizes, default=None) if is_text else None, headers, strings)
+
+    def deflated(self, bits: int) -> Encoding:
+        """Return the same for a client that has negotiated compression with such a window."""
+        return self._replace(deflate=bits) if bits and self.compression == "none" else self
 
     @property
     def needs_definition(self) -> bool:
@@ -78,9 +84,11 @@ class Encoding(NamedTuple):
         if self.compression == "png":
             make = self.png_maker(spelling)
             return lambda publication: make(publication.json())
-        if self == PLAIN:
-            return _json(spelling)
-        return _text(spelling, self)
+        return self.text_encoder(spelling)
+
+    def text_encoder(self, spelling: str) -> Callable[[Publication], bytes]:
+        """Return the encoder of a topic's messages in JSON, without compression."""
+        return _json(spelling) if self._replace(deflate=0) == PLAIN else _text(spelling, self)
 
     def png_maker(self, spelling: str) -> Callable[[bytes], Frame]:
         """Return what makes the frame of a message in JSON, in any thread."""
@@ -132,18 +140,18 @@ def _serialized(topic: Topic, *, headers: bool) -> EncodeFrame:
     return encode_frame
 
 
-def _json(spelling: str) -> EncodeFrame:
+def _json(spelling: str) -> Callable[[Publication], bytes]:
     before, after = _before(spelling), b"}"
     around = len(before) + len(after)
 
-    def encode_frame(publication: Publication) -> Frame:
+    def encode_frame(publication: Publication) -> bytes:
         body = publication.json()
         return b"".join((server_header(TEXT, around + len(body)), before, body, after))
 
     return encode_frame
 
 
-def _text(spelling: str, encoding: Encoding) -> EncodeFrame:
+def _text(spelling: str, encoding: Encoding) -> Callable[[Publication], bytes]:
     before = _before(spelling)
     new_id = _fragment_ids(spelling)
 

@@ -22,6 +22,7 @@ from pydantic_core import from_json
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, FibwsError, InvalidUtf8, OperationError
 from fibws.hub.delivery.clock import Clock, Workers
+from fibws.hub.delivery.deflate import Deflater
 from fibws.hub.errors import LimitReached, NotAllowed, TooManyAttempts
 from fibws.hub.graph.graph import Graph
 from fibws.hub.log.text import INTERNAL_ERROR, is_power_of_ten
@@ -96,6 +97,7 @@ class Rosbridge:
     Args:
         clock: the event loop.
         workers: make frames that take long.
+        deflater: compresses texts.
         report: takes the node and the reason of each operation that failed.
     """
 
@@ -105,13 +107,14 @@ class Rosbridge:
         clock: Clock,
         settings: Settings,
         workers: Workers,
+        deflater: Deflater,
         report: Report = ignore,
     ) -> None:
         self.report = report
         self.graph = graph
         self.clock = clock
         self.settings = settings
-        self.groups = Groups(workers)
+        self.groups = Groups(workers, deflater)
         self.servers: dict[str, RosbridgeServices] = {}
         """The clients that serve services, by the secrets in the ids of their calls."""
 

@@ -7,8 +7,9 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from fibws.errors import OperationError
+from fibws.errors import LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock, Workers
+from fibws.hub.delivery.deflate import LONG, DeflatedFrames, Deflater
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
 from fibws.hub.delivery.throttle import Throttling
@@ -265,6 +266,112 @@ class _Job:
         member.queue.dropped += 1
 
 
+class _Recipients:
+    """Who gets a frame of a `DeflatingGroup`.
+
+    Attributes:
+        members: the subscriptions.
+        latched: whether their throttles let it pass.
+        form: keeps the frame for subscriptions that come later; None if it is not latched.
+    """
+
+    __slots__ = ("form", "latched", "members")
+
+    def __init__(
+        self,
+        members: Iterable[RosbridgeSubscription],
+        *,
+        latched: bool = False,
+        form: _Form | None = None,
+    ) -> None:
+        self.members = dict.fromkeys(members)
+        self.latched = latched
+        self.form = form
+
+
+class _Form:
+    """The frame of a latched message, once it is compressed."""
+
+    __slots__ = ("frame",)
+
+    def __init__(self) -> None:
+        self.frame: bytes | None = None
+
+
+class DeflatingGroup(RosbridgeGroup):
+    """A group whose frames are compressed, once for all members.
+
+    Long ones are compressed in a thread; those that follow wait, and none is dropped.
+
+    Args:
+        encode_text: makes the frame of a message, without compression.
+    """
+
+    __slots__ = ("_encode_text", "_frames")
+
+    def __init__(
+        self,
+        key: GroupKey,
+        others: Groups,
+        encode_text: Callable[[Publication], bytes],
+        flusher: Flusher,
+        clock: Clock,
+    ) -> None:
+        self._encode_text = encode_text
+        self._frames: DeflatedFrames[_Recipients]
+        self._frames = DeflatedFrames(others.deflater, key[-1].deflate, self._send)
+        super().__init__(
+            key, others, lambda each: self._frames.deflated(encode_text(each)), flusher, clock
+        )
+
+    def receive(self, publication: Publication) -> None:
+        """Send a message to every subscription that wants it, once it is compressed."""
+        try:
+            frame = self._encode_text(publication)
+        except Exception as fault:
+            self.fail(fault, self.members())
+            return
+        if self._frames.is_sent_at_once(frame) and len(frame) <= LONG:
+            super().receive(publication)
+            return
+        wanting = []
+        for member in self.members():
+            if publication.has_invalid_text:
+                member.report_invalid_text()
+            if self.wants(member):
+                wanting.append(member)
+            else:
+                member.throttled += 1
+        if wanting:
+            self._frames.put(frame, _Recipients(wanting))
+
+    def receive_alone(
+        self, member: RosbridgeSubscription, publication: Publication, *, latched: bool
+    ) -> None:
+        """Send a message to one subscription, once it is compressed; many may ask for it."""
+        form = publication.cached(self, _Form)
+        newest = self._frames.newest()
+        if newest is not None and newest.form is form and newest.latched == latched:
+            newest.members[member] = None
+        else:
+            frame = form.frame or self._encode_text(publication)
+            self._frames.put(frame, _Recipients([member], latched=latched, form=form))
+
+    def remove(self, member: RosbridgeSubscription) -> None:
+        """Remove a subscription, which gets what waits for it as it is."""
+        for waiting in self._frames:
+            if member in waiting.recipients.members:
+                del waiting.recipients.members[member]
+                self.send_alone(member, waiting.frame, latched=waiting.recipients.latched)
+        super().remove(member)
+
+    def _send(self, frame: bytes, recipients: _Recipients) -> None:
+        if recipients.form is not None:
+            recipients.form.frame = frame
+        for member in recipients.members:
+            self.send_alone(member, frame, latched=recipients.latched)
+
+
 GroupKey = tuple[Topic, TypeGroup | None, str, Encoding]
 """A topic, the group of the type that the members name, the topic's name as they spell it, and how
 they want messages."""
@@ -275,11 +382,13 @@ class Groups(dict[GroupKey, RosbridgeGroup]):
 
     Args:
         workers: make frames that take long.
+        deflater: compresses frames.
     """
 
-    def __init__(self, workers: Workers) -> None:
+    def __init__(self, workers: Workers, deflater: Deflater) -> None:
         super().__init__()
         self.workers = workers
+        self.deflater = deflater
 
 
 class RosbridgeSubscription:
@@ -512,7 +621,7 @@ class RosbridgeSubscription:
         self, requests: dict[Id, Subscribe], new: Subscribe | None, *, keeps_type: bool = True
     ) -> None:
         """Subscribe to the topic as the requests ask, in the group of those who ask the same."""
-        encoding = Encoding.merged(requests.values())
+        encoding = Encoding.merged(requests.values()).deflated(self.queue.deflate)
         others = [each for each in requests.values() if new is None or each.id != new.id]
         type_ = next((each.type for each in others if each.type is not None), None)
         keeps_type = keeps_type and type_ is not None
@@ -557,6 +666,9 @@ class RosbridgeSubscription:
             if encoding.is_slow:
                 make = encoding.png_maker(self.spelling)
                 group = SlowGroup(key, self._groups, make, flusher, self._clock)
+            elif encoding.deflate:
+                encode_text = encoding.text_encoder(self.spelling)
+                group = DeflatingGroup(key, self._groups, encode_text, flusher, self._clock)
             else:
                 encode_frame = encoding.for_topic(self.topic, self.spelling)
                 group = RosbridgeGroup(key, self._groups, encode_frame, flusher, self._clock)

@@ -33,6 +33,7 @@ from fibws.hub.access.authentication import (
     Certificate,
     Login,
 )
+from fibws.hub.delivery.deflate import Deflater, DeflatingSendQueue
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.errors import LimitReached, NotAllowed, TooManyAttempts
 from fibws.hub.http.proxies import TrustedProxies
@@ -102,6 +103,7 @@ class SharedParts:
     endpoints: Endpoints
     loop: asyncio.AbstractEventLoop
     flusher: Flusher
+    deflater: Deflater
     turns: Turns
     limits: SharedLimits
     observer: Observer
@@ -457,15 +459,7 @@ class Connection(asyncio.BufferedProtocol):
             self._respond(response)
             return
         self._protocol.send_response(response)
-        self.queue = SendQueue(
-            self._transport.write,
-            self._transport.abort,
-            shared.flusher,
-            max_bytes=shared.settings.max_queued_bytes,
-        )
-        assert isinstance(self._protocol, HandshakeProtocol)
-        if self._protocol.deflate_bits:
-            self._reader.accept_deflated()
+        self.queue = self._send_queue()
         self._keepalive.opened()
         try:
             self._open(request)
@@ -473,6 +467,20 @@ class Connection(asyncio.BufferedProtocol):
             self.fail(_refusal(error))
         finally:
             request.headers.clear()  # The library keeps the request as long as the connection.
+
+    def _send_queue(self) -> SendQueue:
+        """Return the client's send queue, which compresses if the handshake says so."""
+        shared = self._shared
+        write, broken = self._transport.write, self._transport.abort
+        most = shared.settings.max_queued_bytes
+        assert isinstance(self._protocol, HandshakeProtocol)
+        bits = self._protocol.deflate_bits
+        if not bits:
+            return SendQueue(write, broken, shared.flusher, max_bytes=most)
+        self._reader.accept_deflated()
+        return DeflatingSendQueue(
+            write, broken, shared.flusher, shared.deflater, max_bytes=most, bits=bits
+        )
 
     def _open(self, request: Request) -> None:
         """Open the endpoint.

@@ -21,9 +21,10 @@ from fibws.hub.websocket.deflate_extension import DeflatedFrame
 from fibws.hub.websocket.endpoint import STRANGER_BYTES, Endpoint, Work
 from fibws.hub.websocket.quotas import CHARGED_BYTES, ClientQuotas, Meter
 from fibws.hub.websocket.turns import Turns
-from fibws.protocol.deflate import DEFLATED, inflate
+from fibws.protocol.deflate import inflate
 from fibws.protocol.websocket import (
     BINARY,
+    DEFLATED,
     FRAGMENTS,
     INVALID_DEFLATE,
     INVALID_UTF8,

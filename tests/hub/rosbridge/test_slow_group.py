@@ -5,8 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import threading
-from collections import deque
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -18,27 +16,8 @@ from fibws.hub.rosbridge import encodings
 from fibws.hub.rosbridge.subscription import SMALL
 from fibws.protocol.png import encode_png
 
-from ..fakes import STRING, Client, FakeHub
+from ..fakes import STRING, Client, FakeHub, FakeWorkers
 from ..raw_client import connected, publish, until
-
-
-class FakeWorkers:
-    """Threads that work when the test calls them."""
-
-    def __init__(self) -> None:
-        self.jobs: deque[tuple[Callable[[], object], Callable[[], object]]] = deque()
-
-    def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
-        self.jobs.append((work, done))
-
-    def finish(self) -> None:
-        """Finish the first job."""
-        for each in self.jobs.popleft():
-            each()
-
-    def finish_all(self) -> None:
-        while self.jobs:
-            self.finish()
 
 
 class Topic:

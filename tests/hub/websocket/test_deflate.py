@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
+import random
 import zlib
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import StartHub
-from websockets.asyncio.client import connect
+from patience import PATIENCE
+from websockets.asyncio.client import ClientConnection, connect
 
 from fibws.access.token_file import digest_of
 from fibws.hub.server import HubServer
@@ -217,7 +221,8 @@ class TestIncoming:
         self, hub: HubServer, client: Client
     ) -> None:
         """Its compressed bytes do not fit one read, and its text many pieces."""
-        text = "".join(f"{number:x}" for number in range(8 * PIECE))
+        text = random.Random(1).randbytes(300 * KIB).hex()
+        assert len(text) > 8 * PIECE
         async with connected(hub.port) as listener:
             await listener.subscribes("/t", STRING)
             await client.advertises("/t", STRING)
@@ -227,11 +232,60 @@ class TestIncoming:
             assert await listener.receive_data(1) == [text]
 
 
-async def test_real_client_compresses(hub: HubServer) -> None:
-    async with connect(hub.url) as websocket, connected(hub.port) as listener:
-        [extension] = websocket.protocol.extensions
-        assert extension.name == OFFER
-        await listener.subscribes("/t", STRING)
-        message = {"op": "publish", "topic": "/t", "type": STRING, "msg": {"data": "x" * 10_000}}
-        await websocket.send(json.dumps(message))
-        assert await listener.receive_data(1) == ["x" * 10_000]
+async def messages(websocket: ClientConnection, count: int) -> list[dict[str, Any]]:
+    """The next operations that a client gets."""
+    async with asyncio.timeout(PATIENCE):
+        return [json.loads(await websocket.recv()) for _ in range(count)]
+
+
+class TestRealClient:
+    """The library `websockets`, which offers compression unless told otherwise."""
+
+    async def test_both_directions_are_compressed(self, hub: HubServer) -> None:
+        text = {"data": "x" * 10_000}
+        async with connect(hub.url) as websocket:
+            [extension] = websocket.protocol.extensions
+            assert extension.name == OFFER
+            await websocket.send(json.dumps({"op": "subscribe", "topic": "/t", "type": STRING}))
+            for op in ("advertise", "publish"):
+                await websocket.send(
+                    json.dumps({"op": op, "topic": "/t", "type": STRING, "msg": text})
+                )
+            [received] = await messages(websocket, 1)
+            assert received["msg"] == text
+            [connection] = hub._connections
+            assert connection.queue.bytes_sent < 500
+            assert connection.bytes_received < 1500
+
+    @pytest.mark.parametrize("compression", [None, "deflate"])
+    async def test_messages_of_all_lengths_arrive_in_order(
+        self, hub: HubServer, compression: str | None
+    ) -> None:
+        """Beside a client without compression, which gets the same."""
+        sizes = [10, 3000, 20_000, 300_000, 5, 600_000, 40_000, 3000, 1]
+        texts = [f"{number}" * size for number, size in enumerate(sizes)]
+        async with (
+            connect(hub.url, compression=compression) as websocket,
+            connected(hub.port) as talker,
+        ):
+            subscribe = {"op": "subscribe", "topic": "/t", "type": STRING, "queue_length": 100}
+            await websocket.send(json.dumps(subscribe))
+            await (await websocket.ping())
+            await talker.advertises("/t", STRING)
+            await talker.send(*(publish("/t", text) for text in texts))
+            received = await messages(websocket, len(texts))
+        assert [each["msg"]["data"] for each in received] == texts
+
+    async def test_listing_is_compressed(self, hub: HubServer) -> None:
+        async with connect(hub.url) as websocket, connected(hub.port) as talker:
+            for number in range(200):
+                await talker.send_operation(
+                    "advertise", topic=f"/robot/sensor_{number}/data", type=STRING
+                )
+            await talker.is_processed()
+            call = {"op": "call_service", "service": "/rosapi/topics", "id": "a"}
+            await websocket.send(json.dumps(call))
+            [response] = await messages(websocket, 1)
+            assert len(response["values"]["topics"]) > 200
+            [sent] = [each.queue.bytes_sent for each in hub._connections if each.queue.deflate]
+            assert sent < len(json.dumps(response)) / 4
