@@ -505,6 +505,8 @@ def test_types_of_one_name_with_other_fields_are_in_conflict(
     assert f"{THING} with other fields (md5sum " in status
     assert "(published by /talker)" in status
     assert set(conflicts(hub)) in ({"/wrong"}, {"/talker", "/listener"})
+    shown = hub.graph.view("/page").conflicts(hub.graph.topics[TOPIC])
+    assert all(each.fault.endswith(f"(md5sum {each.md5sum})") for each in shown)
     wrong.disconnect()
     assert conflicts(hub) == {}
     late = hub.client()

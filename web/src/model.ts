@@ -48,6 +48,8 @@ export interface ConflictInfo {
   /** Whether it publishes; else it subscribes. */
   publishes: boolean;
   fault: string;
+  /** Of the type, if the topic has another type of the same name; else empty. */
+  md5sum: string;
 }
 
 export interface TopicInfo {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import TYPE_CHECKING, TypeAlias
@@ -123,13 +124,15 @@ def _md5sum(group: TypeGroup) -> str:
 def list_conflicts(topic: Topic, view: GraphView) -> Iterator[Conflict]:
     """Yield the nodes that use a topic with another type than it has, as far as they are seen."""
     if topic.held:
+        names = Counter(map(_name, topic.groups))
         for group in topic.groups[1:]:
             if group.type is not None:
                 fault = describe(topic, group, view)
+                md5sum = _md5sum(group) if names[_name(group)] > 1 else ""
                 for publishes, nodes in ((True, group.sources), (False, group.naming())):
                     for node in nodes:
                         if view.sees_user(topic, node):
-                            yield Conflict(node, group.type.name, publishes, fault)
+                            yield Conflict(node, group.type.name, publishes, fault, md5sum)
     yield from (each for each in topic.unattached if view.sees_user(topic, each.node))
 
 

@@ -73,6 +73,8 @@ class Conflict(NamedTuple):
     """Whether it publishes; else it subscribes."""
     fault: str
     """How the types differ."""
+    md5sum: str = ""
+    """That of the type, if the topic has another one of the same name; else empty."""
 
 
 Guard: TypeAlias = Callable[[str, Mapping[str, Any]], None]

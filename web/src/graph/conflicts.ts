@@ -54,14 +54,21 @@ export class TopicUsers {
 
   /** The conflict that keeps a publisher's messages from a subscriber of the topic, if any. */
   conflict(publisher: TopicUser, subscriber: TopicUser, topic: TopicInfo): ConflictInfo | null {
-    const types = new Set([publisher.type, subscriber.type]);
+    const types = new Set([publisher, subscriber].map(definition));
     // Nodes of the same other type exchange messages, and ROS 1 nodes whatever the hub lacks.
-    const isOther = isOtherType(publisher, topic) && isOtherType(subscriber, topic);
+    const isOther = [publisher, subscriber].every(
+      (user) => isOtherType(user, topic) || (user.conflict?.md5sum ?? "") !== "",
+    );
     const isDirect = publisher.isRos1 && subscriber.isRos1;
     if ((isOther || isDirect) && types.size === 1) return null;
-    if (isDirect && types.has("*")) return null;
+    if (isDirect && types.has("* ")) return null;
     return publisher.conflict ?? subscriber.conflict;
   }
+}
+
+/** The type that a node uses: two of one name may have other fields. */
+function definition({ type, conflict }: TopicUser): string {
+  return `${type} ${conflict?.md5sum ?? ""}`;
 }
 
 /** A sentence about a conflict, without its node: `publishes a/B, the topic is c/D`. */

@@ -59,7 +59,7 @@ it("the data of an element changes only with the element", () => {
 });
 
 it("the details of a node and of its topic have the type conflict between them", () => {
-  const conflict = { node: "/a", type: "b/C", publishes: false, fault: "why" };
+  const conflict = { node: "/a", type: "b/C", publishes: false, fault: "why", md5sum: "" };
   const topic = { ...OTHER, type: "a/B", conflicts: [conflict] };
   const graph = { ...GRAPH, topics: [topic] };
   expect(elementData(graph, { kind: "node", name: "/a" })).toMatchObject({

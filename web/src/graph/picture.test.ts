@@ -210,6 +210,7 @@ describe("ROS 1 nodes", () => {
     type,
     publishes,
     fault: "why",
+    md5sum: "",
   });
 
   it("say that they are unreachable, also to screen readers", () => {
@@ -259,6 +260,32 @@ describe("ROS 1 nodes", () => {
       "node /camera > node /viewer: ",
       "node /talker > node /listener: ",
       "node /talker > node /viewer: a/B",
+    ]);
+  });
+
+  it("of two definitions of one type exchange messages with those of their own", () => {
+    const other = (name: string, publishes: boolean, md5sum: string) => ({
+      ...conflict(name, publishes, "std_msgs/String"),
+      md5sum,
+    });
+    const chatter = {
+      ...topic("/chatter", ["/talker"], ["/listener"]),
+      conflicts: [
+        other("/camera", true, "1"),
+        other("/viewer", false, "1"),
+        other("/b", false, "2"),
+      ],
+    };
+    const nodes = [...CHATTER.nodes, node("/camera"), node("/viewer"), node("/b")];
+    const drawn = picture({ ...CHATTER, nodes, topics: [chatter] }, { ...DEFAULTS, topics: false });
+    const flags = drawn.edges.map(({ from, to, conflict: flag }) => `${from} > ${to}: ${flag}`);
+    expect(flags).toEqual([
+      "node /camera > node /b: no messages",
+      "node /camera > node /listener: no messages",
+      "node /camera > node /viewer: ",
+      "node /talker > node /b: no messages",
+      "node /talker > node /listener: ",
+      "node /talker > node /viewer: no messages",
     ]);
   });
 
