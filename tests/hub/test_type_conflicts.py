@@ -574,6 +574,30 @@ def test_publisher_with_the_md5_of_a_type_that_another_one_brought_has_that_type
     assert [len(group.sources) for group in hub.graph.topics[TOPIC].groups] == [1, 2]
 
 
+def test_md5_without_a_definition_is_a_type_of_its_own() -> None:
+    """Nobody can check its messages, which reach those alone that give the same md5."""
+    hub = FakeHub()
+    talker, claiming = hub.client("/right"), hub.client("/json")
+    listener, alike = hub.client("/listener"), hub.client("/alike")
+    serialized = hub.client("/bytes", serialized=True)
+    md5sum = "0123456789abcdef0123456789abcdef"
+    claiming.send("advertise", TOPIC, type=INT32, md5sum=md5sum)
+    alike.send("subscribe", TOPIC, type=INT32, md5sum=md5sum)
+    talker.send("advertise", TOPIC, type=INT32)
+    listener.send("subscribe", TOPIC, type=INT32)
+    claiming.send("publish", TOPIC, msg={"more": 1})
+    talker.send("publish", TOPIC, msg=number(2))
+    assert messages(listener) == [number(2)]
+    assert messages(alike) == [{"more": 1}]
+    assert set(conflicts(hub)) in ({"/json", "/alike"}, {"/right", "/listener"})
+    serialized.send("advertise", TOPIC, type=INT32, md5sum=md5sum, publisher=1)
+    [refusal] = serialized.receive_statuses()
+    assert f"at the hub, but {md5sum} at the client" in refusal
+    for each in (talker, claiming, listener, alike, serialized):
+        each.disconnect()
+    assert hub.empty
+
+
 def test_without_room_for_its_definition_a_publisher_shares_no_type(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

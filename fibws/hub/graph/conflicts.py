@@ -118,7 +118,8 @@ def _name(group: TypeGroup) -> str:
 
 
 def _md5sum(group: TypeGroup) -> str:
-    return (group.type.md5sum if group.type is not None else None) or "unknown"
+    type_ = group.type
+    return (type_.claimed or type_.md5sum if type_ is not None else None) or "unknown"
 
 
 def list_conflicts(topic: Topic, view: GraphView) -> Iterator[Conflict]:

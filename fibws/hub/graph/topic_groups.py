@@ -100,15 +100,15 @@ class TopicGroups:
         Types of one name with other fields are other types.
         """
         try:
-            md5sum = known().md5sum
+            md5sum = _identity(known())
         except InterfaceError:
             md5sum = None
         named = [each for each in topic.groups if each.type is not None and each.type.name == name]
         for group in (*named, *topic.groups):
-            if md5sum is not None and group.type is not None and group.type.md5sum == md5sum:
+            if md5sum is not None and group.type is not None and _identity(group.type) == md5sum:
                 return group
         for group in named:
-            if group.type is not None and not group.type.checked:
+            if group.type is not None and _identity(group.type) is None:
                 return group
         return next((each for each in topic.groups if each.type is None), None)
 
@@ -181,8 +181,7 @@ class TopicGroups:
         for group in topic.groups:
             if group.followers and not group.sources and not group.is_left:
                 name = group.type.name if group.type is not None else ""
-                others = (each for each in topic.groups if each.sources and each.type is not None)
-                if any(each.type.name == name for each in others if each.type is not None):
+                if any(each.sources and _has_name(each, name) for each in topic.groups):
                     group.is_left = True
                     self._later(_leave(group))
 
@@ -192,6 +191,11 @@ def type_name(group: TypeGroup | None) -> str:
     return group.type.name if group is not None and group.type is not None else ""
 
 
+def _identity(type_: MessageType) -> str | None:
+    """Return the md5 of a type, also of one that is known by its md5 alone."""
+    return type_.md5sum if type_.claimed is None else type_.claimed
+
+
 def _check_md5sum(type_: MessageType, md5sum: str | None) -> None:
     """Refuse a client whose definition of a type is another one."""
     if md5sum is not None and type_.md5sum is not None and md5sum not in (type_.md5sum, ANY_TYPE):
@@ -199,12 +203,22 @@ def _check_md5sum(type_: MessageType, md5sum: str | None) -> None:
 
 
 def _named_group(topic: Topic, name: str, own: TypeGroup | None) -> TypeGroup | None:
-    """Return the group of a type that is only named: the node's own, or one that publishes."""
-    named = [each for each in topic.groups if each.type is not None and each.type.name == name]
-    if own in named:
+    """Return the group of a type that is only named: the node's own, or one that publishes.
+
+    A type of which only the md5 is known is none that a name stands for: its messages are not
+    checked.
+    """
+    if own is not None and type_name(own) == name:
         return own
+    named = [each for each in topic.groups if _has_name(each, name)]
     held = [each for each in named if each.is_held]
     return next((each for each in held if each.sources), held[0] if held else None)
+
+
+def _has_name(group: TypeGroup, name: str | None) -> bool:
+    """Return whether a name may stand for the type of a group."""
+    type_ = group.type
+    return type_ is not None and type_.name == name and type_.claimed is None
 
 
 def _updated(

@@ -5,6 +5,7 @@ A type of an unknown package is unchecked: its messages are relayed as they come
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +15,7 @@ import cbor2
 
 from fibws.errors import (
     DefinitionLimit,
+    DefinitionMismatch,
     InterfaceError,
     InvalidMessage,
     OperationError,
@@ -34,6 +36,7 @@ from fibws.interfaces.long_integers import Convert, LongIntegers
 from fibws.interfaces.serialization import FEWEST_BYTES, Serializer, Serializers
 from fibws.interfaces.validators import Validate, Validators
 
+_MD5 = re.compile(r"[0-9a-f]{32}")
 _SCALARS = frozenset({str, int, float, bool, type(None)})
 
 ANY_TYPE = "*"
@@ -83,6 +86,9 @@ class MessageType(Protocol):
     """Why a definition that a client brought was not taken, if one did."""
     meant: str
     """The known type that is likely meant, if the package's name is misspelled."""
+    claimed: str | None
+    """The md5 that clients have given for a type without its definition, if it is another one than
+    that of the known type of this name."""
     sequenced: bool
     """Whether publishers count their messages in ``header.seq``, as rospy's do."""
     validate: Validate
@@ -143,6 +149,7 @@ class CheckedType:
     checked = True
     fault = ""
     meant = ""
+    claimed: str | None = None
 
     def __init__(self, name: str, codecs: Codecs) -> None:
         validator = codecs.validators.of(name)
@@ -218,6 +225,8 @@ class UncheckedType:
         name: ``package/Type``.
         fault: why a definition that a client brought was not taken, if one did.
         meant: the known type that is likely meant, if the package's name is misspelled.
+        claimed: the md5 by which clients know a type whose definition none of them has brought,
+            beside another one of this name that is known.
     """
 
     checked = False
@@ -227,10 +236,13 @@ class UncheckedType:
     long_integers: Convert | None = None
     md5sum: str | None = None
 
-    def __init__(self, name: str, fault: str = "", meant: str = "") -> None:
+    def __init__(
+        self, name: str, fault: str = "", meant: str = "", claimed: str | None = None
+    ) -> None:
         self.name = name
         self.fault = fault
         self.meant = meant
+        self.claimed = claimed
         self.validate: Validate = _relayed(name)
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
@@ -470,16 +482,24 @@ class Types:
             definition: its text, if the client brought one.
             client: the client's node.
             md5sum: that of the type, if the client knows it. Without a definition, it chooses from
-                the types of this name that are known; if it is that of none, any may be returned.
+                the types of this name that are known; if it is that of none, the fields are
+                unknown.
 
         Raises:
             InterfaceError: the definition is wrong, or the type's package does not have it.
+            DefinitionMismatch: none that is known has the md5, and types are strict, or it is none.
         """
         try:
-            return self._codecs("msg", name, definition, client, md5sum).message(name)
+            found = self._codecs("msg", name, definition, client, md5sum).message(name)
         except (UnknownPackage, DefinitionLimit) as error:
             fault, meant = self._fault(error)
-        return UncheckedType(name, fault, meant)
+            return UncheckedType(name, fault, meant)
+        if definition is None and md5sum not in (None, ANY_TYPE, found.md5sum):
+            mismatch = DefinitionMismatch(name, md5sum, found.md5sum or "")
+            if self._strict or not _MD5.fullmatch(md5sum):
+                raise mismatch
+            return UncheckedType(name, str(mismatch), claimed=md5sum)
+        return found
 
     def service(
         self,

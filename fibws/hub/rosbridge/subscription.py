@@ -7,7 +7,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from fibws.errors import LimitReached, OperationError
+from fibws.errors import OperationError
 from fibws.hub.delivery.clock import Clock, Workers
 from fibws.hub.delivery.deflate import LONG, DeflatedFrames, Deflater
 from fibws.hub.delivery.fan_out import FanOut

@@ -85,7 +85,7 @@ def test_publisher_that_does_not_fit_is_a_conflict_until_the_topic_has_another_t
     world: World,
 ) -> None:
     graph = world.graph
-    world.publishes("/count", INT32, "0" * 32)
+    world.publishes("/count", "std_msgs/Nothing", "0" * 32)
     [conflict] = graph.topic("/count").unattached
     assert (conflict.node, conflict.publishes) == ("/post", True)
     assert len(world.bridge.warnings) == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Callable
 from typing import Any
@@ -9,7 +10,13 @@ from typing import Any
 import pytest
 
 from fibws import names
-from fibws.errors import InvalidTypeName, OperationError, UnknownPackage, UnknownType
+from fibws.errors import (
+    InvalidMessage,
+    InvalidTypeName,
+    OperationError,
+    UnknownPackage,
+    UnknownType,
+)
 from fibws.hub.errors import DefinitionMismatch, TypeConflict
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Source
@@ -50,8 +57,10 @@ def advertise(
     return graph.advertise(graph.topic(name), node, type_, definition, **options)
 
 
-def subscribe(graph: Graph, name: str, type_: str | None = None, **options: Any) -> Recorder:
-    recorder = Recorder("/listener")
+def subscribe(
+    graph: Graph, name: str, type_: str | None = None, *, node: str = "/listener", **options: Any
+) -> Recorder:
+    recorder = Recorder(node)
     graph.subscribe(graph.topic(name), recorder, type_, **options)
     return recorder
 
@@ -328,6 +337,8 @@ def test_serialized_messages_need_a_known_definition() -> None:
 
 INT32_MD5 = "da5909fbe378aeaf85e547e830cc1bb7"
 OTHER_MD5 = "992ce8a1687cec8c8bd883ec73ca41d1"
+MORE = "int32 data\nint8 more\n"
+MORE_MD5 = hashlib.md5(MORE.strip().encode()).hexdigest()
 
 
 @pytest.mark.parametrize("md5sum", [INT32_MD5, "*", None])
@@ -343,25 +354,48 @@ def test_md5sum_of_the_hubs_definition_is_accepted(join: str, md5sum: str | None
 
 @pytest.mark.parametrize("established", [False, True])
 @pytest.mark.parametrize("join", ["advertise", "subscribe"])
-def test_md5sum_of_another_definition_is_refused(join: str, established: bool) -> None:
-    graph = new_graph()
+@pytest.mark.parametrize("strict", [False, True])
+def test_md5sum_of_another_definition_is_refused_for_serialized_messages(
+    join: str, established: bool, strict: bool
+) -> None:
+    graph = new_graph(strict_types=strict)
     if established:
         advertise(graph, "/first", "/a", INT32)
-    with pytest.raises(DefinitionMismatch) as caught:
+    with pytest.raises(OperationError) as caught:
         if join == "advertise":
-            advertise(graph, "/talker", "/a", INT32, md5sum=OTHER_MD5)
+            advertise(graph, "/talker", "/a", INT32, md5sum=OTHER_MD5, serialized=True)
         else:
-            subscribe(graph, "/a", INT32, md5sum=OTHER_MD5)
-    assert (caught.value.type, caught.value.given, caught.value.known) == (
-        INT32,
-        OTHER_MD5,
-        INT32_MD5,
-    )
-    assert caught.value.code == "type_conflict"
+            subscribe(graph, "/a", INT32, md5sum=OTHER_MD5, serialized=True)
+    assert f"md5sum {INT32_MD5} at the hub, but {OTHER_MD5} at the client" in str(caught.value)
     assert list(graph.topics) == (["/a"] if established else [])
     if established:
         assert list(graph.topics["/a"].sources) == ["/first"]
         assert not graph.topics["/a"].subscribers()
+
+
+def test_md5sum_of_another_definition_is_a_type_of_its_own() -> None:
+    graph = new_graph()
+    listener, guest = (subscribe(graph, "/a", INT32, node=node) for node in ("/b", "/c"))
+    claimed = subscribe(graph, "/a", INT32, md5sum=OTHER_MD5, node="/d")
+    other = advertise(graph, "/other", "/a", INT32, md5sum=OTHER_MD5)
+    right = advertise(graph, "/right", "/a", INT32)
+    other.publish({"more": 1})
+    right.publish({"data": 2})
+    assert [each.values for each in (listener, guest)] == 2 * [[{"data": 2}]]
+    assert claimed.values == [{"more": 1}]
+
+
+def test_definition_of_a_claimed_md5sum_may_come_later() -> None:
+    graph = new_graph()
+    early = advertise(graph, "/early", "/a", INT32, md5sum=MORE_MD5)
+    early.publish({"any": "thing"})
+    recorder = subscribe(graph, "/a", INT32, md5sum=MORE_MD5)
+    advertise(graph, "/late", "/a", INT32, MORE)
+    early.publish({"more": 1})
+    with pytest.raises(InvalidMessage):
+        early.publish({"any": "thing"})
+    assert recorder.values == [{"data": 0, "more": 1}]
+    assert len(graph.topics["/a"].groups) == 1
 
 
 def test_md5sum_of_an_unknown_type_is_not_checked() -> None:
