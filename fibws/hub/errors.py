@@ -27,11 +27,18 @@ from fibws.errors import AuthenticationError, FibwsError, OperationError, Parame
 
 
 class TypeConflict(OperationError):
-    """The node itself uses the topic with another type, or the topic is the hub's own."""
+    """The node itself uses the topic with another type, or the topic is the hub's own.
+
+    Attributes:
+        topic: its name.
+        asked: the type that is refused.
+        established: the type that it is used with.
+        by: a node that uses it so.
+    """
 
     code = "type_conflict"
 
-    def __init__(self, topic: str, asked: str, established: str, by: str) -> None:
+    def __init__(self, topic: str, asked: str, established: str, by: str, advice: str = "") -> None:
         self.topic = topic
         self.asked = asked
         self.established = established
@@ -39,6 +46,7 @@ class TypeConflict(OperationError):
         super().__init__(
             f"Tried to register topic {topic} with type {asked} "
             f"but it is already established with type {established} (by {by})"
+            f"{'; ' if advice else ''}{advice}"
         )
 
 

@@ -273,6 +273,7 @@ def test_client_cannot_publish_two_types_of_one_topic_itself() -> None:
     client.send("advertise", "/a", type=STRING, id="y")
     [status] = client.receive_statuses()
     assert f"{INT32} (by /talker)" in status
+    assert "end its other publisher first" in status
     assert [each.type and each.type.name for each in hub.graph.topics["/a"].groups] == [INT32]
 
 

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Generic, TypeVar
 
+from fibws.hub.delivery.clock import Workers
 from fibws.hub.delivery.send_queue import Bytes, Flusher, SendQueue
-from fibws.hub.delivery.workers import Workers
 from fibws.protocol.deflate import compressor, deflated_frame, text_of
 
 LEAST = 2048

@@ -69,6 +69,10 @@ ROSBRIDGE = "/rosbridge_websocket"
 
 Watched: TypeAlias = Literal["node", "service", "action"]
 """The kinds of changes that `Graph.watch` reports."""
+ONE_TYPE = (
+    "a node publishes a topic with one type: end its other publisher first, or take another topic"
+)
+"""The advice to a node that publishes a topic with a second type."""
 
 
 def exhaust(work: Iterator[None]) -> None:
@@ -375,7 +379,7 @@ class Graph:
                 named.check_known()
             source = topic.publishers.get(node)
             if source is not None and source.group is not group:
-                raise TypeConflict(topic.name, named.name, source.type.name, node)
+                raise TypeConflict(topic.name, named.name, source.type.name, node, ONE_TYPE)
             if (
                 topic.name in self.rights.guards
                 and topic.main is not group

@@ -15,13 +15,12 @@ import cbor2
 
 from fibws.errors import (
     DefinitionLimit,
-    DefinitionMismatch,
     InterfaceError,
     InvalidMessage,
     OperationError,
     UnknownPackage,
 )
-from fibws.hub.errors import UnknownDefinition
+from fibws.hub.errors import DefinitionMismatch, UnknownDefinition
 from fibws.interfaces import Interfaces, MessageDefinition, base64text
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
