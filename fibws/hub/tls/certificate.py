@@ -1,9 +1,9 @@
 """The hub's side of TLS: its certificate, which can be replaced while clients are connected.
 
-The files are read into an SSL context when the hub starts, and into another one by each reload. A
-new connection begins with the first context, since the event loop keeps that one, and changes to
-the newest one while it reads the client's first message. Thus a connection gets either the old
-files or the new ones, and open connections are not affected.
+The files are read into an SSL context when the hub starts, and into another one by each reload.
+The event loop keeps one context, which gives each new connection the newest of these; a connection
+that was accepted before a reload changes to it with the client's first message. Open connections
+are not affected.
 """
 
 from __future__ import annotations
@@ -52,15 +52,14 @@ class ServerTls:
         """The files that are read."""
         self.on_refused: Callable[[str], object] = lambda reason: None
         """Takes the reason whenever a client's certificate is refused."""
-        self.context: ssl.SSLContext
-        """The context for the event loop."""
         self._newest: ssl.SSLContext
         self._names: list[str]
         self._contents: list[bytes] = []
         """Of the files."""
         self.read()()
-        self.context = self._newest
-        self.context.sni_callback = self._select
+        self.context = _Listening(ssl.PROTOCOL_TLS_SERVER)
+        """The context for the event loop."""
+        self.context.newest = lambda: self._newest
 
     def name_for(self, address: str) -> str:
         """Return the name that clients of this machine must use for an address of the hub.
@@ -90,6 +89,7 @@ class ServerTls:
         def use() -> list[str]:
             old, self._contents = self._contents, contents
             self._newest, self._names = context, names
+            context.sni_callback = self._select
             changes = []
             if old[:2] != contents[:2]:
                 changes.append(f"certificate replaced{end and f', valid until {end}'}")
@@ -99,9 +99,16 @@ class ServerTls:
 
         return use
 
-    def _select(self, client: ssl.SSLObject, name: str | None, first: ssl.SSLContext) -> None:
-        """Give a connection the newest context: OpenSSL calls it, also without a server name."""
+    def _select(self, client: ssl.SSLObject, name: str | None, old: ssl.SSLContext) -> int | None:
+        """Give a connection the newest context: OpenSSL calls it, also without a server name.
+
+        The new context brings its certificate and authorities, but whether lists of revoked
+        certificates are checked stays as it was: such a client must connect again.
+        """
+        if old.verify_flags != self._newest.verify_flags:
+            return ssl.ALERT_DESCRIPTION_INTERNAL_ERROR
         client.context = self._newest
+        return None
 
 
 def certificate_of(tls: ssl.SSLObject | None) -> Certificate | None:
@@ -116,6 +123,15 @@ def certificate_of(tls: ssl.SSLObject | None) -> Certificate | None:
     names = (value for part in subject for key, value in part if key == "commonName")
     name = next(names, None)
     return None if name is None else Certificate(name, ssl.cert_time_to_seconds(found["notAfter"]))
+
+
+class _Listening(ssl.SSLContext):
+    """A context that gives each new connection another one."""
+
+    newest: Callable[[], ssl.SSLContext]
+
+    def wrap_bio(self, *arguments: Any, **options: Any) -> ssl.SSLObject:
+        return self.newest().wrap_bio(*arguments, **options)
 
 
 class _Context(ssl.SSLContext):

@@ -7,7 +7,7 @@ import json
 import socket
 import ssl
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 import fibws
 from fibws.errors import HubError
 from fibws.hub.server import HubServer
+from fibws.hub.tls.certificate import ServerTls
 from fibws.msg.std_msgs import Int32
 
 from ..raw_client import frame, handshake
@@ -49,9 +50,12 @@ async def processed(client: ClientConnection) -> None:
         await (await client.ping())
 
 
-def common_name(client: ClientConnection) -> str:
+def hub_name(client: ClientConnection) -> str:
     """Return the common name of the hub's certificate."""
-    certificate = client.transport.get_extra_info("ssl_object").getpeercert()
+    return common_name(client.transport.get_extra_info("ssl_object").getpeercert())
+
+
+def common_name(certificate: dict[str, Any]) -> str:
     return str({key: value for part in certificate["subject"] for key, value in part}["commonName"])
 
 
@@ -275,6 +279,24 @@ async def test_old_versions_of_tls_are_refused_with_a_reason(
         assert client.transport.get_extra_info("ssl_object").version() == "TLSv1.2"
 
 
+class Accepted:
+    """A connection in memory that the hub has accepted, and whose client has sent nothing yet."""
+
+    def __init__(self, tls: ServerTls, context: ssl.SSLContext) -> None:
+        to_client, to_server = ssl.MemoryBIO(), ssl.MemoryBIO()
+        self.client = context.wrap_bio(to_client, to_server, server_hostname="127.0.0.1")
+        self.server = tls.context.wrap_bio(to_server, to_client, server_side=True)
+
+    def shake_hands(self) -> str:
+        """Return the common name of the hub's certificate, or raise why there was no handshake."""
+        for side in (self.client, self.server) * 3:
+            with suppress(ssl.SSLWantReadError):
+                side.do_handshake()
+        certificate = self.client.getpeercert()
+        assert certificate
+        return common_name(certificate)
+
+
 class TestReload:
     async def test_new_connections_get_the_new_certificate_and_nothing_is_lost(
         self, hub: HubServer, authority: Authority
@@ -291,12 +313,12 @@ class TestReload:
                     authority.issue(common_name=f"hub {number}")
                     await reloaded(hub)
                     async with connect(hub.url, ssl=trusted) as new:
-                        names.append(common_name(new))
+                        names.append(hub_name(new))
             async with asyncio.timeout(PATIENCE):
                 seen = [json.loads(await listener.recv())["msg"]["data"] for _ in range(100)]
             assert seen == [*range(100)]
             assert names == ["hub 10", "hub 30", "hub 50", "hub 70", "hub 90"]
-            assert common_name(old) == "hub"
+            assert hub_name(old) == "hub"
 
     async def test_old_certificate_stays_if_the_new_file_is_broken(
         self, hub: HubServer, authority: Authority, tmp_path: Path
@@ -305,7 +327,7 @@ class TestReload:
         with pytest.raises(HubError, match=r"hub\.key"):
             await reloaded(hub)
         async with connect(hub.url, ssl=authority.client()) as client:
-            assert common_name(client) == "hub"
+            assert hub_name(client) == "hub"
 
     async def test_reload_names_the_last_day_of_a_new_certificate(
         self, hub: HubServer, authority: Authority
@@ -339,6 +361,48 @@ class TestReload:
                 await connect(hub.url, ssl=context)
             # Others of the new authority's, too, are to connect again: 1012 says so.
             assert (await closing(old))[0] == 1012
+
+    @pytest.mark.parametrize("version", [ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3])
+    async def test_list_of_revoked_certificates_can_come_and_go(
+        self, start_hub: StartHub, authority: Authority, tmp_path: Path, version: ssl.TLSVersion
+    ) -> None:
+        certificate, key = authority.issue()
+        good = authority.client(authority.issue(common_name="robot1", file="good"))
+        stolen = authority.issue(common_name="robot2", file="stolen")
+        clients = tmp_path / "clients.pem"
+        clients.write_bytes(authority.file.read_bytes())
+        hub = await start_hub(cert=certificate, key=key, client_ca=clients)
+        context = authority.client(stolen)
+        context.maximum_version = version
+        async with connect(hub.url, ssl=context) as client:
+            clients.write_bytes(authority.file.read_bytes() + authority.revocations(stolen[0]))
+            await reloaded(hub)
+            assert (await closing(client))[0] == 1012
+        with pytest.raises((OSError, InvalidMessage)):
+            await connect(hub.url, ssl=context)
+        async with connect(hub.url, ssl=good) as client:
+            await processed(client)
+        clients.write_bytes(authority.file.read_bytes())
+        await reloaded(hub)
+        for each in (good, context):
+            async with connect(hub.url, ssl=each) as client:
+                await processed(client)
+
+    async def test_connection_that_began_before_a_reload_gets_no_former_files(
+        self, authority: Authority, tmp_path: Path
+    ) -> None:
+        clients = tmp_path / "clients.pem"
+        clients.write_bytes(authority.file.read_bytes())
+        tls = ServerTls(*authority.issue(), clients)
+        stolen = authority.issue(common_name="robot2", file="stolen")
+        begun = [Accepted(tls, authority.client()), Accepted(tls, authority.client(stolen))]
+        authority.issue(common_name="new")
+        tls.read()()
+        assert begun[0].shake_hands() == "new"
+        clients.write_bytes(authority.file.read_bytes() + authority.revocations(stolen[0]))
+        tls.read()()
+        with pytest.raises(ssl.SSLError):
+            begun[1].shake_hands()
 
 
 class TestClientCertificates:
