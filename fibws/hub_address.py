@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from urllib.parse import parse_qsl, quote, unquote_plus, urlencode, urljoin, urlsplit
+import re
+from urllib.parse import SplitResult, parse_qsl, quote, unquote_plus, urlencode, urljoin, urlsplit
 
 from fibws.errors import InvalidAddress
 from fibws.hub_advice import DEFAULT_PORT as DEFAULT_PORT
@@ -13,6 +14,8 @@ from fibws.hub_advice import is_loopback as is_loopback
 DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
 _TOKEN_KEY = "token"
+_SCHEME_ALONE = re.compile(r"(wss?):/(?!/)", re.IGNORECASE)
+"""A scheme that lacks a slash: what follows would be a path at a host called ws."""
 
 
 def hub_url(address: str | None = None) -> str:
@@ -29,25 +32,59 @@ def hub_url(address: str | None = None) -> str:
     if not isinstance(address, str | None):
         raise TypeError(f"a hub's address must be a string such as {DEFAULT}, got {address!r}")
     address = without_token((address or os.environ.get(ENVIRONMENT) or DEFAULT).strip())
+    if found := _SCHEME_ALONE.match(address):
+        raise InvalidAddress(address, f"expected {found[1]}://, got {found[0]}")
     url = address if "://" in address else f"ws://{address}"
     try:
         parts = urlsplit(url)
-        port = parts.port
     except ValueError as error:
         raise InvalidAddress(address, str(error)) from None
-    if parts.scheme not in ("ws", "wss"):
-        expected = {"http": "ws://", "https": "wss://"}.get(parts.scheme, "ws:// or wss://")
-        raise InvalidAddress(address, f"expected {expected}, got {parts.scheme}://")
-    if address.isdigit():
-        raise InvalidAddress(address, "the host is missing")
-    if not parts.hostname or any(character.isspace() for character in url):
-        raise InvalidAddress(address, "the host is missing")
-    if port == 0 or parts.fragment:
-        raise InvalidAddress(address, "the port is 0" if port == 0 else "it has a # part")
+    _check(address, url, parts)
+    port = _port(address, parts)
     if port is None and url != address:
         # An address that is spelled as a URL has the default port of its scheme.
         return parts._replace(netloc=f"{parts.netloc}:{DEFAULT_PORT}").geturl()
     return url
+
+
+def _check(address: str, url: str, parts: SplitResult) -> None:
+    """Raise InvalidAddress if a part of an address, other than its port, is invalid."""
+    if parts.scheme not in ("ws", "wss"):
+        expected = {"http": "ws://", "https": "wss://"}.get(parts.scheme, "ws:// or wss://")
+        raise InvalidAddress(address, f"expected {expected}, got {parts.scheme}://")
+    if address.isdigit() or not parts.hostname or any(each.isspace() for each in url):
+        raise InvalidAddress(address, "the host is missing")
+    if not _is_host(parts.hostname):
+        raise InvalidAddress(address, f"{parts.hostname} is not a host name")
+    if parts.username is not None and parts.password is None:
+        raise InvalidAddress(address, "it has a user without a password before the @")
+    if parts.fragment:
+        raise InvalidAddress(address, "it has a # part")
+
+
+def _is_host(name: str) -> bool:
+    """Return whether a host can be looked up: each part of its name has 1 to 63 letters."""
+    if name.isascii():
+        return all(0 < len(part) < 64 for part in name.removesuffix(".").split("."))
+    try:
+        name.encode("idna")
+    except UnicodeError:
+        return False
+    return True
+
+
+def _port(address: str, parts: SplitResult) -> int | None:
+    try:
+        port = parts.port
+    except ValueError:
+        text = parts.netloc.rpartition(":")[2]
+        fault = f"the port must be a number from 1 to 65535, got {text}"
+        raise InvalidAddress(address, fault) from None
+    if port == 0:
+        raise InvalidAddress(address, "the port is 0")
+    if port is None and parts.netloc.endswith(":"):
+        raise InvalidAddress(address, "the port is missing after the colon")
+    return port
 
 
 def token_in(address: str) -> str | None:

@@ -199,14 +199,15 @@ def fault(error: BaseException | None) -> str | None:
 
 
 def expects_tls(error: BaseException) -> str | None:
-    """Return what to do if a server has answered a request without TLS by an alert of TLS.
+    """Return what to do if a server has answered a request without TLS as one that expects TLS.
 
     Args:
-        error: that of websockets; an alert has 7 bytes, after which the server ends.
+        error: that of websockets; an alert has 7 bytes, after which the server ends. Caddy,
+            Traefik and other programs in Go send a line of HTTP/1.0.
     """
     fault: BaseException | None = error
     while fault is not None:
-        if "after 7 bytes" in str(fault):
+        if "after 7 bytes" in str(fault) or "HTTP/1.0 400" in str(fault):
             return "the server expects TLS; use wss://"
         fault = fault.__cause__
     return None

@@ -1,6 +1,13 @@
 """Where a node finds its hub."""
 
+import re
+from urllib.parse import urlsplit
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from random_inputs import examples
+from websockets.uri import parse_uri
 
 import fibws
 from fibws.errors import InvalidAddress
@@ -63,8 +70,17 @@ def test_environment_gives_the_default_address(
         (" ", "the host is missing"),
         ("ws://:9090", "the host is missing"),
         ("my robot:9090", "the host is missing"),
-        ("ws://robot:ninety", "Port could not be cast"),
-        ("ws://robot:70000", "Port out of range"),
+        ("ws://robot:ninety", "must be a number from 1 to 65535, got ninety"),
+        ("ws://robot:70000", "must be a number from 1 to 65535, got 70000"),
+        ("ws:/robot:9090", "expected ws://, got ws:/"),
+        ("wss:/robot", "expected wss://, got wss:/"),
+        ("ws://robot:", "the port is missing"),
+        ("robot:", "the port is missing"),
+        ("robot:/path", "the port is missing"),
+        ("pi@robot", "a user without a password"),
+        ("robot..example", "robot..example is not a host name"),
+        (f"{'r' * 64}.example", "is not a host name"),
+        (".ä", "is not a host name"),
         ("ws://robot:0", "port is 0"),
         ("ws://[::1", "Invalid IPv6"),
         ("ws://robot/#there", "# part"),
@@ -74,7 +90,19 @@ def test_invalid_address_is_explained(address: str, fault: str) -> None:
     with pytest.raises(ValueError, match="is not the address of a hub") as caught:
         hub_url(address)
     assert fault in str(caught.value)
-    assert "Write ws://host:port" in str(caught.value)
+    assert re.search(r"Write wss?://host:port", str(caught.value))
+
+
+@given(st.text(st.sampled_from("ws:/[]@#?%.= 1é\x00"), max_size=12))
+@examples(5)
+def test_address_is_refused_or_can_be_used(address: str) -> None:
+    try:
+        url = hub_url(address)
+    except InvalidAddress:
+        return
+    assert parse_uri(node_url(url, "/talker")).host
+    assert urlsplit(page_url(url)).hostname
+    assert advice(url, "fibws hub")
 
 
 def test_node_name_is_in_the_query() -> None:

@@ -7,6 +7,9 @@ from typing import NamedTuple
 
 LONGEST = 500
 """Most characters of a server's text that are shown."""
+_GATEWAY = (502, 503, 504)
+"""What proxies answer if nothing answers them; a hub explains its own 503 in plain
+text."""
 _TITLE = re.compile(r"<title>(.*?)</title>", re.IGNORECASE)
 
 
@@ -48,4 +51,9 @@ class Refusal(NamedTuple):
         if 200 <= self.status < 300:  # A page, or a proxy that has not passed on the request whole.
             slash = "which may need a slash at its end"
             return f"; check the address's path, {slash}, and that a proxy passes on Upgrade"
+        if self.status in _GATEWAY and not self.content_type.startswith("text/plain"):
+            return (
+                "; a proxy answers, which does not reach its hub: start the hub, or correct its "
+                "address in the proxy"
+            )
         return ""

@@ -82,6 +82,19 @@ def test_missing_hub_error_says_how_to_start_one() -> None:
         ),
         (b"SSH-2.0-OpenSSH\r\n", "the server is not a hub"),
         (b"\x15\x03\x03\x00\x02\x02\x46", r"expects TLS\); use wss://"),
+        (
+            b"HTTP/1.0 400 Bad Request\r\n\r\nClient sent an HTTP request to an HTTPS server.\n",
+            r"expects TLS\); use wss://",
+        ),
+        *(
+            (
+                b"HTTP/1.1 %b\r\nContent-Type: text/html\r\nContent-Length: 31\r\n\r\n"
+                b"<html><title>Broken</title></ht>" % status.encode(),
+                r"not a hub \(HTTP 50[234]: .*\); a proxy answers, .* start ",
+            )
+            for status in ("502 Bad Gateway", "503 Service Unavailable", "504 Gateway Timeout")
+        ),
+        (b"HTTP/1.1 502 Bad Gateway\r\nContent-Length: 0\r\n\r\n", r"502: Bad Gateway\); a proxy"),
         (b"", "cannot be reached"),
     ],
 )

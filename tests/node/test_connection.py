@@ -23,7 +23,7 @@ from websockets.exceptions import InvalidMessage
 from websockets.utils import accept_key
 
 import fibws
-from fibws.errors import NoHub
+from fibws.errors import InvalidAddress, NoHub
 from fibws.hub import Settings
 from fibws.hub.server import HubServer
 from fibws.msg.std_msgs import Int32, String
@@ -417,7 +417,7 @@ async def test_broken_pipe_in_the_log_ends_the_node_with_the_reason(
 
 @pytest.mark.parametrize("address", ["ws://user@robot", "ws://robot..example"])
 async def test_unusable_address_is_final(address: str) -> None:
-    with pytest.raises(fibws.HubUnreachable):
+    with pytest.raises(InvalidAddress):
         async with fibws.Node("talker", hub=address):
             pytest.fail("there is no hub")
 

@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Iterator
 from typing import Any
+from urllib.parse import urlsplit
 
 from fibws import __version__, hub_address, tls
 from fibws.access.token_file import ANONYMOUS
@@ -63,6 +64,8 @@ def reach(hub: str | None) -> HubClient | Finding:
         if remedy:
             text = f"The hub at {error.url} cannot be reached: {what}"
             return wrong("hub", text, f"{remedy[0].upper()}{remedy[1:]}.")
+        if (variable := error.cause.partition(":")[0]) in tls.VARIABLES:
+            return wrong("hub", f"{error}", f"Correct {variable}, or: unset {variable}")
         if (server := http_server(error.url)) is None:
             return wrong("hub", f"{error}", f"Check the address and the network, or {other}")
         return wrong("hub", f"{error}. {server}", f"Check which program listens there, or {other}")
@@ -145,7 +148,7 @@ def version(url: str) -> Finding:
         return warning(
             "version",
             f"/healthz answers {status} without a version: {_first_line(body)}",
-            "If it is another rosbridge server, some tools will not work with it.",
+            _advice_without_version(url, status),
         )
     text = f"The hub is fibws {theirs}, this is {__version__}"
     if not UNKNOWN.isdisjoint((theirs, __version__)):
@@ -157,6 +160,13 @@ def version(url: str) -> Finding:
         text,
         "Install the same version on both: python -m pip install --upgrade fibws",
     )
+
+
+def _advice_without_version(url: str, status: int) -> str:
+    path = urlsplit(url).path.rstrip("/")
+    if path and status == 404:
+        return f"If a proxy passes on {path}, start the hub with --url-path {path}."
+    return "If it is another rosbridge server, some tools will not work with it."
 
 
 def master(client: HubClient) -> tuple[str, int | None]:

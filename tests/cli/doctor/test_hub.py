@@ -107,6 +107,17 @@ def test_other_http_server_is_described(serve: Serve) -> None:
     assert "404" in finding.text and "Other/1.0" in finding.text
 
 
+def test_proxy_without_its_hub_is_named(serve: Serve) -> None:
+    finding = failure(serve(502, b"<html><title>502 Bad Gateway</title>"))
+    assert finding.text.count("502") == 1
+    assert "proxy" in finding.advice and "fibws hub" not in finding.advice
+
+
+def test_path_that_the_hub_does_not_know_names_its_setting(hub: HubThread) -> None:
+    finding = doctor.version(f"{hub.url}/robot/")
+    assert finding.verdict == "warning" and "--url-path /robot" in finding.advice
+
+
 def test_proxy_that_passes_on_no_upgrade_is_named(hub: HubThread) -> None:
     with socket.create_server(("127.0.0.1", 0)) as proxy:
         thread = threading.Thread(target=pass_on_without_upgrade, args=(proxy, hub.port))
@@ -295,6 +306,15 @@ def test_certificate_of_this_client_that_is_of_no_use_is_explained(
     assert finding.verdict == "wrong"
     assert tls.CLIENT_CERT in finding.text + finding.advice
     assert not re.search(r"\bws://", finding.text + finding.advice)
+
+
+def test_authority_that_cannot_be_read_is_named(
+    tls_hub: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_files(monkeypatch, tmp_path / "missing.pem")
+    finding = failure(tls_hub)
+    assert "missing.pem" in finding.text
+    assert tls.CA in finding.advice and "network" not in finding.advice
 
 
 def test_accepted_certificate_is_named(
