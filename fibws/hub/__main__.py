@@ -27,7 +27,7 @@ from fibws.hub.log import output as log_output
 from fibws.hub.monitoring.service_manager import ServiceManager
 from fibws.hub.server import HubServer
 from fibws.hub.settings import MIB, Settings, flag_of
-from fibws.suggestions import suggestion
+from fibws.suggestions import misspelled, suggestion
 
 logger = logging.getLogger("fibws.hub")
 
@@ -36,6 +36,12 @@ OWN_FILES = 256
 
 OTHER_VARIABLES = {"ros1_host": ("ROS_HOSTNAME", "ROS_IP")}
 """Environment variables of ROS that count as settings."""
+
+NO_SETTINGS = (
+    *("FIBWS_CA", "FIBWS_CLIENT_CERT", "FIBWS_CLIENT_KEY", "FIBWS_CONFIG", "FIBWS_HUB"),
+    *("FIBWS_PYTHON", "FIBWS_SETUP", "FIBWS_SITE", "FIBWS_TOKEN", "FIBWS_TOKEN_FILE"),
+)
+"""Other variables of fibws."""
 
 _CONFIG = "fibws.config"
 """Where a context keeps the path of the file of settings."""
@@ -55,13 +61,18 @@ def _read_config(context: click.Context, _: click.Parameter, path: Path | None) 
         values = tomllib.loads(path.read_text("utf-8-sig"))
     except UnicodeDecodeError:
         raise click.BadParameter(f"{path} is not UTF-8") from None
-    except (OSError, ValueError) as error:
-        raise click.BadParameter(f"{path}: {error}") from error
+    except OSError as error:
+        raise click.BadParameter(f"cannot read {path}: {error.strerror}") from None
+    except ValueError as error:
+        example = 'write texts in quotes, as in host = "0.0.0.0"'
+        raise click.BadParameter(f"{path}: {error}; {example}") from None
     known = {_key(flag_of(field)): field for field in dataclasses.fields(Settings)}
     context.default_map = {}
     context.meta[_CONFIG] = path
     for name, value in values.items():
         if name not in known:
+            if isinstance(value, dict):
+                raise click.BadParameter(f"{path}: settings are in no section, not in [{name}]")
             meant = suggestion(name, known)
             raise click.BadParameter(f"{path}: unknown setting {name}{meant}")
         is_one = known[name].default == () and isinstance(value, str)
@@ -170,6 +181,7 @@ def command(url_file: Path | None, **values: Any) -> None:
     _relax_collector()
     try:
         settings = Settings(**values)
+        _warn_of_mistakes(context, settings)
         _raise_file_limit(settings.max_connections + OWN_FILES)
         with asyncio.Runner(loop_factory=_loop_factory()) as runner:
             runner.run(_serve(settings, url_file))
@@ -196,6 +208,17 @@ def environment_settings(flags: Sequence[str] = ()) -> Settings:
         return Settings(**{name: context.params[name] for name in names})
     except HubError as error:
         raise click.UsageError(f"{explained(context, error)}.", context) from None
+
+
+def _warn_of_mistakes(context: click.Context, settings: Settings) -> None:
+    """Log settings that have no effect, and variables that are probably misspelled settings."""
+    for error in settings.without_effect():
+        logger.warning("%s.", explained(context, error))
+    known = [_variable(flag_of(field)) for field in dataclasses.fields(Settings)]
+    for name in os.environ:
+        if name.startswith("FIBWS_") and name not in (*known, *NO_SETTINGS):
+            if meant := misspelled(name, known):
+                logger.warning("%s is not a setting; did you mean %s?", name, meant)
 
 
 async def _serve(settings: Settings, url_file: Path | None) -> None:

@@ -30,6 +30,19 @@ ENDPOINT = r"(?:tcp|udp|tls|quic|ws)/(?:\[[0-9A-Fa-f:.%]+\]|[^\s:/\[\]]+):(\d{1,
 """An endpoint of zenoh that has a host and a port."""
 OTHER_ENDPOINT = r"(?:serial|unixsock-stream|unixpipe|vsock)/\S+"
 
+_NEEDED = {
+    "auth_timeout": ("tokens", "jwt_key", "client_ca"),
+    "ros1_allow": ("ros1",),
+    "ros1_state": ("ros1",),
+    "join_prefix": ("join", "zenoh", "zenoh_listen"),
+    "join_export": ("join", "zenoh", "zenoh_listen"),
+    "join_import": ("join", "zenoh", "zenoh_listen"),
+    "zenoh_config": ("zenoh", "zenoh_listen"),
+    "domain": ("zenoh", "zenoh_listen"),
+    "ros2_domain": ("ros2", "ros2_connect"),
+}
+"""Settings that have no effect unless one of others is there."""
+
 _SURROGATE = re.compile("[\ud800-\udfff]")
 LOG_FORMATS = ("text", "json")
 COMPRESSIONS = ("none", "bz2", "lz4")
@@ -329,6 +342,18 @@ class Settings:
         """Whether clients must prove who they are."""
         return any((self.tokens, self.jwt_key, self.client_ca))
 
+    def without_effect(self) -> list[SettingError]:
+        """Return what is set but has no effect, as in ``--as has no effect without --join``."""
+        found = []
+        for name, others in _NEEDED.items():
+            if self._is_set(name) and not any(map(self._is_set, others)):
+                flags = " or ".join(f"--{_flag(each)}" for each in others)
+                found.append(SettingError(f"--{_flag(name)} has no effect without {flags}"))
+        return found
+
+    def _is_set(self, name: str) -> bool:
+        return bool(getattr(self, name) != self.__dataclass_fields__[name].default)
+
     def __new__(cls, **values: Any) -> Settings:
         """Refuse unknown arguments, with the nearest known one."""
         for name in values:
@@ -348,6 +373,7 @@ class Settings:
         if self.deflate not in DEFLATE:
             raise SettingError(f"--deflate must be {', '.join(DEFLATE)}, got {self.deflate}")
         self._check_tls()
+        self._check_jwt()
         self._check_record()
         if self.keep_params and self.params is None:
             raise SettingError("--keep-params requires --params, the file to keep them in")
@@ -459,6 +485,12 @@ class Settings:
                 except AccessError as error:
                     raise SettingError(f"--{flag}: {error}") from None
 
+    def _check_jwt(self) -> None:
+        """Refuse to start without the authentication that was meant."""
+        for name in ("jwt_algorithm", "jwt_audience", "jwt_leeway"):
+            if self._is_set(name) and self.jwt_key is None:
+                raise SettingError(f"--{_flag(name)} requires --jwt-key, the key of the tokens")
+
     def _check_tls(self) -> None:
         if self.cert is not None and self.key is None:
             raise SettingError("--cert requires --key, the private key of the certificate")
@@ -468,6 +500,10 @@ class Settings:
             raise SettingError("--self-signed and --cert exclude each other")
         if self.client_ca is not None and not self.has_tls:
             raise SettingError("--client-ca requires TLS: --cert and --key, or --self-signed")
+
+
+def _flag(name: str) -> str:
+    return flag_of(Settings.__dataclass_fields__[name])
 
 
 @cache

@@ -30,7 +30,7 @@ from websockets.typing import Origin
 
 from fibws import __version__
 from fibws.hub import Settings
-from fibws.hub.__main__ import command
+from fibws.hub.__main__ import _warn_of_mistakes, command
 from fibws.hub.settings import flag_of
 
 
@@ -447,7 +447,8 @@ def test_version_is_the_packages() -> None:
         ('ping_interval = "often"', "not a valid float"),
         ('fast_framing = "perhaps"', "not a valid boolean"),
         ("allow_origin = 5", "Invalid value"),
-        ("[hub]\nport = 1", "setting hub"),
+        ("[hub]\nport = 1", "in no section, not in [hub]"),
+        ("host = 0.0.0.0", "in quotes, as in host ="),
     ],
 )
 def test_invalid_config_file_is_refused_with_the_reason(
@@ -496,7 +497,30 @@ def test_missing_or_binary_config_file_is_refused(tmp_path: Path) -> None:
     for path in (tmp_path / "none.toml", binary):
         result = CliRunner().invoke(command, ["--config", str(path)])
         assert result.exit_code == 2
-        assert str(path) in result.output
+        assert str(path) in result.output and "Errno" not in result.output
+
+
+def test_setting_without_effect_is_called_by_what_set_it(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    config = tmp_path / "hub.toml"
+    config.write_text('as = "/robot7"')
+    context = command.make_context("hub", ["--config", str(config), "--ros1-allow", "10.0.0.1"])
+    settings = Settings(join_prefix="/robot7", ros1_allow=("10.0.0.1",))
+    _warn_of_mistakes(context, settings)
+    assert f"as in {config} has no effect without join in {config}" in caplog.text
+    assert "--ros1-allow has no effect without " in caplog.text
+
+
+def test_misspelled_variable_is_named(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    names = ("FIBWS_PROT", "FIBWS_TOKEN", "FIBWS_TOKEN_FILE", "FIBWS_CA", "FIBWS_OTHER_THING")
+    for name in names:
+        monkeypatch.setenv(name, "1")
+    _warn_of_mistakes(command.make_context("hub", []), Settings())
+    [record] = caplog.records
+    assert record.getMessage() == "FIBWS_PROT is not a setting; did you mean FIBWS_PORT?"
 
 
 @pytest.mark.parametrize(

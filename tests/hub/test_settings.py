@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from fibws.errors import HubError, SettingError
-from fibws.hub.settings import Settings, flag_of
+from fibws.hub.settings import _NEEDED, Settings, flag_of
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Settings)])
@@ -128,3 +128,37 @@ def test_unknown_argument_names_the_nearest_one() -> None:
 def test_error_has_the_name_of_the_argument(setting: Field[Any]) -> None:
     error = SettingError(f"--{flag_of(setting)} must be small")
     assert str(error) == f"Settings({setting.name}=...) must be small"
+
+
+@pytest.mark.parametrize("name", _NEEDED)
+def test_setting_that_needs_another_is_told_from_one_that_has_an_effect(name: str) -> None:
+    others: dict[str, Any] = {
+        "tokens": Path("tokens.toml"),
+        "join": ("ws://lab",),
+        "zenoh": ("auto",),
+        "ros1": 0,
+        "ros2": ("tcp/robot:7447",),
+    }
+    value = {"auth_timeout": 1.0, "ros2_domain": 7, "domain": "lab"}.get(name, "/robot")
+    values: dict[str, Any] = {name: value}
+    if name in ("ros1_allow", "join_export", "join_import"):
+        values = {name: ("10.0.0.0/8",) if name == "ros1_allow" else ("/a",)}
+    if name in ("ros1_state", "zenoh_config"):
+        values = {name: Path("file")}
+    assert Settings().without_effect() == []
+    [error] = Settings(**values).without_effect()
+    flags = str(error)
+    needed = next(each for each in others if each in _NEEDED[name])
+    assert f"{name}=" in flags and f"{needed}=" in flags
+    assert Settings(**values, **{needed: others[needed]}).without_effect() == []
+
+
+@pytest.mark.parametrize(
+    "values", [{"jwt_algorithm": "EdDSA"}, {"jwt_audience": "robots"}, {"jwt_leeway": 0.0}]
+)
+def test_hub_does_not_start_without_the_authentication_that_was_meant(
+    values: dict[str, Any],
+) -> None:
+    with pytest.raises(SettingError, match=r"jwt_key="):
+        Settings(**values)
+    Settings(**values, jwt_key=Path("key.pem"))
