@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 from fibws.errors import AccessError, HubUnreachable
 
@@ -196,6 +197,17 @@ def fault(error: BaseException | None) -> str | None:
     if alert := _CERTIFICATE_ALERTS.get(reason):
         return f"the server refuses this client's certificate: {alert}; see {CLIENT_CERT}"
     return f"TLS failed: {_words(reason)}"
+
+
+def end_of(certificate: Mapping[str, Any]) -> float:
+    """Return when a certificate ends, in seconds since 1970.
+
+    Args:
+        certificate: as the ssl module decodes it.
+    """
+    import ssl  # Only connections with TLS need it.
+
+    return ssl.cert_time_to_seconds(certificate["notAfter"])
 
 
 def expects_tls(error: BaseException) -> str | None:

@@ -20,6 +20,8 @@ from urllib.parse import quote
 
 import pytest
 import yaml
+from certificates import Authority
+from certificates import authority as authority
 from conftest import StartHub
 from patience import PATIENCE
 from prometheus_client.parser import text_string_to_metric_families
@@ -364,6 +366,7 @@ HEALTHY = {
     samples("fibws_refusals_total", reason="limit"): "0x80",
     samples("fibws_service_failures_total", service="/dock", code="timeout"): "0x30 1x50",
     samples("fibws_links_down"): "0x10 1x4 0x80",
+    samples("fibws_certificate_expiry_timestamp_seconds"): "864000x80",
     samples("fibws_recording_dropped_messages_total"): "0x80",
     samples("fibws_recording_failed"): "0x10 1x2 0x80",
     samples("fibws_parameters_unsaved"): "0x10 1x2 0x80",
@@ -391,6 +394,7 @@ INCIDENTS = {
     },
     "LinkDown": {samples("fibws_links_down"): "0x60 1x20"},
     "ParametersUnsaved": {samples("fibws_parameters_unsaved"): "0x60 1x20"},
+    "CertificateEnds": {samples("fibws_certificate_expiry_timestamp_seconds"): "259200x80"},
     "RecordingFailed": {samples("fibws_recording_failed"): "0x60 1x20"},
     "RecordingDrops": {samples("fibws_recording_dropped_messages_total"): "0x70 40x10"},
 }
@@ -429,10 +433,13 @@ class TestPrometheus:
         assert sorted(alerts) == sorted(INCIDENTS)
 
     async def test_alerts_name_metrics_of_the_hub(
-        self, start_hub: StartHub, tmp_path: Path
+        self, start_hub: StartHub, authority: Authority, tmp_path: Path
     ) -> None:
         # Some metrics are there only with a recorder, or with another hub, which need not answer.
+        certificate, key = authority.issue()
         hub = await start_hub(
+            cert=certificate,
+            key=key,
             record=tmp_path,
             join=("ws://127.0.0.1:1",),
             params=tmp_path / "params.yaml",

@@ -10,7 +10,7 @@ import json
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple, Self, TypeAlias
 
 from fibws import hub_address, names
@@ -109,6 +109,15 @@ class HubClient:
     def close(self) -> None:
         """Close the connection after the hub has read everything that was sent."""
         self._socket.close()
+
+    @property
+    def headers(self) -> Mapping[str, str]:
+        """The headers of the tool's token, for HTTP requests to the hub."""
+        return self._socket.headers
+
+    def certificate_end(self) -> float | None:
+        """Return when the hub's certificate ends, in seconds since 1970; None without TLS."""
+        return self._socket.certificate_end()
 
     def fileno(self) -> int:
         """Return the socket's descriptor for ``select``."""

@@ -18,20 +18,23 @@ LARGEST = 65536
 """Bytes of an answer that are read."""
 
 
-def get(url: str, path: str) -> tuple[int, dict[str, str], bytes]:
+def get(
+    url: str, path: str, headers: Mapping[str, str] | None = None
+) -> tuple[int, dict[str, str], bytes]:
     """Return the status, the headers and the body of a page.
 
     Args:
         url: the hub's URL.
         path: the page's path, without a slash in front.
+        headers: of the request, such as those of a token.
 
     Raises:
         OSError: the hub does not answer.
         ValueError: it does not speak HTTP.
     """
-    found = _get(url, path)
+    found = _get(url, path, headers or {})
     if found[0] == 403:  # The hub may not accept this name of its machine.
-        return _get(url, path, host="localhost")
+        return _get(url, path, {"Host": "localhost", **(headers or {})})
     return found
 
 
@@ -72,7 +75,7 @@ def _port(uri: str) -> int | None:
         return None
 
 
-def _get(url: str, path: str, host: str | None = None) -> tuple[int, dict[str, str], bytes]:
+def _get(url: str, path: str, sent: Mapping[str, str]) -> tuple[int, dict[str, str], bytes]:
     parts = urlsplit(hub_address.page_url(url, path))
     connection = HTTPConnection(parts.hostname or "", parts.port, timeout=PATIENCE)
     if parts.scheme == "https":
@@ -81,7 +84,7 @@ def _get(url: str, path: str, host: str | None = None) -> tuple[int, dict[str, s
             parts.hostname or "", parts.port, timeout=PATIENCE, context=context
         )
     try:
-        connection.request("GET", parts.path, headers={} if host is None else {"Host": host})
+        connection.request("GET", parts.path, headers=dict(sent))
         response = connection.getresponse()
         headers = {name.lower(): value for name, value in response.getheaders()}
         return response.status, headers, response.read(LARGEST)

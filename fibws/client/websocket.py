@@ -12,8 +12,9 @@ import socket
 import sys
 import time
 from collections import deque
+from collections.abc import Mapping
 from contextlib import suppress
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from websockets.client import ClientProtocol
 from websockets.exceptions import InvalidStatus
@@ -280,6 +281,16 @@ class WebSocket:
     def has_sent_token(self) -> bool:
         """Whether the hub was given the token; a redirect to another server is followed without."""
         return bool(self._headers)
+
+    @property
+    def headers(self) -> Mapping[str, str]:
+        """The headers of the token, for other requests to the same server."""
+        return self._headers
+
+    def certificate_end(self) -> float | None:
+        """Return when the server's certificate ends, in seconds since 1970; None without TLS."""
+        certificate: Mapping[str, Any] = getattr(self._socket, "getpeercert", dict)()
+        return tls.end_of(certificate) if certificate else None
 
     def missing_token(self) -> AccessDenied:
         """Return the error for a hub that waits for a token."""

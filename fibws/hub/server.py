@@ -301,6 +301,7 @@ class HubServer:
             links=lambda: [*self.federation.links(), *self._broken_links()],
             recording=self.recording,
             has_unsaved=self._has_unsaved,
+            certificate_end=lambda: self._tls.end if self._tls is not None else None,
             account=self._account,
             loop=type(loop).__module__.partition(".")[0],
         )
@@ -644,6 +645,8 @@ class HubServer:
             "links": len(self.federation.peers),
             "links_down": len(self._broken_links()),
             "ros1_nodes": len(self.ros1.nodes.by_name) if self.ros1 is not None else 0,
+            "recording_failed": self.recording is not None and self.recording.has_failed,
+            "parameters_unsaved": self._has_unsaved is not None and self._has_unsaved(),
             "dropped": self._clients.dropped(),
             "slow_clients": [
                 {

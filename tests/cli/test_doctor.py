@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 
 import pytest
 from click.testing import CliRunner
@@ -61,7 +62,7 @@ def test_json_is_one_finding_per_line(run: Run) -> None:
 
 
 def test_lost_hub_is_a_finding(hub: HubThread, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    def version(url: str) -> Finding:
+    def version(url: str, headers: Mapping[str, str]) -> Finding:
         hub.stop()
         return Finding("version", "ok", "the same")
 

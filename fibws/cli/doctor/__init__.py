@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 import textwrap
+import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
@@ -86,8 +87,10 @@ def findings(hub_: str | None) -> Iterator[Finding]:
         return
     with client:
         yield ok("hub", f"{client.url} accepts connections")
-        yield hub.version(client.url)
+        yield from hub.certificate(client.certificate_end(), time.time())
+        yield hub.version(client.url, client.headers)
         yield from hub.token(client)
+        yield from hub.faults(client.url, client.headers)
         try:
             yield from hub.round_trip(client)
             before, hubs_before = _snapshot(client), client.call(HUBS)

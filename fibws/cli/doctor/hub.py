@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -33,6 +34,8 @@ UNKNOWN = {"0.0", "0.1.0.dev0"}
 ROUND_TRIPS = 5
 SLOW_ROUND_TRIP = 0.1
 """Seconds of a round trip that a person notices."""
+CERTIFICATE_RESERVE = 3 * 24 * 3600
+"""Seconds before the end of a certificate from which it should have been renewed."""
 MAX_CLOCK_DIFFERENCE = 0.5
 """Seconds by which clocks may differ without confusing programs that compare stamps."""
 
@@ -129,10 +132,46 @@ def http_server(url: str) -> str | None:
     return f"It answers HTTP requests with {status}{f' (server: {server})' if server else ''}"
 
 
-def version(url: str) -> Finding:
-    """Compare the hub's version with this one."""
+def certificate(end: float | None, now: float) -> Iterator[Finding]:
+    """Say until when the server's certificate is valid.
+
+    Args:
+        end: in seconds since 1970; None if the hub has no TLS.
+        now: the time.
+    """
+    if end is None:
+        return
+    text = f"The certificate is valid until {datetime.fromtimestamp(end, UTC):%Y-%m-%d %H:%M} UTC"
+    if end - now > CERTIFICATE_RESERVE:
+        yield ok("certificate", text)
+    else:
+        advice = "Renew it; the hub reads it again on SIGHUP, a proxy when it is reloaded."
+        yield warning("certificate", text, advice)
+
+
+def faults(url: str, headers: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield what the hub cannot do now; it is shown only to tokens with the right admin."""
     try:
-        status, _, body = hub_pages.get(url, "healthz")
+        health: Any = json.loads(hub_pages.get(url, "healthz", headers)[2])
+        recording, parameters = health.get("recording_failed"), health.get("parameters_unsaved")
+    except (OSError, ValueError, AttributeError):
+        return
+    advice = "See the hub's log for the reason: is its disk full?"
+    if recording:
+        yield warning("recording", "The hub records nothing, because of a fault", advice)
+    if parameters:
+        yield warning("parameters", "The hub cannot write its file of parameters", advice)
+
+
+def version(url: str, headers: Mapping[str, str] | None = None) -> Finding:
+    """Compare the hub's version with this one.
+
+    Args:
+        url: the hub's URL.
+        headers: those of the token.
+    """
+    try:
+        status, _, body = hub_pages.get(url, "healthz", headers)
     except (OSError, ValueError) as error:
         return warning(
             "version",

@@ -134,6 +134,7 @@ class Metrics:
         links: returns the links to other hubs, as fibws_msgs/HubLink.
         recording: what records all topics, if anything does.
         has_unsaved: returns whether the parameters cannot be written, if they are kept.
+        certificate_end: returns when the hub's certificate ends, if it is known.
         account: counts what is held for clients.
         loop: the name of the event loop's library.
     """
@@ -153,6 +154,7 @@ class Metrics:
         links: Callable[[], Iterable[Mapping[str, Any]]],
         recording: MeasuredRecording | None,
         has_unsaved: Callable[[], bool] | None,
+        certificate_end: Callable[[], float | None],
         account: Account,
         loop: str,
     ) -> None:
@@ -168,6 +170,7 @@ class Metrics:
         self._links = links
         self._recording = recording
         self._has_unsaved = has_unsaved
+        self._certificate_end = certificate_end
         self._account = account
         self._build = {
             "version": __version__,
@@ -205,6 +208,9 @@ class Metrics:
         if self._has_unsaved is not None:
             help_ = "1 while the file of the parameters cannot be written."
             metrics.gauge("fibws_parameters_unsaved", help_, +self._has_unsaved())
+        if (end := self._certificate_end()) is not None:
+            help_ = "End of the hub's certificate, in seconds since 1970."
+            metrics.gauge("fibws_certificate_expiry_timestamp_seconds", help_, end)
         add_process(metrics)
 
     def _add_hub(self, metrics: Exposition) -> None:

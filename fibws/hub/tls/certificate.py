@@ -29,6 +29,8 @@ _TARGET = re.compile(rb"([!-.0-~][!-~]*)? HTTP/1\.[01]\r\n")
 first five bytes of another method begins with a slash."""
 _HOST = re.compile(rb"\r\nHost:[ \t]*([\w.:\[\]-]+)[ \t]*\r\n", re.IGNORECASE)
 _KINDS = ("DNS", "IP Address")
+_NO_CHECK_TIME = 0x200000
+"""OpenSSL's X509_V_FLAG_NO_CHECK_TIME: a certificate that has ended can be read, too."""
 _UPGRADE = re.compile(rb"\r\nUpgrade:", re.IGNORECASE)
 
 
@@ -54,6 +56,8 @@ class ServerTls:
         """Takes the reason whenever a client's certificate is refused."""
         self._newest: ssl.SSLContext
         self._names: list[str]
+        self.end: float | None
+        """When the certificate ends, in seconds since 1970; None if that is not known."""
         self._contents: list[bytes] = []
         """Of the files."""
         self.read()()
@@ -83,16 +87,19 @@ class ServerTls:
         context.on_refused = lambda reason: self.on_refused(reason)
         contents = [each.read_bytes() for each in self._files if each is not None]
         names, end, fault = _inspect(context, self._files[0])
+        last_day = (
+            "" if end is None else f", valid until {datetime.fromtimestamp(end, UTC):%Y-%m-%d}"
+        )
         if fault:
             logger.warning("Clients will refuse the certificate in %s: %s.", self._files[0], fault)
 
         def use() -> list[str]:
             old, self._contents = self._contents, contents
-            self._newest, self._names = context, names
+            self._newest, self._names, self.end = context, names, end
             context.sni_callback = self._select
             changes = []
             if old[:2] != contents[:2]:
-                changes.append(f"certificate replaced{end and f', valid until {end}'}")
+                changes.append(f"certificate replaced{last_day}")
             if old[2:] != contents[2:]:
                 changes.append("authorities of client certificates changed")
             return changes
@@ -228,18 +235,38 @@ def _context(certificate: Path, key: Path, client_ca: Path | None) -> _Context:
     return context
 
 
-def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], str, str]:
-    """Return the names and addresses in a certificate, its last day, and its fault.
+def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], float | None, str]:
+    """Return the names and addresses in a certificate, its end, and its fault.
 
-    The fault is why clients will refuse it; the last day is empty if it is not known.
+    The fault is why clients will refuse it.
+    """
+    fault = ""
+    try:
+        found = _decoded(context, certificate)
+    except ssl.SSLError as error:
+        fault = getattr(error, "verify_message", "") or str(error)
+        try:
+            found = _decoded(context, certificate, _NO_CHECK_TIME)
+        except ssl.SSLError:
+            return [], None, fault
+    names = [name for kind, name in found.get("subjectAltName", ()) if kind in _KINDS]
+    end = ssl.cert_time_to_seconds(found["notAfter"])
+    return names, end, fault or ("" if names else "it holds no names")
 
-    Python's ssl has no function that decodes a certificate, but a client knows its server's. This
-    one trusts the certificate's issuer.
+
+def _decoded(context: ssl.SSLContext, certificate: Path, flags: int = 0) -> dict[str, Any]:
+    """Return what a certificate holds.
+
+    Python's ssl has no function that decodes one, but a client knows its server's. This one trusts
+    the certificate's issuer, and raises SSLError if the certificate is invalid nevertheless.
+
+    Args:
+        flags: of OpenSSL, besides those with which each certificate is verified.
     """
     trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     trusting.check_hostname = False
     trusting.load_verify_locations(certificate)
-    trusting.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
+    trusting.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN | flags
     to_client, to_server = ssl.MemoryBIO(), ssl.MemoryBIO()
     client = trusting.wrap_bio(to_client, to_server)
     server = context.wrap_bio(to_server, to_client, server_side=True)
@@ -248,9 +275,4 @@ def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], str
             side.do_handshake()
         except ssl.SSLWantReadError:
             pass
-        except ssl.SSLError as error:
-            return [], "", getattr(error, "verify_message", "") or str(error)
-    found: dict[str, Any] = client.getpeercert() or {}
-    names = [name for kind, name in found.get("subjectAltName", ()) if kind in _KINDS]
-    end = datetime.fromtimestamp(ssl.cert_time_to_seconds(found["notAfter"]), UTC)
-    return names, f"{end:%Y-%m-%d}", "" if names else "it holds no names"
+    return client.getpeercert() or {}

@@ -7,6 +7,7 @@ import re
 import socket
 import threading
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime, timedelta
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 from typing import TypeAlias
@@ -22,6 +23,7 @@ from fibws.access.token_file import TokenFile
 from fibws.cli.doctor import hub as doctor
 from fibws.cli.doctor import machine
 from fibws.cli.doctor.finding import Finding
+from fibws.client import hub_pages
 from fibws.client.hub_client import HubClient
 from fibws.hub import Settings
 
@@ -256,6 +258,57 @@ def test_slow_round_trip_is_a_warning(client: HubClient, monkeypatch: pytest.Mon
 def test_difference_of_clocks(ahead: float, error: float, verdict: str, text: str) -> None:
     finding = doctor.clock(ahead, error)
     assert finding.verdict == verdict and text in finding.text
+
+
+@pytest.mark.parametrize(("days", "verdict"), [(30, "ok"), (2, "warning"), (-1, "warning")])
+def test_certificate_that_ends_soon_is_named(days: int, verdict: str) -> None:
+    now = datetime(2026, 1, 31, tzinfo=UTC)
+    end = now + timedelta(days)
+    [finding] = doctor.certificate(end.timestamp(), now.timestamp())
+    assert finding.verdict == verdict
+    assert f"{end:%Y-%m-%d %H:%M} UTC" in finding.text
+    assert not [*doctor.certificate(None, now.timestamp())]
+
+
+def test_certificate_of_the_server_is_looked_at(
+    tls_hub: str, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_files(monkeypatch, authority.file)
+    with HubClient("doctor", tls_hub) as client:
+        end = client.certificate_end()
+    assert end is not None and end > datetime(2026, 1, 1, tzinfo=UTC).timestamp()
+
+
+def test_client_without_tls_has_no_certificate(client: HubClient) -> None:
+    assert client.certificate_end() is None
+
+
+@pytest.mark.parametrize(
+    ("fault", "check"), [("recording_failed", "recording"), ("parameters_unsaved", "parameters")]
+)
+def test_what_the_hub_cannot_do_is_a_warning(fault: str, check: str, serve: Serve) -> None:
+    healthy = {"recording_failed": False, "parameters_unsaved": False}
+    assert not [*doctor.faults(serve(200, json.dumps(healthy).encode()), {})]
+    url = serve(200, json.dumps(healthy | {fault: True}).encode())
+    [finding] = doctor.faults(url, {})
+    assert (finding.verdict, finding.check) == ("warning", check)
+
+
+@pytest.mark.parametrize("body", [b'{"status": "ok"}', b"[]", b"nonsense"])
+def test_hub_that_hides_its_state_has_no_faults(body: bytes, serve: Serve) -> None:
+    assert not [*doctor.faults(serve(200, body), {})]
+
+
+def test_token_of_an_admin_sees_the_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    tokens = TokenFile(tmp_path / "tokens.toml")
+    token = tokens.add("operator", Rights(admin=True))
+    params = tmp_path / "params.yaml"
+    settings = Settings(port=0, tokens=tmp_path / "tokens.toml", params=params, keep_params=True)
+    monkeypatch.setenv("FIBWS_TOKEN", token)
+    with HubThread(settings) as hub, HubClient("doctor", hub.url) as client:
+        assert "The hub is fibws" in doctor.version(client.url, client.headers).text
+        health = json.loads(hub_pages.get(client.url, "healthz", client.headers)[2])
+        assert health["parameters_unsaved"] is False and health["recording_failed"] is False
 
 
 @pytest.fixture

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from certificates import Authority
+from certificates import authority as authority
 from conftest import StartHub
 from prometheus_client.metrics_core import Metric
 from prometheus_client.openmetrics.parser import (
@@ -132,10 +134,18 @@ class TestFormat:
             assert list(strict_families(bytes(scrape(hub, Accept=OPENMETRICS).body).decode()))
 
     async def test_documentation_names_all_metrics(
-        self, start_hub: StartHub, tmp_path: Path
+        self, start_hub: StartHub, authority: Authority, tmp_path: Path
     ) -> None:
-        hub = await start_hub(record=tmp_path, params=tmp_path / "params.yaml", keep_params=True)
-        await start_hub(join=(hub.url,))
+        other = await start_hub()
+        certificate, key = authority.issue()
+        hub = await start_hub(
+            record=tmp_path,
+            params=tmp_path / "params.yaml",
+            keep_params=True,
+            cert=certificate,
+            key=key,
+            join=(other.url,),
+        )
         await until(lambda: bool(hub.federation.peers))
         section = OPERATIONS.partition("### Metrics")[2].partition("\n## ")[0]
         rows = re.findall(r"^\| (`(?:fibws|process)_.*?) \| (\w+) \|", section, re.MULTILINE)

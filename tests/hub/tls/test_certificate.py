@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import socket
 import ssl
 from collections.abc import AsyncIterator
@@ -343,6 +344,19 @@ class TestReload:
         authority.issue(expires=datetime.now(UTC) - timedelta(days=1))
         await reloaded(hub)
         assert "expired" in caplog.text and "hub.pem" in caplog.text
+
+    async def test_metrics_have_the_end_of_the_newest_certificate(
+        self, hub: HubServer, authority: Authority
+    ) -> None:
+        for days in (100, -1):
+            end = datetime.now(UTC) + timedelta(days)
+            authority.issue(expires=end)
+            await reloaded(hub)
+            trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+            trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
+            text = (await get(hub, "GET /metrics HTTP/1.1\nHost: 127.0.0.1", trusting)).decode()
+            found = re.search(r"^fibws_certificate_expiry_timestamp_seconds (\S+)$", text, re.M)
+            assert found and float(found[1]) == int(end.timestamp())
 
     async def test_removed_authority_of_clients_is_no_longer_accepted(
         self, start_hub: StartHub, authority: Authority, tmp_path: Path
