@@ -383,7 +383,8 @@ def check_options(command: click.Command, arguments: list[str]) -> None:
     except click.exceptions.Exit:
         pass  # -h has printed the help.
     except click.BadParameter as error:
-        assert "does not exist" in error.message, f"{command.name} {arguments}: {error}"
+        is_missing = re.search("does not exist|No such file", error.message)
+        assert is_missing, f"{command.name} {arguments}: {error}"
 
 
 def _context(command: click.Command, parent: click.Context | None = None) -> click.Context:

@@ -196,7 +196,7 @@ def _entries(name: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield name, value
         return
     if name == "/":
-        raise ParameterError("/ is the root namespace: its value must be an object")
+        raise ParameterError("expected an object of parameters, as in rate: 10; got a value alone")
     if _has_null(value):
         raise ParameterError(f"Parameter [{name}]: null is not allowed; use delete to unset it")
     yield name, value

@@ -231,7 +231,7 @@ async def test_file_keeps_its_mode_and_its_link(start_hub: StartHub, tmp_path: P
     [
         ("a: [1", r"line 1"),
         ("a: 1\n\0\0\0", r"line|position|character"),
-        ("5", "root namespace"),
+        ("5", "expected an object of parameters"),
         ("a:", r"\[/a\]: null"),
         ("a: 2026-01-31", r"\[/a\]: .*date"),
         (f"a: {'x' * 2000}", "max_parameter_bytes"),

@@ -137,9 +137,10 @@ class Ros1Server:
                 lambda: _Sniffer(self), host, settings.ros1 or 0, start_serving=False
             )
         except OSError as error:
+            # asyncio's text has the address and its own words before the reason.
+            reason = (error.strerror or str(error)).rpartition(": ")[2]
             raise SettingError(
-                f"--ros1: cannot listen on port {settings.ros1}: {error.strerror or error}; "
-                "is a roscore running?"
+                f"--ros1: cannot listen on port {settings.ros1}: {reason}; a roscore may be running"
             ) from error
         self._end.callback(server.close)
         self.port = server.sockets[0].getsockname()[1]
