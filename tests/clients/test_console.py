@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -9,8 +12,9 @@ import pytest
 from .casts import ROSLIB_1, ROSLIB_2, Cast, marked
 from .conftest import Observe
 
-WEB_PAGE = Path(__file__).parents[2] / "docs" / "web.md"
-LISTENER = 'ros.on("status", (status) => console.error(status.msg));'
+ROOT = Path(__file__).parents[2]
+WEB_PAGE = ROOT / "docs" / "web.md"
+LISTENER = 'ros.on("status", (status) => console.error(JSON.stringify(status)));'
 """The line by which a page with npm's roslib shows its statuses."""
 
 CASTS = (
@@ -48,6 +52,39 @@ def test_mistakes_of_a_page_are_in_its_console(cast: Cast, observe: Observe) -> 
         if not any(all(fact in line for fact in facts) for line in console)
     ]
     assert untold == [], console
+
+
+@pytest.mark.npm
+@pytest.mark.long
+def test_lines_of_the_documentation_have_types(tmp_path: Path) -> None:
+    """Pages in TypeScript may use them as they are."""
+    compiler = ROOT / "web" / "node_modules" / ".bin" / "tsc"
+    roslib = ROOT / "web" / "node_modules" / "roslib"
+    if not (compiler.exists() and roslib.exists()):
+        pytest.skip("needs npm --prefix web ci")
+    lines = "\n".join(
+        block
+        for page in (WEB_PAGE, WEB_PAGE.with_name("recipes.md"))
+        for block in re.findall(r"```js\n(ros\.on.*?)```", page.read_text(), re.DOTALL)
+    )
+    assert lines.count("ros.on(") >= 4
+    head = 'import { Ros } from "roslib";\nconst url = "";\nconst ros = new Ros({ url });\n'
+    (tmp_path / "page.ts").write_text(head + lines)
+    options = {
+        "strict": True,
+        "noEmit": True,
+        "target": "es2022",
+        "lib": ["es2022", "dom"],
+        "module": "esnext",
+        "moduleResolution": "bundler",
+        "skipLibCheck": True,
+        "types": [],
+        "paths": {"roslib": [str(roslib)]},
+    }
+    settings = {"compilerOptions": options, "files": ["page.ts"]}
+    (tmp_path / "tsconfig.json").write_text(json.dumps(settings))
+    done = subprocess.run([compiler, "-p", tmp_path], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
 
 
 def test_line_for_roslib_from_npm_is_documented() -> None:

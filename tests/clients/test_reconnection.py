@@ -13,4 +13,6 @@ pytestmark = playing("reconnection")
 
 @pytest.mark.long
 def test_client_reconnects_when_the_hub_returns(seen: Any) -> None:
-    assert seen == [{"data": "before"}, {"data": "after"}]
+    assert seen[:2] == [{"data": "before"}, {"data": "after"}]
+    # A page that provides a service; the scenario of roslibpy has none.
+    assert seen[2:] in ([], [{"success": True, "message": ""}])

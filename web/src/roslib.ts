@@ -52,6 +52,7 @@ export class Ros extends RoslibRos {
    */
   override emit(...parameters: Parameters<RoslibRos["emit"]>): boolean {
     const [event, status] = parameters;
+    if (event === "close") logClose(status);
     const isReceived = super.emit(...parameters);
     if (isReceived || !isStatus(status)) return isReceived;
     if (event !== "status" && super.emit("status", status)) return true;
@@ -77,8 +78,18 @@ function isStatus(operation: unknown): operation is Status {
   return typeof operation === "object" && operation !== null && Object(operation).op === "status";
 }
 
+/** Write to the console why the hub has ended a connection: its codes are those from 4000 on. */
+function logClose(event: unknown): void {
+  const { code, reason } = Object(event) as Partial<CloseEvent>;
+  if (code && code >= 4000) console.error(`The hub has closed the connection: ${reason} (${code})`);
+}
+
+/** roslib's ids, such as `publish:/chatter:123236e9-e205-45c3-992d-4d186e547b2a`. */
+const ROSLIB_ID = /^[a-z_]+:(.*):[0-9a-f]{8}-[0-9a-f-]{27}$/;
+
 function logStatus({ id, operation = id, level, msg }: Status): void {
-  const text = `The hub says${operation ? ` about ${operation}` : ""}: ${msg}`;
+  const about = operation?.replace(ROSLIB_ID, "$1");
+  const text = `The hub says${about ? ` about ${about}` : ""}: ${msg}`;
   if (level === "error") console.error(text);
   else if (level === "warning") console.warn(text);
   else console.info(text);

@@ -5,7 +5,7 @@ import { makeMistakes } from "../mistakes.mjs";
 export default {
   mistakes: async (world) => {
     const ros = world.create(`${world.url}/?node=/mistaken`);
-    ros.on("status", (status) => console.error(status.msg));
+    ros.on("status", (status) => console.error(JSON.stringify(status)));
     await new Promise((resolve) => ros.on("connection", resolve));
     await makeMistakes(world, ros);
   },

@@ -14,6 +14,17 @@ export default {
     };
     const [talker, listener] = [connect(), connect()];
     await returns.many(2);
+    const service = { name: "/echo", serviceType: "std_srvs/SetBool" };
+    if (library.Service) {
+      const ros = talker;
+      await new library.Service({ ros, ...service }).advertise((request, response) => {
+        response.success = request.data;
+        return true;
+      });
+      ros.on("connection", () =>
+        ros.callOnConnection({ op: "advertise_service", service: "/echo", type: "std_srvs/SetBool" }),
+      );
+    }
     const chatter = { name: "/chatter", messageType: "std_msgs/String" };
     const received = collect();
     new library.Topic({ ros: listener, ...chatter }).subscribe(received.add);
@@ -25,6 +36,13 @@ export default {
     await returns.many(4);
     await settled(listener);
     topic.publish({ data: "after" });
-    return received.many(2);
+    const called = new Promise((resolve, reject) =>
+      new library.Service({ ros: listener, ...service }).callService(
+        { data: true },
+        resolve,
+        reject,
+      ),
+    );
+    return [...(await received.many(2)), await called];
   },
 };
