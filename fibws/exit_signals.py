@@ -1,4 +1,4 @@
-"""The signals that end a program: Ctrl-C (SIGINT) and SIGTERM.
+"""The signals that end a program: Ctrl-C (SIGINT), SIGTERM, and SIGHUP of a closed terminal.
 
 The first one ends the program in order. Others within a second change nothing: ``timeout -s INT``
 and supervisors send it to a process and to its group, which are two signals for one request. A
@@ -40,6 +40,17 @@ def unfinished(text: Callable[[], str]) -> Iterator[None]:
         yield
     finally:
         del _unfinished[key]
+
+
+def exit_signals() -> tuple[int, ...]:
+    """Return the signals that end a program.
+
+    SIGHUP is one of them unless the program handles it, or ignores it, as under ``nohup``.
+    """
+    numbers: tuple[int, ...] = (signal.SIGINT, signal.SIGTERM)
+    if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) == signal.SIG_DFL:
+        numbers = (*numbers, signal.SIGHUP)
+    return numbers
 
 
 def end_at_once(number: int) -> None:
@@ -89,15 +100,17 @@ class ExitSignals:
         """Take the next signal as the first one."""
         self._first = None
 
-    def install(
-        self, loop: AbstractEventLoop, numbers: Iterable[int] = (signal.SIGINT, signal.SIGTERM)
-    ) -> None:
-        """Receive signals in an event loop; in the main thread only, elsewhere do nothing."""
+    def install(self, loop: AbstractEventLoop, numbers: Iterable[int] | None = None) -> None:
+        """Receive signals in an event loop; in the main thread only, elsewhere do nothing.
+
+        Args:
+            numbers: of the signals, by default `exit_signals`.
+        """
 
         def receive(number: int, frame: object = None) -> None:
             loop.call_soon_threadsafe(self.receive, number)
 
-        for number in numbers:
+        for number in exit_signals() if numbers is None else numbers:
             with suppress(RuntimeError, ValueError):  # Another thread may not set handlers.
                 earlier = signal.getsignal(number)
                 try:

@@ -7,11 +7,12 @@ import signal
 import subprocess
 import sys
 import threading
+from typing import Any
 
 import pytest
 from patience import PATIENCE
 
-from fibws.exit_signals import REPEAT, ExitSignals
+from fibws.exit_signals import REPEAT, ExitSignals, exit_signals
 
 
 class Program:
@@ -40,9 +41,12 @@ def test_signals_within_a_second_are_one_request() -> None:
     assert program.calls == [("end", 2), ("again", 2), ("again", 15)]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-async def test_signals_reach_an_event_loop_until_they_are_removed(number: int) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+async def test_signals_reach_an_event_loop_until_they_are_removed(
+    monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
     program = Program()
+    monkeypatch.setattr("fibws.exit_signals.exit_signals", lambda: (number,))
     before = signal.getsignal(number)
     loop = asyncio.get_running_loop()
     program.signals.install(loop)
@@ -57,6 +61,19 @@ async def test_signals_reach_an_event_loop_until_they_are_removed(number: int) -
     finally:
         signal.signal(number, before)
     assert program.calls == [("end", number)]
+
+
+@pytest.mark.parametrize(
+    ("handler", "ends"), [(signal.SIG_DFL, True), (signal.SIG_IGN, False), (lambda *_: None, False)]
+)
+def test_closed_terminal_ends_programs_that_neither_ignore_nor_handle_that(
+    handler: Any, ends: bool
+) -> None:
+    earlier = signal.signal(signal.SIGHUP, handler)
+    try:
+        assert (signal.SIGHUP in exit_signals()) == ends
+    finally:
+        signal.signal(signal.SIGHUP, earlier)
 
 
 def test_other_threads_get_no_signals() -> None:

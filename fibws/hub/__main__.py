@@ -238,7 +238,7 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
 
     is_draining = False
     exit_signals = ExitSignals(stop, stop_at_once)
-    exit_signals.install(loop)
+    exit_signals.install(loop, (signal.SIGINT, signal.SIGTERM))
     _remove(url_file)  # An earlier hub may have been killed.
     async with HubServer(settings) as hub:
         manager = ServiceManager(loop, hub._status)

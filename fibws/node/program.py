@@ -1,4 +1,4 @@
-"""Running a program of nodes until it ends, or until Ctrl-C or SIGTERM."""
+"""Running a program of nodes until it ends, or until a signal ends it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
     """Run a program of nodes: ``fibws.run(main())`` in place of ``asyncio.run(main())``.
 
     Ctrl-C and SIGTERM are the normal end of a node, as with rospy: they cancel ``main``, so that
-    each ``async with fibws.Node(...)`` block leaves the graph, and the exit code is 0. A signal
+    each ``async with fibws.Node(...)`` block leaves the graph, and the exit code is 0. So does
+    SIGHUP, when the terminal is closed, unless it is ignored, as under ``nohup``. A signal
     more than a second later ends the process at once; earlier ones repeat the first.
 
     Tasks that are left when ``main`` ends, such as handlers, are cancelled. One that goes on all

@@ -66,7 +66,7 @@ def talker(hub: HubThread, *arguments: str) -> Iterator[subprocess.Popen[str]]:
             process.kill()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_signal_ends_a_program_with_exit_code_0(hub: HubThread, number: signal.Signals) -> None:
     with talker(hub, "talker") as process:
         process.send_signal(number)

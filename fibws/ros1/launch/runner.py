@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -23,7 +22,6 @@ from fibws.ros1.launch.output import LogFile, Screen, Terminal
 from fibws.ros1.launch.process import Process, Signal
 
 SIGINT_TIMEOUT, SIGTERM_TIMEOUT = 15.0, 2.0
-SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 """Seconds until the next, more urgent signal, as in roslaunch."""
 SHORTEST_DELAY = 0.1
 """Least seconds before a restart; a process that fails at once must not keep a machine busy."""
@@ -117,8 +115,7 @@ class Runner:
             on_signal()
             self.stop()
 
-        numbers = [getattr(signal, each) for each in SIGNALS if hasattr(signal, each)]
-        ExitSignals(stop, stop).install(asyncio.get_running_loop(), numbers)
+        ExitSignals(stop, stop).install(asyncio.get_running_loop())
 
     async def start_hub(self, host: str, port: int, options: Sequence[str] = ()) -> str:
         """Start a hub, and wait until nodes can connect to it.
