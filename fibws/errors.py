@@ -24,6 +24,7 @@ FibwsError
 ├── AccessError            an invalid token file, right, key or certificate
 ├── BagError               a bag cannot be read or written
 │   ├── BagFormatError         it is damaged, or not a bag
+│   │   └── ChunkDamaged           a chunk is damaged; a reindex restores what can be read
 │   ├── BagNotIndexed          it was not closed: reindex it first
 │   └── UnsupportedBag         its version, compression or encryption is not supported
 ├── HubError               the hub cannot start or continue

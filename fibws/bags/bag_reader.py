@@ -13,6 +13,7 @@ from fibws.bags.connection import ChunkInfo, Connection, with_known_types
 from fibws.bags.reader import (
     ChunkMessages,
     Reader,
+    advice,
     chunk_faults,
     entry_faults,
     in_file_order,
@@ -252,8 +253,9 @@ class BagReader(Reader):
         data = self._partial.get(chunk.position)
         if data is None:
             record = self.file.record(chunk.position)
-            data = compression.decompress(
-                self.file.data(record), chunk.compression, chunk.size, place
-            )
+            with advice(self.path):
+                data = compression.decompress(
+                    self.file.data(record), chunk.compression, chunk.size, place
+                )
         found = bag_format.unpack_chunk(data, place, wanted)
         return ChunkMessages(data, found.times, found.ids, found.places, found.begins, found.ends)

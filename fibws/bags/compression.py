@@ -114,7 +114,7 @@ def decompress_start(data: bytes, method: str, place: str) -> bytes:
 def _decompress(data: bytes, method: str, limit: int, place: str) -> tuple[bytes, str]:
     """Return at most ``limit`` bytes, and what is wrong with the data; empty if nothing is."""
     if method == "zstd":
-        return _decompress_zstd(data, limit)
+        return _decompress_zstd(data, limit, place)
     parts = []
     size, rest = 0, data
     while rest and size < limit:
@@ -146,17 +146,30 @@ _OUTPUT = 2**20
 """Maximum output of a step; lz4 allocates as much."""
 
 
-def _decompress_zstd(data: bytes, limit: int) -> tuple[bytes, str]:
-    import zstandard
+def zstandard(place: str) -> Any:
+    """Return the package zstandard.
 
+    Raises:
+        UnsupportedBag: it is not installed.
+    """
+    try:
+        import zstandard
+    except ImportError:
+        fault = f"{place}: zstd needs the package zstandard: pip install 'fibws[mcap]'"
+        raise UnsupportedBag(fault, "compression") from None
+    return zstandard
+
+
+def _decompress_zstd(data: bytes, limit: int, place: str) -> tuple[bytes, str]:
+    package = zstandard(place)
     parts = []
     size = 0
     try:
-        with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as reader:
+        with package.ZstdDecompressor().stream_reader(data, read_across_frames=True) as reader:
             while size < limit and (part := reader.read(min(_OUTPUT, limit - size))):
                 parts.append(part)
                 size += len(part)
-    except zstandard.ZstdError as error:
+    except package.ZstdError as error:
         return b"".join(parts), f"invalid zstd data ({error})"
     return b"".join(parts), ""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 ANY_TYPE = "*"
 """The type that some recorders wrote before they knew the real one."""
@@ -83,3 +84,13 @@ def _with_type_of(connection: Connection, other: Connection) -> Connection:
         encoding=other.encoding,
         definition_format=other.definition_format,
     )
+
+
+class Restored(NamedTuple):
+    """What was found in a damaged bag."""
+
+    messages: int
+    lost: int
+    """How many bytes of the file could not be read, because they are damaged or cut off."""
+    damaged: int = 0
+    """How many chunks have a wrong checksum: messages in them may be wrong."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 from typing import TypeAlias
 
+from fibws.bags import mcap_files
 from fibws.bags.bag_reader import BagReader
 from fibws.bags.bag_writer import CHUNK_SIZE, BagWriter
+from fibws.bags.compression import check_method
 from fibws.bags.mcap_files import MAGIC, McapWriter
 from fibws.bags.reader import Reader
 from fibws.bags.rosbag2 import MCAP_SUFFIX, check_not_empty, is_zstd, open_file, open_folder
@@ -74,6 +76,14 @@ def open_writer(
     writer = BagWriter(path, compression, chunk_size)
     writer.path = name or path
     return writer
+
+
+def check_writer(name: str, compression: str) -> None:
+    """Check that a bag of a name can be written; raise as `open_writer`, except for OSError."""
+    if name.endswith(MCAP_SUFFIX):
+        mcap_files.check_method(compression, name)
+    else:
+        check_method(compression)
 
 
 def is_mcap(path: str) -> bool:

@@ -20,10 +20,11 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Self
 
 from fibws.bags import compression
 from fibws.bags.bag_format import RecordFile
-from fibws.bags.connection import ANY_TYPE, ChunkInfo, Connection, with_known_types
+from fibws.bags.connection import ANY_TYPE, ChunkInfo, Connection, Restored, with_known_types
 from fibws.bags.reader import (
     ChunkMessages,
     Reader,
+    advice,
     chunk_faults,
     entry_faults,
     in_file_order,
@@ -83,12 +84,7 @@ class McapWriter:
         name: str = "",
     ) -> None:
         name = name or path
-        if compression not in METHODS:
-            raise BagError(
-                f"{name}: compression {compression!r} does not exist in MCAP, expected "
-                f"{', '.join(METHODS)}"
-            )
-        _import_mcap(name)
+        check_method(compression, name)
         from mcap.writer import CompressionType, Writer
 
         self.path = name
@@ -550,7 +546,8 @@ class McapReader(Reader):
         elif chunk.position in self._partial:
             data = self._partial[chunk.position]
         else:
-            data = _read_chunk(self.file, chunk.position, place)[1]
+            with advice(self.path):
+                data = _read_chunk(self.file, chunk.position, place)[1]
         found = _unpack_records(data, place, wanted, partial=not self.is_indexed)
         return ChunkMessages(data, found.times, found.ids, found.places, found.begins, found.ends)
 
@@ -605,6 +602,7 @@ class McapScan:
     Attributes:
         connections: those whose records are outside chunks, such as at the end.
         lost: how many bytes could not be read.
+        damaged: how many chunks have a wrong checksum, though something in them was read.
         others: the attachments and the metadata, as records of the library.
         profile: what messages the file has.
     """
@@ -619,7 +617,7 @@ class McapScan:
         for kind, position, end in self.records():
             if kind in (_SCHEMA, _CHANNEL):
                 self.connections.add(self._run(position, end).records)
-        self.lost = 0
+        self.lost = self.damaged = 0
 
     def parts(self) -> Iterator[FoundPart]:
         """Find all chunks and all messages outside them, in the order of the file."""
@@ -714,13 +712,18 @@ class McapScan:
             content = file.read(position + _RECORD.size, length)
         if len(content) < _CHUNK_START.size:
             return None
-        *_, length = _CHUNK_START.unpack_from(content)
+        _, _, size, _, length = _CHUNK_START.unpack_from(content)
+        kind_and_length = _RECORD.unpack(file.read(position, _RECORD.size))
         begin = _CHUNK_START.size + length
         method = content[_CHUNK_START.size : begin].decode("utf-8", "replace") or "none"
         if method not in METHODS:
             return None
         data = compression.decompress_start(content[begin + 8 :], method, place)
         records = _unpack_records(data, place, partial=True)
+        if kind_and_length == (_CHUNK, end - position - _RECORD.size):  # It was not cut off.
+            self.damaged += bool(records.ends)
+            read = records.ends[-1] if records.ends else 0
+            self.lost += max(0, min(size, file.size) - read)
         return FoundPart(position, records, False, method, len(content), is_partial=True)
 
     def _add_other(self, name: str, content: bytes) -> None:
@@ -741,7 +744,7 @@ def rewrite_mcap(
     *,
     chunk_size: int = CHUNK_SIZE,
     is_strict: bool = False,
-) -> tuple[int, int]:
+) -> Restored:
     """Write a new .mcap file, with an index, of what is left of one.
 
     Args:
@@ -749,7 +752,7 @@ def rewrite_mcap(
         is_strict: whether damage is an error.
 
     Returns:
-        The number of messages, and the number of bytes that were lost.
+        What was found.
 
     Raises:
         BagFormatError: it is not a .mcap file, or damaged if ``is_strict``.
@@ -769,7 +772,7 @@ def rewrite_mcap(
             count, _ = _rewrite(scan, target, method, chunk_size, known)
         if is_strict and scan.lost:
             raise BagFormatError(f"{source}: {scan.lost} bytes cannot be read")
-        return count, scan.lost
+        return Restored(count, scan.lost, scan.damaged)
 
 
 def _rewrite(
@@ -823,6 +826,20 @@ def _rewrite(
                 )
     found = [connections.connection(id_) for id_ in sorted(connections.ids())]
     return count, found
+
+
+def check_method(method: str, path: str) -> None:
+    """Check that a .mcap file can be written with a compression.
+
+    Raises:
+        BagError: the compression is unknown.
+        UnsupportedBag: the package mcap is not installed.
+    """
+    if method not in METHODS:
+        raise BagError(
+            f"{path}: compression {method!r} does not exist in MCAP, expected {', '.join(METHODS)}"
+        )
+    _import_mcap(path)
 
 
 def _import_mcap(path: str) -> None:

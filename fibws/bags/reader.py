@@ -6,12 +6,14 @@ import heapq
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from types import MappingProxyType, TracebackType
 from typing import IO, NamedTuple, Self, TypeAlias
 
 from fibws.bags.compression import MAX_RATIO
 from fibws.bags.connection import ChunkInfo, Connection
+from fibws.command_names import command_name
 from fibws.errors import BagFormatError
 
 MAX_MEMORY = 32 * 2**20
@@ -248,6 +250,16 @@ class Reader(ABC):
                     memory.remove(cursor)
                 else:
                     heapq.heappush(cursors, (time, position, cursor))
+
+
+@contextmanager
+def advice(path: str) -> Iterator[None]:
+    """Have the errors of a damaged chunk say how the others are restored."""
+    try:
+        yield
+    except BagFormatError as error:
+        restore = f"{command_name('bag reindex')} {path}"
+        raise BagFormatError(f"{error}; to restore what can be read: {restore}") from None
 
 
 def in_file_order(chunks: Iterable[ChunkInfo]) -> list[ChunkInfo]:

@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import NamedTuple
 
 from fibws.bags.bag_format import RecordFile, number
 from fibws.bags.bag_reader import read_start
 from fibws.bags.bag_scan import BagScan
 from fibws.bags.bag_writer import BagWriter
+from fibws.bags.connection import Restored
 from fibws.bags.files import is_mcap
 from fibws.bags.mcap_files import rewrite_mcap
-
-
-class Restored(NamedTuple):
-    """What a reindex has found."""
-
-    messages: int
-    lost: int
-    """How many bytes of the file could not be read, because they are damaged or cut off."""
 
 
 def reindex(source: str | os.PathLike[str], target: str | os.PathLike[str]) -> Restored:
@@ -38,7 +30,7 @@ def reindex(source: str | os.PathLike[str], target: str | os.PathLike[str]) -> R
     """
     source, target = os.fspath(source), os.fspath(target)
     if is_mcap(source):
-        return Restored(*rewrite_mcap(source, target))
+        return rewrite_mcap(source, target)
     with open(source, "rb") as opened:
         file = RecordFile(opened, source)
         header = read_start(file)

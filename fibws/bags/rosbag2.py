@@ -199,11 +199,7 @@ def _decompressed(path: str) -> BinaryIO:
     """
     from tempfile import TemporaryFile  # Few need it.
 
-    try:
-        import zstandard
-    except ImportError:
-        fault = f"{path}: zstd needs the package zstandard: pip install 'fibws[mcap]'"
-        raise UnsupportedBag(fault, "compression") from None
+    zstandard = compression.zstandard(path)
     limit = max(MAX_FILE, compression.MAX_RATIO * os.path.getsize(path))
     file = cast(BinaryIO, TemporaryFile())
     try:

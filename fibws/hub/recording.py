@@ -45,9 +45,9 @@ STATE = f"{NODE}/state"
 MOST_DEPARTED = 100
 """Publishers of a topic that have left and are remembered, as they may come back."""
 STATE_INTERVAL = 1.0
+"""Seconds between two messages of the state while something is recorded."""
 MOST_FILES = 10_000
 """Files of recordings whose names are kept, for downloads."""
-"""Seconds between two messages of the state while something is recorded."""
 
 
 class RecordedTopic:
@@ -408,7 +408,8 @@ class Recording:
         def done() -> None:
             state = self.state()
             if state is not None:
-                text = state.fault or f"recorded {state.messages} messages in {state.file}"
+                files = f"{state.files} files, the last one " if state.files > 1 else ""
+                text = state.fault or f"recorded {state.messages} messages in {files}{state.file}"
                 response.respond({"success": not state.fault, "message": text})
 
         self.stop(done)

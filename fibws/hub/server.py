@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from fibws import __version__
 from fibws.access.rights import Principal
-from fibws.errors import FibwsError, InterfaceError, SettingError
+from fibws.errors import BagError, FibwsError, InterfaceError, SettingError
 from fibws.files import check_writable
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
@@ -360,13 +360,18 @@ class HubServer:
         folder = self.settings.record
         if folder is None:
             return
-        from fibws.hub.recording import Recording  # Most hubs need none of it.
+        from fibws.bags.files import check_writer  # Most hubs need none of it.
+        from fibws.hub.recording import Recording
 
         try:
             check_writable(folder)
+            name = ".mcap" if self.settings.record_mcap else ".bag"
+            check_writer(name, self.settings.record_compression)
         except OSError as error:
             fault = error.strerror or str(error)
             raise SettingError(f"--record: cannot write to {folder}: {fault}") from None
+        except BagError as error:
+            raise SettingError(f"--record: {error}") from None
         loop = asyncio.get_running_loop()
         self.recording = Recording(
             self.graph, self.settings, self.audit, loop, self._account.reserved

@@ -45,7 +45,7 @@ _NEEDED = {
 
 _SURROGATE = re.compile("[\ud800-\udfff]")
 LOG_FORMATS = ("text", "json")
-COMPRESSIONS = ("none", "bz2", "lz4")
+COMPRESSIONS = ("none", "bz2", "lz4", "zstd")
 DEFLATE = ("auto", "always", "never")
 
 
@@ -191,8 +191,8 @@ class Settings:
     )
     record_at_start: bool = _setting(True, "Begin to record when the hub starts.")
     record_mcap: bool = _setting(False, "Record MCAP files (.mcap) rather than ROS 1 bags (.bag).")
-    record_compression: Literal["none", "bz2", "lz4"] = _setting(
-        "none", "Compression of recorded bags: none, bz2 or lz4."
+    record_compression: Literal["none", "bz2", "lz4", "zstd"] = _setting(
+        "none", "Compression of recorded bags: none; bz2 or lz4 for .bag; lz4 or zstd for .mcap."
     )
     record_size: int = _setting(
         1024, "Megabytes (MiB) after which the recording continues in another file; 0 for no limit."
@@ -442,8 +442,12 @@ class Settings:
                 f"--record-compression must be {', '.join(COMPRESSIONS)}, "
                 f"got {self.record_compression}"
             )
-        if self.record_mcap and self.record_compression == "bz2":
-            raise SettingError("bz2 of --record-compression is for .bag files; MCAP files have lz4")
+        if self.record_compression == ("bz2" if self.record_mcap else "zstd"):
+            format_, others = (".mcap", "lz4, zstd") if self.record_mcap else (".bag", "bz2, lz4")
+            raise SettingError(
+                f"--record-compression must be none, {others} for {format_} files, "
+                f"got {self.record_compression}"
+            )
 
     @property
     def ros1_networks(self) -> list[Network]:

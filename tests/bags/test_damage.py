@@ -79,7 +79,7 @@ def test_reindex_of_a_complete_bag_changes_nothing(
     path = bags[suffix, compression]
     before = path.read_bytes()
     restored = tmp_path / f"restored.{suffix}"
-    assert reindex(path, restored) == (1000, 0)
+    assert reindex(path, restored) == (1000, 0, 0)
     assert path.read_bytes() == before
     with open_reader(path) as one, open_reader(restored) as other:
         assert contents(one) == contents(other)
@@ -107,6 +107,27 @@ def test_reindex_goes_on_after_damage(
             each for each in messages if not chunk.start <= each[5] <= chunk.end
         ]
     assert 0 < found.lost < len(content) // 2
+
+
+def test_reindex_reports_messages_that_may_be_wrong(
+    bags: dict[tuple[str, str], Path], tmp_path: Path
+) -> None:
+    path = bags["mcap", "none"]
+    content = bytearray(path.read_bytes())
+    with open_reader(path) as bag:
+        chunk = bag.chunks[1]
+    damaged, restored = tmp_path / "damaged.mcap", tmp_path / "restored.mcap"
+    content[chunk.position + 200] ^= 1  # In a message, or in its definition.
+    damaged.write_bytes(content)
+    with open_reader(damaged) as bag, pytest.raises(BagFormatError, match=f"reindex {damaged}"):
+        list(bag.messages())
+    assert reindex(damaged, restored) == (1000, 0, 1)
+    middle = chunk.position + chunk.compressed_size // 2
+    content[middle : middle + 200] = b"\xff" * 200  # Also the length of a record.
+    damaged.write_bytes(content)
+    found = reindex(damaged, restored)
+    assert 0 < found.messages < 1000
+    assert (found.lost > 0, found.damaged) == (True, 1)
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])

@@ -57,7 +57,7 @@ def test_file_without_an_index_of_its_messages(tmp_path: Path, options: dict[str
     with open_reader(path, allow_unindexed=True) as bag:
         assert contents(bag) == EXPECTED
         assert bag.message_count == 300
-    assert reindex(path, restored) == (300, 0)
+    assert reindex(path, restored) == (300, 0, 0)
     with open_reader(restored) as bag:
         assert contents(bag) == EXPECTED
 

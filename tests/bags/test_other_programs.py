@@ -84,7 +84,7 @@ def test_those_of_rosbags_are_read(tmp_path: Path, compression: str) -> None:
     content = path.read_bytes()
     restored = tmp_path / "restored.bag"
     append(path)
-    assert reindex(path, restored) == (401, 0)
+    assert reindex(path, restored) == (401, 0, 0)
     with AnyReader([path]) as reader:
         assert len(list(reader.messages())) == 401
     path.write_bytes(content[: len(content) * 2 // 3])

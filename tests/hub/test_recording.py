@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import re
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +16,7 @@ from patience import PATIENCE
 import fibws
 from fibws.bags import open_reader
 from fibws.bags.bag_writer import BagWriter
-from fibws.errors import ServiceError
+from fibws.errors import ServiceError, SettingError
 from fibws.hub import Settings
 from fibws.hub.recording import NODE, STATE
 from fibws.hub.server import RECORDING_TIMEOUT, HubServer
@@ -309,9 +311,46 @@ async def test_files_are_split_and_kept_as_the_settings_say(tmp_path: Path) -> N
         for _ in range(24):
             await texts.publish("x" * 200_000)
         await state_when(node, lambda state: state.messages >= 24)
+        stopped = await node.call("/hub_recorder/stop", Trigger)
+        assert re.match(r"recorded \d+ messages in [3-9] files, the last one ", stopped.message)
     paths = files(tmp_path)
     assert len(paths) == 2
     assert {each.suffix for each in paths} == {".mcap"}
+
+
+@pytest.mark.parametrize(
+    ("module", "others"),
+    [
+        ("mcap", {"record_mcap": True}),
+        ("lz4.frame", {"record_compression": "lz4"}),
+    ],
+)
+async def test_hub_does_not_start_if_a_package_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, others: dict[str, Any]
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(SettingError, match=r"record.*pip install"):
+        async with HubServer(settings(tmp_path, **others)):
+            pass
+    assert files(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("compression", "is_mcap"), [("bz2", True), ("zstd", False), ("lz5", False)]
+)
+def test_compression_must_be_one_of_the_format(compression: Any, is_mcap: bool) -> None:
+    with pytest.raises(SettingError, match=rf"record.compression.* must be .*got {compression}"):
+        Settings(record_mcap=is_mcap, record_compression=compression)
+
+
+async def test_mcap_files_are_compressed_by_zstd(tmp_path: Path) -> None:
+    async with (
+        HubServer(settings(tmp_path, record_mcap=True, record_compression="zstd")) as hub,
+        fibws.Node("talker", hub=hub.url) as node,
+    ):
+        await (await node.advertise("/numbers", Int32)).publish(1)
+    with open_reader(files(tmp_path)[0]) as bag:
+        assert bag.compression == "zstd"
 
 
 async def test_only_admins_start_and_stop(tmp_path: Path) -> None:

@@ -183,10 +183,14 @@ def _reindex(source: Path, target: Path, progress: Progress) -> None:
     progress.begin(source.stat().st_size)
     found = reindex(source, target)
     progress.finish()
-    restored = f"{output.counted(found.messages, 'message')} restored"
-    place = output.visible(str(source))
+    parts = [f"{output.counted(found.messages, 'message')} restored"]
     if found.lost:
-        lost = f"{output.counted(found.lost, 'byte')} could not be read"
-        click.echo(f"{place}: {restored}; {lost}", err=True)
+        parts.append(f"{output.counted(found.lost, 'byte')} could not be read")
+    if found.damaged:
+        chunks = output.counted(found.damaged, "chunk")
+        parts.append(f"messages of {chunks} may be wrong (checksum)")
+    text = f"{output.visible(str(source))}: {'; '.join(parts)}"
+    if len(parts) > 1:
+        click.echo(text, err=True)
     elif not progress.is_quiet:
-        output.line(f"{place}: {restored}")
+        output.line(text)
