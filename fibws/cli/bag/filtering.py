@@ -84,13 +84,16 @@ def command(
         if target.exists() and source.exists() and source.samefile(target):
             raise click.UsageError(f"Cannot use same file as input and output [{source}]")
         if condition is None and not topics and start is None and end is None and not encoding:
-            raise click.UsageError("You must specify an expression, --topic, --start or --end.")
+            raise click.UsageError(
+                "You must specify an expression, --topic, --start or --end; True copies all."
+            )
         if target.suffix != MCAP_SUFFIX:
             if encoding == CDR:
                 raise click.UsageError("--encoding cdr needs an OUTBAG that ends in .mcap.")
             encoding = ROS1
         with open_bag(source) as original, replacing(target) as new:
             _check_topics(topics, original)
+            _check_times(start, end, original)
             reader = original if encoding is None else with_encoding(original, encoding)
             copied = [
                 each
@@ -127,6 +130,15 @@ def _check_topics(topics: tuple[str, ...], reader: Reader) -> None:
             listed = ", ".join(sorted(known)) or "none"
             fault = f"the bag has no topic {topic}{suggestion(topic, known)}; it has {listed}"
             raise click.UsageError(f"--topic: {fault}")
+
+
+def _check_times(start: float | None, end: float | None, reader: Reader) -> None:
+    """Raise a UsageError for times between which a bag cannot have messages."""
+    seconds = (reader.end - reader.start) / 1e9 if reader.message_count else 0.0
+    if start is not None and start > seconds:
+        raise click.UsageError(f"--start must be within the {seconds:.3f} s of the bag")
+    if end is not None and end < max(0.0, start or 0.0):
+        raise click.UsageError("--end must not be before --start; both count from the bag's start")
 
 
 def _report_conversion(reader: Reader, topics: tuple[str, ...]) -> None:
@@ -257,6 +269,8 @@ class Condition:
                 return lambda message: message.fields
             case ast.Attribute(ast.Name("t"), name) if name in _SECONDS:
                 return lambda message: _seconds(message.time, name)
+            case ast.Name("t"):
+                raise InvalidValue("t is a time: write t.to_sec(), t.secs or t.nsecs")
             case ast.Attribute(value, name) if above := self._variable(value):
                 return _of(above, lambda value: _attribute(value, name))
             case ast.Subscript(value, index) if above := self._variable(value):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
+import os
 import re
 import struct
 import sys
@@ -574,7 +575,10 @@ def command(
     """
     paths = (*arguments, *bags)
     if not paths:
-        raise click.UsageError("You must specify at least one bag file to play from")
+        fault = "You must specify at least one bag file to play from"
+        for each in filter(os.path.isfile, (*topics, *pause_topics)):
+            fault += f": name it before the options, {each} is taken for a topic"
+        raise click.UsageError(fault)
     if quiet:
         node.log.setLevel(logging.WARNING)
     if not all(map(math.isfinite, (start, duration or 0.0, others["rate"]))):
@@ -588,6 +592,8 @@ def command(
         readers = [reader for reader in readers if reader.message_count]
         if not readers:
             raise click.ClickException(f"{', '.join(paths)}: no messages to play")
+        _check_known("--topics", topics, readers)
+        _check_known("--pause-topics", pause_topics, readers)
         _check_playable(readers, _without_slashes(topics))
         playback_options = PlaybackOptions(
             **_span(readers, start, duration),
@@ -620,6 +626,16 @@ def _without_slashes(topics: Iterable[str]) -> frozenset[str]:
     return frozenset(topic.lstrip("/") for topic in topics)
 
 
+def _check_known(option: str, topics: Iterable[str], readers: Sequence[Reader]) -> None:
+    """Raise a UsageError for a topic that none of the bags has."""
+    known = {each.topic for reader in readers for each in reader.connections}
+    for topic in topics:
+        if topic.lstrip("/") not in _without_slashes(known):
+            wanted = f"/{topic.lstrip('/')}"
+            fault = f"the bags have no topic {wanted}{suggestion(wanted, known)}"
+            raise click.UsageError(f"{option}: {fault}; they have {', '.join(sorted(known))}")
+
+
 def _check_playable(readers: Sequence[Reader], topics: frozenset[str]) -> None:
     """Raise an error if nothing of the bags can be played, before a hub is waited for.
 
@@ -627,20 +643,14 @@ def _check_playable(readers: Sequence[Reader], topics: frozenset[str]) -> None:
         topics: those to play, as `PlayOptions` has them; all if it is empty.
     """
     faults = []
-    known = set[str]()
     for reader in readers:
         for each in reader.connections:
-            known.add(each.topic)
             if topics and each.topic.lstrip("/") not in topics:
                 continue
             if each.id not in reader.not_converted:
                 return
             faults.append(reader.not_converted[each.id])
-    if faults:
-        raise click.ClickException(output.visible(f"nothing can be played: {faults[0]}"))
-    wanted = f"/{min(topics)}"
-    fault = f"the bags have no topic {wanted}{suggestion(wanted, known)}"
-    raise click.UsageError(f"--topics: {fault}; they have {', '.join(sorted(known))}")
+    raise click.ClickException(output.visible(f"nothing can be played: {faults[0]}"))
 
 
 def _span(readers: Sequence[Reader], start: float, duration: float | None) -> dict[str, int]:

@@ -29,7 +29,7 @@ from fibws.bags.files import check_writer
 from fibws.bags.rosbag2 import MCAP_SUFFIX
 from fibws.bags.summary import size_text
 from fibws.cli import completers, output
-from fibws.cli.bag.bag_messages import check_new_name
+from fibws.cli.bag.bag_messages import check_new_name, warn
 from fibws.cli.common_options import examples
 from fibws.cli.node_program import SETTINGS, node, run
 from fibws.errors import BagError, FibwsError, InterfaceError
@@ -131,6 +131,8 @@ class RecordingNode:
             await self._report_unpublished(names)
             for name in names:
                 self._subscribe(name)
+        if self._topics.node:
+            await self._report_unknown_node(node.resolve(self._topics.node))
         self.recorder.start()
         watcher = asyncio.create_task(self._look_for_topics()) if self._topics.may_grow else None
         try:
@@ -168,6 +170,11 @@ class RecordingNode:
             if name not in published:
                 text = "topic [%s] does not appear to be published yet%s"
                 self._node.log.warning(text, name, suggestion(name, published))
+
+    async def _report_unknown_node(self, name: str) -> None:
+        known = await self._node.graph.nodes()
+        if name not in known:
+            self._node.log.warning("node [%s] is not there yet%s", name, suggestion(name, known))
 
     async def _look_for_topics(self) -> None:
         """Subscribe to the topics that there are, and to those that appear."""
@@ -476,6 +483,8 @@ def command(
     if max_splits and not split:
         raise click.UsageError("--max-splits requires --split")
     check_new_name(name or prefix or "")
+    if exclude is not None and not (all_ or regex):
+        warn("--exclude is for -a and -e only")
     if regex:
         for each in names:
             _compiled(each)

@@ -274,6 +274,9 @@ def test_filter_prints_an_expression(bag: Tool, path: Path) -> None:
         (("open('/etc/passwd')",), "open"),
         ((), "--topic"),
         (("--topic", "/numbr"), "/number"),
+        (("t > 5",), "t.to_sec()"),
+        (("--start", "1000000"), "--start must be within"),
+        (("--start", "2", "--end", "1"), "--end must not be before --start"),
     ],
 )
 def test_filter_that_fails_leaves_the_target(

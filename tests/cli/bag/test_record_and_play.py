@@ -364,11 +364,15 @@ def test_topics_of_a_node_are_recorded(hub: HubThread, tmp_path: Path, publish: 
     async def listen(node: fibws.Node) -> None:
         node.subscribe("/n", Int32)
 
+    with recorder(hub.url, tmp_path / "b.bag", "--node", "listner", "-x", "/m") as recording:
+        recording.wait_for("node [/listner] is not there yet")
+        assert "--exclude is for -a and -e only" in recording.output
     with (
         peer(hub.url, "listener", listen),
         recorder(hub.url, tmp_path / "b.bag", "--node", "/listener") as recording,
     ):
         recording.wait_for("Subscribing to /n")
+        assert "not there yet" not in recording.output
         found = recording.end(signal.SIGINT)
     assert [each.topic for each in found] == ["/n"]
     assert "/m" not in recording.output
@@ -616,6 +620,9 @@ def test_topics_of_the_hub_itself_are_left_out(run: Run, tmp_path: Path) -> None
         (("{bag}", "-s", "100"), 2, "--start"),
         (("{bag}", "-r", "0"), 2, "--rate"),
         (("{bag}", "--topics", "/none"), 2, "no topic /none; they have /n"),
+        (("{bag}", "--topics", "/n", "/none"), 2, "--topics: the bags have no topic /none"),
+        (("{bag}", "--pause-topics", "/none"), 2, "--pause-topics: the bags have no topic /none"),
+        (("--topics", "/n", "{bag}"), 2, "name it before the options"),
     ],
 )
 def test_wrong_arguments_of_play_are_explained(
