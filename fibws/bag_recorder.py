@@ -23,6 +23,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from fibws.bags import Connection, Writer, open_reader, open_writer
 from fibws.bags.connection import ANY_TYPE
+from fibws.bags.files import check_writer
 from fibws.command_names import command_name
 from fibws.errors import BagError
 from fibws.exit_signals import unfinished
@@ -107,6 +108,10 @@ class RecordingOptions:
     limit: int = 0
     min_space: int = 1024 * MIB
     repeat_latched: bool = False
+
+    def check(self) -> None:
+        """Raise BagError if the format lacks the compression, or a package for it is missing."""
+        check_writer(self.file(0, 0).name, self.compression)
 
     def file(self, number: int, began: float) -> Path:
         """Return the path of a file of the recording, named as rosbag names them.

@@ -261,6 +261,14 @@ class BagFormatError(BagError, ValueError):
     """A file is damaged, or is not a bag."""
 
 
+class ChunkDamaged(BagFormatError):
+    """A chunk of a bag is damaged; what can be read is restored by a reindex."""
+
+    def __init__(self, path: str, fault: str) -> None:
+        restore = f"{command_name('bag reindex')} {path}"
+        super().__init__(f"{fault}; to restore what can be read: {restore}")
+
+
 class BagNotIndexed(BagError):
     """A bag has no index, because its recorder did not close it, or has not yet.
 

@@ -10,7 +10,10 @@ from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 from tempfile import TemporaryFile
+from time import sleep
 
+LOCK_LOOKS, LOCK_INTERVAL = 250, 0.02
+"""Looks at a lock that is waited for, and seconds between two of them."""
 _BINARY = getattr(os, "O_BINARY", 0)
 """Without it, Windows would change line ends."""
 
@@ -193,17 +196,49 @@ def lock_holder(path: str | os.PathLike[str], kind: str = "FLOCK") -> str:
     Args:
         kind: of the lock, as in /proc/locks: ``FLOCK`` or ``POSIX``.
     """
-    try:
-        inode = str(os.stat(path).st_ino)
-        for line in Path("/proc/locks").read_text(encoding="ascii").splitlines():
-            words = line.split()
-            if words[1] == kind and words[5].rpartition(":")[2] == inode:
+    for words in _locks(path):
+        if words[1] == kind:
+            with suppress(OSError, ValueError):
                 command = Path(f"/proc/{int(words[4])}/cmdline").read_bytes().split(b"\0")
                 words_of = b" ".join(command).decode("utf-8", "replace").strip()
                 return f"process {words[4]} ({words_of})"
-    except (OSError, ValueError, IndexError):
-        pass
     return ""
+
+
+def has_write_lock(path: str | os.PathLike[str], byte: int) -> bool:
+    """Return whether a program has a POSIX lock to write a byte; False if nobody tells."""
+    return any(
+        words[1] == "POSIX"
+        and words[3] == "WRITE"
+        and int(words[6]) <= byte
+        and (words[7] == "EOF" or byte <= int(words[7]))
+        for words in _locks(path)
+    )
+
+
+def wait_for_write_lock(path: str | os.PathLike[str], byte: int) -> bool:
+    """Wait until no program has a POSIX lock to write a byte.
+
+    Returns:
+        False if one still has after some seconds.
+    """
+    for _ in range(LOCK_LOOKS):
+        if not has_write_lock(path, byte):
+            return True
+        sleep(LOCK_INTERVAL)
+    return False
+
+
+def _locks(path: str | os.PathLike[str]) -> Iterator[list[str]]:
+    """Yield the lines of /proc/locks on a file, as words; nothing where there are none."""
+    try:
+        inode = str(os.stat(path).st_ino)
+        lines = Path("/proc/locks").read_text(encoding="ascii").splitlines()
+    except (OSError, ValueError):
+        return
+    for words in map(str.split, lines):
+        if len(words) == 8 and words[5].rpartition(":")[2] == inode:
+            yield words
 
 
 @contextmanager

@@ -13,8 +13,7 @@ from typing import IO, NamedTuple, Self, TypeAlias
 
 from fibws.bags.compression import MAX_RATIO
 from fibws.bags.connection import ChunkInfo, Connection
-from fibws.command_names import command_name
-from fibws.errors import BagFormatError
+from fibws.errors import BagFormatError, ChunkDamaged
 
 MAX_MEMORY = 32 * 2**20
 """How many bytes of uncompressed chunks are kept in memory; more are in a temporary file."""
@@ -258,8 +257,7 @@ def advice(path: str) -> Iterator[None]:
     try:
         yield
     except BagFormatError as error:
-        restore = f"{command_name('bag reindex')} {path}"
-        raise BagFormatError(f"{error}; to restore what can be read: {restore}") from None
+        raise ChunkDamaged(path, str(error)) from None
 
 
 def in_file_order(chunks: Iterable[ChunkInfo]) -> list[ChunkInfo]:

@@ -6,15 +6,15 @@ import os
 import shutil
 from array import array
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from fibws.bags.connection import ChunkInfo, Connection
 from fibws.bags.reader import ChunkMessages, Reader
-from fibws.errors import BagFormatError
-from fibws.files import lock_holder
+from fibws.errors import BagError, BagFormatError
+from fibws.files import has_write_lock, lock_holder, wait_for_write_lock
 
 if TYPE_CHECKING:
     import sqlite3
@@ -27,7 +27,14 @@ they were before changes that are not complete, and what programs share that hav
 CHUNK_SIZE, CHUNK_ROWS = 2**20, 1000
 """Bytes and messages that are read at once."""
 MAX_TOPICS = 65_535
+LOCKED = 0x4000_0002
+"""A byte that SQLite locks, to write, while pages of a database are replaced."""
+HEAD = 100
+"""Bytes of a database's head."""
+MOST_COPIES = 10
+"""How often a file is copied that changes meanwhile."""
 _NEVER = 2**63
+T = TypeVar("T")
 
 
 class _Rows(NamedTuple):
@@ -39,6 +46,9 @@ class _Rows(NamedTuple):
 
 class SqliteReader(Reader):
     """Reads a .db3 file. Rows that follow each other are its chunks.
+
+    It never locks the file: its recorder would fail. If a program has changed the file, a copy is
+    read from then on, which has the same rows, as recorders only add some.
 
     Args:
         path: names the file in errors.
@@ -54,17 +64,14 @@ class SqliteReader(Reader):
         self.path, self.notices = path, tuple(notices)
         self.is_indexed = True
         self._copy = file
-        place = file or path
-        self._size = os.path.getsize(place)
-        with errors_of(path):
-            self._database = _connect(place, "mode=ro&immutable=1", self._size)
         self._unknown: Counter[int] = Counter()
         """How many messages have a topic that the file does not list, by its id."""
+        self._state = () if file else _state(path)
+        self._open(file or path)
         try:
-            with errors_of(self.path):
-                self._check_tables()
-                self.connections, self._ids = self._read_topics()
-                self.chunks, self._rows = self._read_chunks()
+            self._unchanged(self._read_all)
+            if self._copy and not file and not notices:
+                self.notices = (_being_written(path),)
         except BaseException:
             self.close()
             raise
@@ -85,6 +92,35 @@ class SqliteReader(Reader):
         self._database.close()
         if self._copy:
             Path(self._copy).unlink(missing_ok=True)
+
+    def _open(self, place: str) -> None:
+        self._size = os.path.getsize(place)
+        with errors_of(self.path):
+            self._database = _connect(place, "mode=ro&immutable=1", self._size)
+
+    def _unchanged(self, read: Callable[[], T]) -> T:
+        """Return what a function reads: again, from a copy, if the file was changed meanwhile."""
+        if not self._copy:
+            with suppress(BagFormatError):
+                found = read()
+                if self._is_unchanged():
+                    return found
+            if not self._is_unchanged():
+                copy = _copied(self.path)
+                self._database.close()
+                self._copy = copy
+                self._open(copy)
+        return read()
+
+    def _is_unchanged(self) -> bool:
+        return _state(self.path) == self._state and not has_write_lock(self.path, LOCKED)
+
+    def _read_all(self) -> None:
+        with errors_of(self.path):
+            self._unknown.clear()
+            self._check_tables()
+            self.connections, self._ids = self._read_topics()
+            self.chunks, self._rows = self._read_chunks()
 
     def _check_tables(self) -> None:
         """Check that the tables have rows, and do not compute them: a file may be made to harm."""
@@ -192,6 +228,9 @@ class SqliteReader(Reader):
         return chunks, rows
 
     def _unpack_chunk(self, chunk: ChunkInfo, wanted: Collection[int] | None) -> ChunkMessages:
+        return self._unchanged(lambda: self._unpack(chunk, wanted))
+
+    def _unpack(self, chunk: ChunkInfo, wanted: Collection[int] | None) -> ChunkMessages:
         times, ids, places = array("Q"), array("Q"), array("q")
         begins, ends = array("Q"), array("Q")
         data = bytearray()
@@ -208,8 +247,11 @@ class SqliteReader(Reader):
         return ChunkMessages(bytes(data), times, ids, places, begins, ends)
 
     def _chunk_times(self, chunk: ChunkInfo, wanted: Collection[int]) -> list[int]:
-        with errors_of(self.path):
-            return [time for _, _, time, _ in self._select(chunk, wanted, "0")]
+        def read() -> list[int]:
+            with errors_of(self.path):
+                return [time for _, _, time, _ in self._select(chunk, wanted, "0")]
+
+        return self._unchanged(read)
 
     def _select(
         self, chunk: ChunkInfo, wanted: Collection[int] | None, column: str
@@ -225,10 +267,13 @@ class SqliteReader(Reader):
             yield row, topics[topic], time, value
 
     def _index_faults(self) -> Iterator[str]:
-        with errors_of(self.path):
-            for (text,) in self._read("PRAGMA integrity_check(20)"):
-                if text != "ok":
-                    yield " ".join(str(text).split())
+        def read() -> list[Any]:
+            with errors_of(self.path):
+                return self._read("PRAGMA integrity_check(20)")
+
+        for (text,) in self._unchanged(read):
+            if text != "ok":
+                yield " ".join(str(text).split())
         for topic, count in self._unknown.items():
             yield f"messages of the topic {topic}, which the file does not list: {count}"
 
@@ -260,14 +305,14 @@ def open_sqlite(path: str) -> SqliteReader:
     one that opens it: the file is copied then, together with that.
     """
     writer = lock_holder(path, "POSIX")
-    beside = [path + end for end in (WAL, JOURNAL) if _has_content(path + end)]
+    beside = _beside(path)
     if writer:
         notices = [f"{path} is open in {writer}, which may still write it: it is read as it is now"]
     else:
         notices = [f"{path} was not closed by its recorder; {each} is read, too" for each in beside]
     if not beside:
         return SqliteReader(path, notices=notices)
-    copy = _copied(path, beside)
+    copy = _copied(path)
     try:
         return SqliteReader(path, file=copy, notices=notices)
     except BaseException:
@@ -280,14 +325,40 @@ def _has_content(path: str) -> bool:
     return os.path.isfile(path) and os.path.getsize(path) > 0
 
 
-def _copied(path: str, beside: Collection[str]) -> str:
-    """Return the path of a copy of a file, in a single file.
+def _beside(path: str) -> list[str]:
+    """Return the files beside a database that belong to it."""
+    return [path + end for end in (WAL, JOURNAL) if _has_content(path + end)]
 
-    Args:
-        beside: the files beside it that belong to it.
+
+def _being_written(path: str) -> str:
+    return f"{path} is being written: it is read as it is now"
+
+
+def _state(path: str) -> tuple[Any, ...]:
+    """Return what changes whenever a program changes a database, or what is beside it.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    found: list[Any] = []
+    for each in (path, path + WAL, path + JOURNAL):
+        try:
+            info = os.stat(each)
+        except FileNotFoundError:
+            found.append(None)
+        else:
+            found.append((info.st_ino, info.st_size, info.st_mtime_ns))
+    with open(path, "rb") as file:
+        found.append(file.read(HEAD))  # It has a counter of changes.
+    return tuple(found)
+
+
+def _copied(path: str) -> str:
+    """Return the path of a copy of a file, with what is beside it, in a single file.
 
     Raises:
         BagFormatError: it is damaged.
+        BagError: a program changes it all the time.
         OSError: it cannot be read, or the copy cannot be written.
     """
     import sqlite3
@@ -297,21 +368,42 @@ def _copied(path: str, beside: Collection[str]) -> str:
     os.close(descriptor)
     try:
         with errors_of(path), TemporaryDirectory() as folder:
-            size = sum(map(os.path.getsize, [path, *beside]))
+            size = sum(map(os.path.getsize, [path, *_beside(path)]))
             if os.path.exists(path + MEMORY):
                 # Programs that have the file open share this: SQLite copies all of one moment.
                 with suppress(sqlite3.Error), closing(_connect(path, "mode=ro", size)) as source:
                     with closing(_connect(copy, "mode=rw", size)) as target:
                         source.backup(target)
                     return _in_one_file(copy, size)
-            place = os.path.join(folder, os.path.basename(path))
-            for each in (path, *beside):
-                shutil.copyfile(each, os.path.join(folder, os.path.basename(each)))
-            shutil.move(_in_one_file(place, size), copy)
+            for _ in range(MOST_COPIES):
+                if place := _copy_of_one_moment(path, folder):
+                    shutil.move(_in_one_file(place, size), copy)
+                    return copy
+        raise BagError(f"{path} is being written; try again in a while")
     except BaseException:
         os.unlink(copy)
         raise
-    return copy
+
+
+def _copy_of_one_moment(path: str, folder: str) -> str:
+    """Copy a file, and what is beside it, to a folder.
+
+    Returns:
+        The copy's path; empty if a program has changed the file meanwhile.
+    """
+    state, beside = _state(path), _beside(path)
+    # Without a journal, only the program's memory can take back what is not yet complete.
+    if not beside and not wait_for_write_lock(path, LOCKED):
+        return ""
+    with suppress(FileNotFoundError):
+        for end in ("", WAL, JOURNAL):
+            place = os.path.join(folder, os.path.basename(path) + end)
+            Path(place).unlink(missing_ok=True)
+            if not end or path + end in beside:
+                shutil.copyfile(path + end, place)
+        if _state(path) == state and (beside or not has_write_lock(path, LOCKED)):
+            return os.path.join(folder, os.path.basename(path))
+    return ""
 
 
 def _in_one_file(path: str, size: int) -> str:

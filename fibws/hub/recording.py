@@ -50,6 +50,21 @@ MOST_FILES = 10_000
 """Files of recordings whose names are kept, for downloads."""
 
 
+def options(settings: Settings, buffer_size: int) -> RecordingOptions:
+    """Return the recorder's options for those settings that begin with ``record``."""
+    return RecordingOptions(
+        path=f"{settings.record}/{'.mcap' if settings.record_mcap else ''}",
+        compression=settings.record_compression,
+        buffer_size=buffer_size,
+        split=bool(settings.record_size or settings.record_duration),
+        max_size=settings.record_size * MIB,
+        max_duration=round(settings.record_duration * 1e9),
+        max_splits=settings.record_files,
+        min_space=settings.record_min_space * MIB,
+        repeat_latched=True,
+    )
+
+
 class RecordedTopic:
     """Takes the messages of one topic; a `Sink`."""
 
@@ -228,19 +243,8 @@ class Recording:
         """Record from now on; nothing happens if that is done already."""
         if self._is_recording or self._is_closed:
             return
-        settings = self._settings
         recorder = Recorder(
-            RecordingOptions(
-                path=f"{settings.record}/{'.mcap' if settings.record_mcap else ''}",
-                compression=settings.record_compression,
-                buffer_size=self.buffer_size,
-                split=bool(settings.record_size or settings.record_duration),
-                max_size=settings.record_size * MIB,
-                max_duration=round(settings.record_duration * 1e9),
-                max_splits=settings.record_files,
-                min_space=settings.record_min_space * MIB,
-                repeat_latched=True,
-            ),
+            options(self._settings, self.buffer_size),
             self.graph.clock.now,
             logger,
             on_file=lambda path: self._loop.call_soon_threadsafe(self._file_begun, path),

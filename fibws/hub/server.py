@@ -360,13 +360,11 @@ class HubServer:
         folder = self.settings.record
         if folder is None:
             return
-        from fibws.bags.files import check_writer  # Most hubs need none of it.
-        from fibws.hub.recording import Recording
+        from fibws.hub.recording import Recording, options  # Most hubs need none of it.
 
         try:
             check_writable(folder)
-            name = ".mcap" if self.settings.record_mcap else ".bag"
-            check_writer(name, self.settings.record_compression)
+            options(self.settings, 0).check()
         except OSError as error:
             fault = error.strerror or str(error)
             raise SettingError(f"--record: cannot write to {folder}: {fault}") from None

@@ -200,3 +200,91 @@ def test_message_that_is_larger_than_the_file_so_far_is_read(path: Path) -> None
     assert path.stat().st_size < 2**20
     with open_reader(path) as reader:
         assert max(len(data) for _, _, data in reader.messages()) == 1_500_000
+
+
+MEMORY_RECORDER = """
+import sqlite3, sys
+database = sqlite3.connect(sys.argv[1], isolation_level=None, timeout=0)
+database.execute("PRAGMA journal_mode = MEMORY")
+database.execute("PRAGMA synchronous = OFF")
+database.execute("PRAGMA cache_size = 1")  # It writes pages before it commits.
+copied = "SELECT topic_id, timestamp + 3000000000, data FROM messages WHERE id <= 50"
+for line in sys.stdin:
+    if line == "add\\n":
+        database.execute("BEGIN")
+        database.execute(f"INSERT INTO messages(topic_id, timestamp, data) {copied}")
+        database.execute(f"INSERT INTO messages(topic_id, timestamp, data) {copied}")
+    else:
+        database.execute("COMMIT")
+    print("done", flush=True)
+"""
+"""Adds 100 messages, as rosbag2's recorder does by default: without a journal on the disk."""
+
+
+class MemoryRecorder:
+    """A program that writes a file with its journal in memory."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self._process = process
+
+    def do(self, word: str) -> None:
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.write(f"{word}\n")
+        self._process.stdin.flush()
+        assert self._process.stdout.readline() == "done\n"
+
+
+@pytest.fixture
+def memory_recorder(path: Path) -> Iterator[MemoryRecorder]:
+    with subprocess.Popen(
+        [sys.executable, "-c", MEMORY_RECORDER, str(path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        try:
+            yield MemoryRecorder(process)
+        finally:
+            process.kill()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs /proc/locks")
+def test_changes_that_are_not_complete_are_waited_for(
+    path: Path, memory_recorder: MemoryRecorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    memory_recorder.do("add")
+    monkeypatch.setattr("fibws.files.sleep", lambda seconds: memory_recorder.do("commit"))
+    with open_reader(path) as reader:
+        assert list(reader.faults()) == []
+        assert reader.message_count == 200
+        [notice] = reader.notices
+        assert str(path) in notice
+    assert list(content(path.parent)) == [path.name]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs /proc/locks")
+def test_file_that_is_changed_for_long_is_an_error(
+    path: Path, memory_recorder: MemoryRecorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    memory_recorder.do("add")
+    monkeypatch.setattr("fibws.files.sleep", lambda seconds: None)
+    with pytest.raises(BagError, match=rf"{path} is being written"):
+        open_reader(path)
+    memory_recorder.do("commit")  # It was never disturbed.
+    assert count(path) == 200
+
+
+def test_file_that_changes_while_it_is_read_has_the_messages_from_before(
+    path: Path, memory_recorder: MemoryRecorder
+) -> None:
+    with open_reader(path) as reader:
+        before = [data for _, _, data in reader.messages()]
+        messages = reader.messages()
+        for _ in range(3):
+            memory_recorder.do("add")
+            memory_recorder.do("commit")
+        assert [data for _, _, data in messages] == before
+        assert list(reader.faults()) == []
+        assert reader.message_count == len(before) == 100
+    assert count(path) == 400
+    assert list(content(path.parent)) == [path.name]

@@ -25,7 +25,6 @@ from fibws.bag_recorder import (
     RecordingState,
     Stream,
 )
-from fibws.bags.files import check_writer
 from fibws.bags.rosbag2 import MCAP_SUFFIX
 from fibws.bags.summary import size_text
 from fibws.cli import completers, output
@@ -330,10 +329,6 @@ def _compression(name: str, options: dict[str, Any]) -> Compression:
     unknown, format_ = ("bz2", ".mcap") if name.endswith(MCAP_SUFFIX) else ("zstd", ".bag")
     if found == unknown:
         raise click.UsageError(f"--{found} does not exist for {format_} files")
-    try:
-        check_writer(name, found)
-    except BagError as error:  # A package is missing.
-        raise click.ClickException(str(error)) from None
     return found
 
 
@@ -502,6 +497,10 @@ def command(
         min_space=round(others["min_space"]),
         repeat_latched=others["repeat_latched"],
     )
+    try:
+        options.check()
+    except BagError as error:
+        raise click.ClickException(str(error)) from None
     wanted = Topics(
         names=names,
         are_patterns=regex,
