@@ -298,10 +298,10 @@ class Recording:
         return self._is_recording
 
     @property
-    def has_failed(self) -> bool:
-        """Whether the disk does not take messages: nothing is recorded until that is mended."""
+    def fault(self) -> str:
+        """Why the disk takes no messages, so that nothing is recorded; usually empty."""
         state = self.state()
-        return state is not None and bool(state.fault)
+        return state.fault if state is not None else ""
 
     def close(self, done: Callable[[], None]) -> None:
         """End, and take everything back; a function is called when the file is complete."""

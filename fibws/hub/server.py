@@ -626,7 +626,19 @@ class HubServer:
     def _status(self) -> str:
         """Return one line about the hub, for the service manager."""
         state = "draining, " if self._probes.is_draining else ""
-        return f"{state}{self._limits.clients} clients, {len(self.graph.topics)} topics"
+        counts = f"{state}{self._limits.clients} clients, {len(self.graph.topics)} topics"
+        return "; ".join([counts, *self._warnings()])
+
+    def _warnings(self) -> list[str]:
+        """Return the faults that an operator should mend, although clients can use the hub."""
+        found = []
+        if self.recording is not None and (fault := self.recording.fault):
+            found.append(f"nothing is recorded: {fault}")
+        if self._has_unsaved is not None and self._has_unsaved():
+            found.append("the parameters cannot be written")
+        if count := len(self._broken_links()):
+            found.append(f"other hubs that are not reached: {count}")
+        return found
 
     def health(self) -> dict[str, object]:
         """Return what ``/healthz`` shows: counts, and the clients that read too slowly."""
@@ -648,9 +660,8 @@ class HubServer:
             "links": len(self.federation.peers),
             "links_down": len(self._broken_links()),
             "ros1_nodes": len(self.ros1.nodes.by_name) if self.ros1 is not None else 0,
-            "recording_failed": self.recording is not None and self.recording.has_failed,
-            "parameters_unsaved": self._has_unsaved is not None and self._has_unsaved(),
             "dropped": self._clients.dropped(),
+            "warnings": self._warnings(),
             "slow_clients": [
                 {
                     "node": each.name,

@@ -217,7 +217,10 @@ async def test_failure_is_reported_and_the_hub_goes_on(
     ):
         state = await state_when(node, lambda state: bool(state.fault) and not state.recording)
         assert "file" in state.fault
-        assert hub.recording is not None and hub.recording.has_failed
+        assert hub.recording is not None and hub.recording.fault == state.fault
+        assert hub.health()["warnings"] == [f"nothing is recorded: {state.fault}"]
+        assert state.fault in hub._status()
+        assert not hub._probes.is_draining
         numbers = await node.advertise("/numbers", Int32, latch=True)
         await numbers.publish(1)
         assert (await node.wait_for_message("/numbers", Int32, timeout=PATIENCE)).data == 1

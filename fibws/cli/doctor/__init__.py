@@ -89,8 +89,8 @@ def findings(hub_: str | None) -> Iterator[Finding]:
         yield ok("hub", f"{client.url} accepts connections")
         yield from hub.certificate(client.certificate_end(), time.time())
         yield hub.version(client.url, client.headers)
+        yield from hub.warnings(client.url, client.headers)
         yield from hub.token(client)
-        yield from hub.faults(client.url, client.headers)
         try:
             yield from hub.round_trip(client)
             before, hubs_before = _snapshot(client), client.call(HUBS)

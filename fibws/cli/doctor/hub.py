@@ -149,18 +149,17 @@ def certificate(end: float | None, now: float) -> Iterator[Finding]:
         yield warning("certificate", text, advice)
 
 
-def faults(url: str, headers: Mapping[str, str]) -> Iterator[Finding]:
-    """Yield what the hub cannot do now; it is shown only to tokens with the right admin."""
+def warnings(url: str, headers: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield what the hub warns of, such as a recording that has failed.
+
+    It is shown only to tokens with the right admin.
+    """
     try:
-        health: Any = json.loads(hub_pages.get(url, "healthz", headers)[2])
-        recording, parameters = health.get("recording_failed"), health.get("parameters_unsaved")
-    except (OSError, ValueError, AttributeError):
+        found: Any = json.loads(hub_pages.get(url, "healthz", headers)[2])["warnings"]
+    except (OSError, ValueError, KeyError, TypeError):
         return
-    advice = "See the hub's log for the reason: is its disk full?"
-    if recording:
-        yield warning("recording", "The hub records nothing, because of a fault", advice)
-    if parameters:
-        yield warning("parameters", "The hub cannot write its file of parameters", advice)
+    for each in found:
+        yield warning("health", f"The hub warns: {each}", "See the hub's log.")
 
 
 def version(url: str, headers: Mapping[str, str] | None = None) -> Finding:

@@ -116,8 +116,8 @@ class MeasuredRecording(Protocol):
         """Whether something is recorded now."""
 
     @property
-    def has_failed(self) -> bool:
-        """Whether nothing is recorded because of a fault."""
+    def fault(self) -> str:
+        """Why nothing is recorded; usually empty."""
 
     @property
     def buffered(self) -> int:
@@ -325,7 +325,7 @@ class Metrics:
     def _add_recording(self, metrics: Exposition, recording: MeasuredRecording) -> None:
         metrics.gauge("fibws_recording", "1 while topics are recorded.", +recording.is_recording)
         help_ = "1 while nothing is recorded because of a fault, such as a full disk."
-        metrics.gauge("fibws_recording_failed", help_, +recording.has_failed)
+        metrics.gauge("fibws_recording_failed", help_, +bool(recording.fault))
         messages, size, dropped = recording.totals()
         metrics.counter("fibws_recorded_messages", "Messages that were recorded.", messages)
         metrics.counter("fibws_recorded_bytes", "Bytes of the recorded bags.", size)

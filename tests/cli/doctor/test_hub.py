@@ -216,6 +216,21 @@ def test_version_of_a_hub_that_does_not_accept_its_host_name(
     assert doctor.version(hub.url.replace("127.0.0.1", "robot")).verdict == "ok"
 
 
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (b'{"warnings": ["nothing is recorded: the disk is full"]}', ["the disk is full"]),
+        (b'{"warnings": []}', []),
+        (b'{"status": "ok"}', []),
+        (b"<html>", []),
+    ],
+)
+def test_warnings_of_the_hub_are_shown(serve: Serve, body: bytes, expected: list[str]) -> None:
+    findings = list(doctor.warnings(serve(200, body), {}))
+    assert [each.verdict for each in findings] == ["warning"] * len(expected)
+    assert all(fact in str(each) for fact, each in zip(expected, findings, strict=True))
+
+
 def test_hub_may_hide_its_version(serve: Serve) -> None:
     finding = doctor.version(serve(200, b'{"status":"ok"}'))
     assert finding.verdict == "ok" and "admin" in finding.text
@@ -283,22 +298,6 @@ def test_client_without_tls_has_no_certificate(client: HubClient) -> None:
     assert client.certificate_end() is None
 
 
-@pytest.mark.parametrize(
-    ("fault", "check"), [("recording_failed", "recording"), ("parameters_unsaved", "parameters")]
-)
-def test_what_the_hub_cannot_do_is_a_warning(fault: str, check: str, serve: Serve) -> None:
-    healthy = {"recording_failed": False, "parameters_unsaved": False}
-    assert not [*doctor.faults(serve(200, json.dumps(healthy).encode()), {})]
-    url = serve(200, json.dumps(healthy | {fault: True}).encode())
-    [finding] = doctor.faults(url, {})
-    assert (finding.verdict, finding.check) == ("warning", check)
-
-
-@pytest.mark.parametrize("body", [b'{"status": "ok"}', b"[]", b"nonsense"])
-def test_hub_that_hides_its_state_has_no_faults(body: bytes, serve: Serve) -> None:
-    assert not [*doctor.faults(serve(200, body), {})]
-
-
 def test_token_of_an_admin_sees_the_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tokens = TokenFile(tmp_path / "tokens.toml")
     token = tokens.add("operator", Rights(admin=True))
@@ -308,7 +307,7 @@ def test_token_of_an_admin_sees_the_state(tmp_path: Path, monkeypatch: pytest.Mo
     with HubThread(settings) as hub, HubClient("doctor", hub.url) as client:
         assert "The hub is fibws" in doctor.version(client.url, client.headers).text
         health = json.loads(hub_pages.get(client.url, "healthz", client.headers)[2])
-        assert health["parameters_unsaved"] is False and health["recording_failed"] is False
+        assert health["warnings"] == []
 
 
 @pytest.fixture
