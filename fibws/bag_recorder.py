@@ -580,6 +580,7 @@ class Recorder:
             self._join(stream)
             assert stream.last is not None
             writer.write(stream.connection, now, stream.last)
+        writer.flush()  # The next message may come late.
         return writer
 
     def _unused_path(self) -> Path:

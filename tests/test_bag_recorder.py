@@ -596,6 +596,24 @@ def test_latched_messages_are_repeated_in_each_file(
     assert values(tmp_path / "a_1.bag") == [101, 2]
 
 
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_repeated_messages_are_in_the_file_before_another_message_comes(
+    record: Callable[..., Recording], tmp_path: Path, suffix: str
+) -> None:
+    path = str(tmp_path / f"a.{suffix}")
+    recording = record(path=path, split=True, max_size=1, repeat_latched=True)
+    recording.put(1, source=origin("/map", latching=True))
+    recording.wait_until(lambda state: state.files == 2)
+    active, copy = tmp_path / f"a_1.{suffix}.active", tmp_path / f"copy.{suffix}"
+    deadline = time.monotonic() + PATIENCE
+    while True:  # As after a kill.
+        copy.write_bytes(active.read_bytes())
+        with open_reader(copy, allow_unindexed=True) as bag:
+            if [each[0].topic for each in bag.messages()] == ["/map"]:
+                break
+        assert time.monotonic() < deadline
+
+
 @pytest.mark.long
 def test_oldest_latched_messages_are_not_repeated_if_there_is_no_room(
     record: Callable[..., Recording], tmp_path: Path
