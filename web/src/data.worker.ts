@@ -3,6 +3,7 @@
 // Most visits have neither: their code is loaded when they are first opened.
 
 import { Feed, type Messages } from "./messages/feed";
+import { Outbox } from "./messages/outbox";
 import type { Player } from "./messages/player";
 import type { FileRequest, Origin } from "./messages/recording_messages";
 import { openRelay } from "./messages/relay";
@@ -20,6 +21,8 @@ type Handle = (request: Numbered) => void;
 /** What the page has opened, by its ids: each takes its further requests, once its code is loaded. */
 const opened = new Map<number, Promise<Handle>>();
 const feed = new Feed();
+const outbox = new Outbox((report, transfer) => self.postMessage(report, transfer));
+const { post } = outbox;
 /** What the page shows: what the hub sends, or a recording. */
 let messages: Promise<Messages> = Promise.resolve(feed);
 /** Shows what was kept, once that is asked for. */
@@ -28,6 +31,7 @@ let player: Promise<Player> | undefined;
 self.onmessage = ({ data }: MessageEvent<Request>): void => {
   if (data.kind === "connect") feed.connect(data.url, data.token);
   else if (data.kind === "disconnect") feed.close();
+  else if (data.kind === "taken batch") outbox.taken();
   else if (data.kind === "keep") keep();
   else if (data.kind === "play file") openFile(data.origin);
   else if (data.kind === "playback")
@@ -71,7 +75,7 @@ function receive(request: Numbered): void {
 function open(request: Numbered): Promise<(request: never) => void> | undefined {
   switch (request.kind) {
     case "messages":
-      return source().then((each) => openRelay(each, request, post));
+      return source().then((each) => openRelay(each, request, outbox));
     case "picture":
       return Promise.all([import("./panels/image/remote_picture"), source()]).then(
         ([{ openPicture }, each]) => openPicture(each, request, post),
@@ -83,8 +87,4 @@ function open(request: Numbered): Promise<(request: never) => void> | undefined 
     default:
       return undefined;
   }
-}
-
-function post(report: object, transfer: Transferable[] = []): void {
-  self.postMessage(report, transfer);
 }

@@ -5,7 +5,7 @@ import type { Signal } from "../signal";
 import type { Delivery, Subscription } from "./feed";
 import type { Fields } from "./reader";
 import type { FileRequest, RecordingReport } from "./recording_messages";
-import type { ClockReport, Report, Request } from "./worker_messages";
+import type { Batch, ClockReport, Report, Request } from "./worker_messages";
 
 interface Numbered {
   readonly kind: string;
@@ -38,8 +38,10 @@ export class DataClient {
   /** `onRecording` takes reports about a file that is played. */
   constructor(clock: Clock, onRecording?: (report: RecordingReport) => void) {
     this.#worker = new Worker(dataWorker, { type: "module" });
-    this.#worker.onmessage = ({ data }: MessageEvent<ClockReport | RecordingReport | Numbered>) => {
+    type Received = ClockReport | RecordingReport | Batch | Numbered;
+    this.#worker.onmessage = ({ data }: MessageEvent<Received>) => {
       if ("id" in data) this.#listeners.get(data.id)?.(data);
+      else if (data.kind === "batch") this.#take(data);
       else if (data.kind === "recording") onRecording?.(data);
       else if (data.kind === "clock") clock.report(data.playback);
       else clock.jump();
@@ -50,6 +52,18 @@ export class DataClient {
         listener({ kind: "fault", id, why } as Numbered);
       }
     };
+  }
+
+  #take({ messages }: Batch): void {
+    for (const each of messages) {
+      try {
+        this.#listeners.get(each.id)?.(each);
+      } catch (error) {
+        // The others are not concerned.
+        reportError(error);
+      }
+    }
+    this.send({ kind: "taken batch" });
   }
 
   /** Connect the worker whenever the page connects to its hub. */
@@ -91,7 +105,8 @@ export class DataClient {
 }
 
 /** A subscription of the page: every message without a throttle, and the newest alone without a queue. */
-export type Wanted = Pick<Subscription, "topic"> & Partial<Subscription>;
+export type Wanted = Pick<Subscription, "topic"> &
+  Partial<Subscription & Pick<Extract<Request, { kind: "messages" }>, "pause">>;
 
 /**
  * Subscribe to the messages of a topic; return a function that unsubscribes.
@@ -111,12 +126,7 @@ export function subscribe(
   const send = source.open<Sent, Report>(request, [], (report) => {
     if (report.kind === "fault") fail(report.why);
     if (report.kind === "ready") ready();
-    if (report.kind !== "message") return;
-    try {
-      receive(report.delivery.message, report.delivery);
-    } finally {
-      send({ kind: "taken" });
-    }
+    if (report.kind === "message") receive(report.delivery.message, report.delivery);
   });
   return () => send({ kind: "close" });
 }

@@ -330,6 +330,26 @@ describe("Feed", () => {
     expect(acknowledgements().reduce((sum, { count }) => sum + Number(count), 0)).toBe(3);
   });
 
+  it("acknowledges many messages together, and the last ones after a while", async () => {
+    receiver.queue = 10_000;
+    connected().subscribe(receiver);
+    const socket = FakeSocket.newest;
+    socket.open();
+    const { id, topic, credit } = socket.sent[0] as Record<string, unknown>;
+    expect(credit).toBe(500);
+    socket.receive({ op: "subscribed", id, topic, topic_id: 7, ...INT8, credit });
+    const counts = () =>
+      socket.sent.filter(({ op }) => op === "acknowledge").map(({ count }) => Number(count));
+    for (let n = 0; n < 100; n += 1) {
+      socket.receiveNumber(7, n);
+      await settled();
+    }
+    expect(counts().length).toBe(1);
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(counts().reduce((sum, count) => sum + count, 0)).toBe(100);
+    expect(counts().length).toBe(2);
+  });
+
   it("acknowledges messages that came before it had unsubscribed", async () => {
     const stop = connected().subscribe(receiver);
     const socket = FakeSocket.newest;

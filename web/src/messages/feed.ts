@@ -20,6 +20,9 @@ const MESSAGE_WITH_HEADER = 2;
 const CREDIT = 2;
 /** ...and at most for those who want each of them. */
 const MAX_CREDIT = 500;
+/** Processed messages are acknowledged once they are this part of the credit, or after so many ms. */
+const ACKNOWLEDGED = 1 / 8;
+const ACKNOWLEDGE_TIME = 250;
 
 /** A message takes the time at which the hub had it, unless it came later than this, in ms. */
 const MAX_DELAY = 2000;
@@ -124,6 +127,7 @@ export class Feed implements Messages {
   readonly #credited = new Map<number, string>();
   /** How many messages of each topic are processed, but not acknowledged. */
   readonly #processed = new Map<string, number>();
+  #acknowledging: ReturnType<typeof setTimeout> | undefined;
   /** What came last on each topic. */
   readonly #last = new Map<string, string>();
   /** The least time that a message has taken from the hub, by the clocks of both, in ms. */
@@ -220,7 +224,7 @@ export class Feed implements Messages {
 
   #request({ id, subscriber, isJson }: Entry): void {
     const { topic, throttle, queue, headers = false } = subscriber;
-    const credit = queue === 1 ? CREDIT : Math.min(queue, MAX_CREDIT);
+    const credit = creditOf(subscriber);
     const isBinary = this.#socket?.protocol === PROTOCOL && !isJson;
     this.#send({
       op: "subscribe",
@@ -319,7 +323,9 @@ export class Feed implements Messages {
     const key = `${received} ${frame.length}`;
     const incoming = { key, size: frame.length, time: this.#timeOf(received), node, read };
     const processed = this.#dispatch(takers[0]?.subscriber.topic ?? "", takers, incoming);
-    void this.#acknowledge(topicId, processed);
+    let credit = CREDIT;
+    for (const { subscriber } of takers) credit = Math.max(credit, creditOf(subscriber));
+    void this.#acknowledge(topicId, processed, credit);
   }
 
   /** When the hub had a message, by this computer's clock; now if that was long ago. */
@@ -362,16 +368,28 @@ export class Feed implements Messages {
     });
   }
 
-  /** Acknowledge a message once all subscribers have processed it, or if there are none left. */
-  async #acknowledge(topicId: number, processed: readonly Promise<void>[]): Promise<void> {
+  /**
+   * Acknowledge a message once all subscribers have processed it, or if there are none left.
+   *
+   * Together with others, if the hub has credit for more.
+   */
+  async #acknowledge(
+    topicId: number,
+    processed: readonly Promise<void>[],
+    credit: number,
+  ): Promise<void> {
     const socket = this.#socket;
     await Promise.all(processed);
     const topic = this.#credited.get(topicId);
     if (this.#socket !== socket || topic === undefined) return;
-    const count = this.#processed.get(topic) ?? 0;
-    this.#processed.set(topic, count + 1);
-    // Those that are processed together are acknowledged together.
-    if (count === 0) queueMicrotask(() => this.#sendAcknowledgement(topic));
+    const count = (this.#processed.get(topic) ?? 0) + 1;
+    this.#processed.set(topic, count);
+    // Those that are processed at once are acknowledged together.
+    if (count >= ACKNOWLEDGED * credit) queueMicrotask(() => this.#sendAcknowledgement(topic));
+    this.#acknowledging ??= setTimeout(() => {
+      this.#acknowledging = undefined;
+      for (const each of [...this.#processed.keys()]) this.#sendAcknowledgement(each);
+    }, ACKNOWLEDGE_TIME);
   }
 
   #sendAcknowledgement(topic: string): void {
@@ -379,4 +397,9 @@ export class Feed implements Messages {
     this.#processed.delete(topic);
     if (count > 0) this.#send({ op: "acknowledge", topic, count });
   }
+}
+
+/** Messages that the hub sends before the first of them is processed. */
+function creditOf({ queue }: Subscription): number {
+  return queue === 1 ? CREDIT : Math.min(queue, MAX_CREDIT);
 }

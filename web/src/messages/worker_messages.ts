@@ -11,9 +11,10 @@ export type Request =
   | { kind: "keep" }
   /** Show another time. */
   | { kind: "playback"; command: Command }
-  /** Subscribe; each message is answered by `taken`, in their order. */
-  | ({ kind: "messages"; id: number } & Subscription)
-  | { kind: "taken"; id: number }
+  /** The page has processed a batch. */
+  | { kind: "taken batch" }
+  /** Subscribe: messages come in batches. `pause`: the time between two batches that will do, in ms. */
+  | ({ kind: "messages"; id: number; pause?: number } & Subscription)
   | { kind: "close"; id: number };
 
 export type Report =
@@ -22,6 +23,12 @@ export type Report =
   /** The hub has subscribed. */
   | { kind: "ready"; id: number }
   | { kind: "fault"; id: number; why: string };
+
+/** Messages of all streams, in the order in which they came; answered by `taken batch`. */
+export interface Batch {
+  readonly kind: "batch";
+  readonly messages: readonly Report[];
+}
 
 /** About the time of all streams; those that follow a jump are of another moment. */
 export type ClockReport = { kind: "jump" } | { kind: "clock"; playback: Playback };

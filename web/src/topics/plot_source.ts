@@ -22,6 +22,8 @@ export interface PlotSource {
 
 /** How many messages wait while the page is busy: it needs each of them. */
 const QUEUE = 10_000;
+/** The time between two batches of messages, in ms: no plot is drawn more often. */
+const PAUSE = 50;
 
 /** The messages of a hub or a file, at the time that the page shows. */
 export function plotSource(hub: DataSource): PlotSource {
@@ -31,7 +33,7 @@ export function plotSource(hub: DataSource): PlotSource {
     subscribe: (topic, receive, fail) =>
       subscribe(
         hub,
-        { topic, queue: QUEUE },
+        { topic, queue: QUEUE, pause: PAUSE },
         (message, { time }) => receive(message, time / 1000),
         fail,
       ),
