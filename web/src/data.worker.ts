@@ -10,10 +10,11 @@ import { openRelay } from "./messages/relay";
 import type { Request as MessageRequest } from "./messages/worker_messages";
 import type { Request as PictureRequest } from "./panels/image/worker_messages";
 import type { Request as CloudRequest } from "./panels/scene/cloud_messages";
+import type { Request as SampleRequest } from "./topics/sample_messages";
 
 declare const self: DedicatedWorkerGlobalScope;
 
-type Request = MessageRequest | PictureRequest | CloudRequest | FileRequest;
+type Request = MessageRequest | PictureRequest | CloudRequest | SampleRequest | FileRequest;
 type Numbered = Extract<Request, { id: number }>;
 
 type Handle = (request: Numbered) => void;
@@ -76,6 +77,10 @@ function open(request: Numbered): Promise<(request: never) => void> | undefined 
   switch (request.kind) {
     case "messages":
       return source().then((each) => openRelay(each, request, outbox));
+    case "samples":
+      return Promise.all([import("./topics/remote_sampler"), source()]).then(
+        ([{ openSamples }, each]) => openSamples(each, request, outbox),
+      );
     case "picture":
       return Promise.all([import("./panels/image/remote_picture"), source()]).then(
         ([{ openPicture }, each]) => openPicture(each, request, post),

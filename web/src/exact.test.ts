@@ -9,6 +9,7 @@ import { DiagnosticsTree, type Status } from "./panels/diagnostics/tree";
 import { Frames } from "./panels/frames/frames";
 import { shownText } from "./text";
 import { csv } from "./topics/plot_state";
+import { recording } from "./topics/recording.fixture";
 import { Curve } from "./topics/sampler";
 import type { TransformStamped } from "./transforms";
 import type { Field } from "./types";
@@ -102,7 +103,7 @@ describe.each(TABLE)("a field of %s", (type, sent, echo, plot, copy) => {
 
   it(`is ${plot || "nothing"} in plots, their legend and their CSV`, () => {
     const curve = new Curve("data");
-    curve.record(read(type, sent), 1);
+    recording(curve)(read(type, sent), 1);
     const rows = csv([{ name: ["/x", "data"], samples: curve.samples.all() }]).split("\r\n");
     expect(rows[1] ?? "").toBe(plot === "" ? "" : `1.000000,${plot}`);
     expect(curve.samples.newest === undefined).toBe(plot === "");

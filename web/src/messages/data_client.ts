@@ -54,8 +54,8 @@ export class DataClient {
     };
   }
 
-  #take({ messages }: Batch): void {
-    for (const each of messages) {
+  #take({ reports }: Batch): void {
+    for (const each of reports) {
       try {
         this.#listeners.get(each.id)?.(each);
       } catch (error) {
@@ -105,8 +105,7 @@ export class DataClient {
 }
 
 /** A subscription of the page: every message without a throttle, and the newest alone without a queue. */
-export type Wanted = Pick<Subscription, "topic"> &
-  Partial<Subscription & Pick<Extract<Request, { kind: "messages" }>, "pause">>;
+export type Wanted = Pick<Subscription, "topic"> & Partial<Subscription>;
 
 /**
  * Subscribe to the messages of a topic; return a function that unsubscribes.

@@ -70,6 +70,8 @@ export interface Subscriber extends Subscription {
   receive(delivery: Delivery): void | Promise<void>;
   /** Take the reason why there are no messages; an empty text if there are again. */
   fail(why: string): void;
+  /** Time jumps: what comes next does not follow what came before. */
+  jump?(): void;
   /** The hub has subscribed: what is published from now on comes. */
   ready?(): void;
 }
@@ -298,7 +300,7 @@ export class Feed implements Messages {
       (isShared ? structuredClone(msg) : msg) as Fields;
     // Nobody says its type.
     const incoming = { key: text, size: text.length, time: Date.now(), node, read };
-    this.#dispatch(String(topic), takers, incoming);
+    this.#dispatch(String(topic), takers, incoming, () => undefined);
   }
 
   #receiveFrame(frame: Uint8Array): void {
@@ -322,10 +324,12 @@ export class Feed implements Messages {
       (reader as Reader)(isShared ? frame.slice(start) : frame.subarray(start));
     const key = `${received} ${frame.length}`;
     const incoming = { key, size: frame.length, time: this.#timeOf(received), node, read };
-    const processed = this.#dispatch(takers[0]?.subscriber.topic ?? "", takers, incoming);
     let credit = CREDIT;
     for (const { subscriber } of takers) credit = Math.max(credit, creditOf(subscriber));
-    void this.#acknowledge(topicId, processed, credit);
+    const socket = this.#socket;
+    this.#dispatch(takers[0]?.subscriber.topic ?? "", takers, incoming, () => {
+      if (this.#socket === socket) this.#acknowledge(topicId, credit);
+    });
   }
 
   /** When the hub had a message, by this computer's clock; now if that was long ago. */
@@ -336,8 +340,8 @@ export class Feed implements Messages {
     return now - (time + this.#delay) < MAX_DELAY ? time + this.#delay : now;
   }
 
-  /** Give a message to those who want it. */
-  #dispatch(topic: string, all: readonly Entry[], incoming: Incoming): Promise<void>[] {
+  /** Give a message to those who want it; `done` is called once all of them have processed it. */
+  #dispatch(topic: string, all: readonly Entry[], incoming: Incoming, done: () => void): void {
     const added = all.filter(({ isNew }) => isNew);
     // The hub sends a latched message again for each new subscription: only that one gets it.
     const isRepeated =
@@ -350,13 +354,21 @@ export class Feed implements Messages {
       const read = (): Fields => incoming.read(reader, true);
       this.player?.record({ topic, type, size, time, node, read });
     }
-    if (this.player?.isLive === false) return [];
     const takers = isRepeated ? added : all;
+    let rest = takers.length;
+    if (rest === 0 || this.player?.isLive === false) {
+      done();
+      return;
+    }
+    const finish = (): void => {
+      rest -= 1;
+      if (rest === 0) done();
+    };
     const shortest = all.reduce(
       (least, { subscriber }) => Math.min(least, subscriber.throttle),
       Infinity,
     );
-    return takers.map((entry) => {
+    for (const entry of takers) {
       entry.isNew = false;
       const { size, time, node } = incoming;
       const read = (): Delivery => {
@@ -364,24 +376,14 @@ export class Feed implements Messages {
         return { message, size, time, node };
       };
       // The hub throttles to the shortest time; throttling to that again would delay messages.
-      return entry.inbox.offer(read, entry.subscriber.throttle > shortest);
-    });
+      entry.inbox.offer(read, entry.subscriber.throttle > shortest, finish);
+    }
   }
 
-  /**
-   * Acknowledge a message once all subscribers have processed it, or if there are none left.
-   *
-   * Together with others, if the hub has credit for more.
-   */
-  async #acknowledge(
-    topicId: number,
-    processed: readonly Promise<void>[],
-    credit: number,
-  ): Promise<void> {
-    const socket = this.#socket;
-    await Promise.all(processed);
+  /** Acknowledge a message that is processed: together with others, if the hub has credit for more. */
+  #acknowledge(topicId: number, credit: number): void {
     const topic = this.#credited.get(topicId);
-    if (this.#socket !== socket || topic === undefined) return;
+    if (topic === undefined) return;
     const count = (this.#processed.get(topic) ?? 0) + 1;
     this.#processed.set(topic, count);
     // Those that are processed at once are acknowledged together.

@@ -37,17 +37,15 @@ export class Inbox<T> {
     this.#fail = fail;
   }
 
-  /** Take a message; resolves once it is processed, or skipped. */
-  offer(read: Read<T>, isThrottled: boolean): Promise<void> {
-    return new Promise((done) => {
-      if (this.#isClosed) {
-        done();
-        return;
-      }
-      if (this.#waiting.length >= this.#queue) this.#waiting.shift()?.done();
-      this.#waiting.push({ read, done });
-      this.#proceed(isThrottled);
-    });
+  /** Take a message; `done` is called once it is processed, or skipped. */
+  offer(read: Read<T>, isThrottled: boolean, done: () => void): void {
+    if (this.#isClosed) {
+      done();
+      return;
+    }
+    if (this.#waiting.length >= this.#queue) this.#waiting.shift()?.done();
+    this.#waiting.push({ read, done });
+    this.#proceed(isThrottled);
   }
 
   /** Skip what waits, and all that is still offered. */
@@ -58,31 +56,44 @@ export class Inbox<T> {
   }
 
   #proceed(isThrottled: boolean): void {
-    if (this.#busy >= this.#queue || this.#timer !== undefined) return;
-    const next = this.#waiting[0];
-    if (next === undefined) return;
-    const delay = this.#due - performance.now();
-    if (isThrottled && delay > 0) {
-      this.#timer = setTimeout(() => {
-        this.#timer = undefined;
-        this.#proceed(false);
-      }, delay);
-      return;
+    while (this.#busy < this.#queue && this.#timer === undefined) {
+      const next = this.#waiting[0];
+      if (next === undefined) return;
+      const delay = isThrottled ? this.#due - performance.now() : 0;
+      if (delay > 0) {
+        this.#timer = setTimeout(() => {
+          this.#timer = undefined;
+          this.#proceed(false);
+        }, delay);
+        return;
+      }
+      if (this.#throttle > 0) this.#due = performance.now() + this.#throttle;
+      this.#waiting.shift();
+      this.#process(next, isThrottled);
     }
-    this.#due = performance.now() + this.#throttle;
-    this.#waiting.shift();
-    void this.#process(next, isThrottled);
   }
 
-  async #process({ read, done }: Waiting<T>, isThrottled: boolean): Promise<void> {
+  #process({ read, done }: Waiting<T>, isThrottled: boolean): void {
+    let processed: Promise<void> | undefined;
     this.#busy += 1;
     try {
-      await this.#receive(read());
+      processed = this.#receive(read()) ?? undefined;
     } catch (error) {
       this.#fail((error as Error).message);
     }
-    this.#busy -= 1;
-    done();
-    this.#proceed(isThrottled);
+    if (processed === undefined) {
+      this.#busy -= 1;
+      done();
+      return;
+    }
+    const finish = (): void => {
+      this.#busy -= 1;
+      done();
+      this.#proceed(isThrottled);
+    };
+    processed.then(finish, (error: unknown) => {
+      this.#fail((error as Error).message);
+      finish();
+    });
   }
 }

@@ -7,15 +7,18 @@ let posted: (Batch | { kind: string })[];
 let transferred: Transferable[];
 let outbox: Outbox;
 
-function delivery(message: Record<string, unknown>): Delivery {
-  return { message, size: 1, time: 0, node: "" };
+type Sent = ReturnType<typeof report>;
+
+function report(message: Record<string, unknown>) {
+  const delivery: Delivery = { message, size: 1, time: 0, node: "" };
+  return { kind: "message", id: 1, delivery };
 }
 
 /** The numbers in the batches so far, and the kinds of what else was sent. */
 function sent(): unknown[] {
   return posted.map((each) =>
-    "messages" in each
-      ? each.messages.map((report) => report.kind === "message" && report.delivery.message.data)
+    "reports" in each
+      ? each.reports.map((report) => (report as Sent).delivery.message.data)
       : each.kind,
   );
 }
@@ -36,7 +39,7 @@ afterEach(() => {
 
 describe("an outbox", () => {
   const put = (data: number, pause?: number): Promise<void> =>
-    outbox.put(1, delivery({ data }), pause);
+    outbox.put(() => report({ data }), pause);
 
   it("sends a first message at once, and those that follow together", async () => {
     void put(1);
@@ -82,6 +85,18 @@ describe("an outbox", () => {
     expect(posted.length).toBe(2);
   });
 
+  it("makes a report when it is sent, which may be about many messages", () => {
+    void put(0);
+    outbox.taken();
+    const data: number[] = [];
+    void outbox.put(() => report({ data: data.length }), 50);
+    for (let n = 1; n <= 250; n += 1) {
+      data.push(n);
+      outbox.grow();
+    }
+    expect(sent()).toEqual([[0], [249]]);
+  });
+
   it("keeps the order of messages and what else is sent", () => {
     void put(0);
     void put(1);
@@ -95,7 +110,7 @@ describe("an outbox", () => {
 
   it("gives the memory of arrays away once", () => {
     const data = new Uint8Array(8);
-    void outbox.put(1, delivery({ data, more: data.subarray(4) }));
+    void outbox.put(() => report({ data, more: data.subarray(4) }));
     expect(transferred).toEqual([data.buffer]);
   });
 });

@@ -1,15 +1,20 @@
 /** Messages on their way from the worker to the page: those of all streams go together. */
 import type { Delivery } from "./feed";
-import type { Batch, Report } from "./worker_messages";
+import type { Batch } from "./worker_messages";
 
-/** The time between two batches, in ms, unless all subscribers accept more: about a picture. */
+/** The time between two batches, in ms, unless all that waits may wait longer: about a picture. */
 export const PICTURE = 16;
 /** So many messages do not wait for others. */
 const FULL = 250;
 
-/** A message that waits. */
+interface Numbered {
+  readonly kind: string;
+  readonly id: number;
+  readonly delivery?: Delivery;
+}
+
 interface Waiting {
-  readonly report: Report & { kind: "message" };
+  readonly report: () => Numbered;
   readonly done: () => void;
 }
 
@@ -20,7 +25,9 @@ interface Waiting {
 export class Outbox {
   readonly #post: (report: object, transfer: Transferable[]) => void;
   #waiting: Waiting[] = [];
-  /** The messages of the batches that the page has not taken yet. */
+  /** How many messages wait. */
+  #count = 0;
+  /** The batches that the page has not taken yet. */
   readonly #sent: Waiting[][] = [];
   /** When the last batch was sent, and when the next one is due, by `performance.now()`. */
   #last = -Infinity;
@@ -31,15 +38,23 @@ export class Outbox {
     this.#post = post;
   }
 
-  /** Send a message to a stream, at most `pause` ms after the last batch; resolves once it is taken. */
-  put(id: number, delivery: Delivery, pause = PICTURE): Promise<void> {
+  /**
+   * Send a report about a message, at most `pause` ms after the last batch; resolves once it is taken.
+   *
+   * It is made when it is sent, so that it may be about messages that have come meanwhile.
+   */
+  put(report: () => Numbered, pause = PICTURE): Promise<void> {
     return new Promise((done) => {
-      this.#waiting.push({ report: { kind: "message", id, delivery }, done });
-      const due = this.#waiting.length < FULL ? this.#last + pause : -Infinity;
-      if (due >= this.#due) return;
-      this.#due = due;
-      this.#proceed();
+      this.#waiting.push({ report, done });
+      this.#count += 1;
+      this.#hurry(this.#count < FULL ? this.#last + pause : -Infinity);
     });
+  }
+
+  /** A report that waits is about another message. */
+  grow(): void {
+    this.#count += 1;
+    if (this.#count >= FULL) this.#hurry(-Infinity);
   }
 
   /** Send something else, after the messages so far. */
@@ -54,9 +69,14 @@ export class Outbox {
     this.#proceed();
   }
 
+  #hurry(due: number): void {
+    if (due >= this.#due) return;
+    this.#due = due;
+    this.#proceed();
+  }
+
   #proceed(): void {
     clearTimeout(this.#timer);
-    this.#timer = undefined;
     if (this.#waiting.length === 0 || this.#sent.length > 0) return;
     const delay = this.#due - performance.now();
     if (delay > 0) this.#timer = setTimeout(() => this.#send(), delay);
@@ -65,27 +85,25 @@ export class Outbox {
 
   #send(): void {
     clearTimeout(this.#timer);
-    this.#timer = undefined;
     const sent = this.#waiting;
     if (sent.length === 0) return;
     this.#waiting = [];
+    this.#count = 0;
     this.#due = Infinity;
     this.#last = performance.now();
     this.#sent.push(sent);
-    const batch: Batch = { kind: "batch", messages: sent.map(({ report }) => report) };
-    this.#post(batch, buffersOf(sent));
+    const reports = sent.map(({ report }) => report());
+    const batch: Batch = { kind: "batch", reports };
+    this.#post(batch, buffersOf(reports));
   }
 }
 
 /** The memory of the arrays in messages, which goes to the page with them. */
-function buffersOf(sent: readonly Waiting[]): ArrayBuffer[] {
+function buffersOf(reports: readonly Numbered[]): ArrayBuffer[] {
   const buffers = new Set<ArrayBuffer>();
-  for (const { report } of sent) {
-    const { message } = report.delivery;
-    for (const name in message) {
-      const value = message[name];
+  for (const { delivery } of reports) {
+    for (const value of Object.values(delivery?.message ?? {}))
       if (ArrayBuffer.isView(value)) buffers.add(value.buffer as ArrayBuffer);
-    }
   }
   return [...buffers];
 }

@@ -162,15 +162,22 @@ export class Player {
 
   /** Show the messages of this moment. Returns whether nothing else has begun meanwhile. */
   async #jump(turn: number): Promise<boolean> {
-    this.#added.clear();
-    this.#post({ kind: "jump" });
+    const takers = this.#begin();
     this.#report();
-    const takers = [...this.#takers()];
     const found = await this.#store.before(wantedBy(takers), this.#position);
     if (turn !== this.#turn) return false;
     const done = Promise.all(found.flatMap((kept) => this.#deliver(kept, takers)));
     await Promise.race([done, pause(PATIENCE)]);
     return turn === this.#turn;
+  }
+
+  /** Begin with another moment; returns all who take messages. */
+  #begin(): Taker[] {
+    this.#added.clear();
+    const takers = [...this.#takers()];
+    for (const { subscriber } of takers) subscriber.jump?.();
+    this.#post({ kind: "jump" });
+    return takers;
   }
 
   async #goLive(): Promise<void> {
@@ -179,9 +186,7 @@ export class Player {
     this.#stop();
     const turn = this.#turn;
     this.#moveTo(this.#end);
-    this.#added.clear();
-    this.#post({ kind: "jump" });
-    const takers = [...this.#takers()];
+    const takers = this.#begin();
     const found = await this.#store.before(wantedBy(takers), Infinity);
     if (turn !== this.#turn) return;
     // In one go with the messages that come next.
@@ -284,7 +289,8 @@ export class Player {
         continue;
       }
       this.#inFlight += 1;
-      const processed = inbox.offer(() => ({ message: kept.read(), size, time, node }), false);
+      const read = (): Delivery => ({ message: kept.read(), size, time, node });
+      const processed = new Promise<void>((resolve) => inbox.offer(read, false, resolve));
       done.push(
         processed.then(() => {
           this.#inFlight -= 1;

@@ -6,12 +6,12 @@ import type { Request } from "./worker_messages";
 /** Subscribe for the page; return a function for its further requests. */
 export function openRelay(
   messages: Messages,
-  { kind: _, id, pause, ...subscription }: Request & { kind: "messages" },
+  { kind: _, id, ...subscription }: Request & { kind: "messages" },
   outbox: Outbox,
 ): (request: Request) => void {
   const end = messages.subscribe({
     ...subscription,
-    receive: (delivery) => outbox.put(id, delivery, pause),
+    receive: (delivery) => outbox.put(() => ({ kind: "message", id, delivery })),
     fail: (why) => outbox.post({ kind: "fault", id, why }),
     ready: () => outbox.post({ kind: "ready", id }),
   });

@@ -13,8 +13,8 @@ export type Request =
   | { kind: "playback"; command: Command }
   /** The page has processed a batch. */
   | { kind: "taken batch" }
-  /** Subscribe: messages come in batches. `pause`: the time between two batches that will do, in ms. */
-  | ({ kind: "messages"; id: number; pause?: number } & Subscription)
+  /** Subscribe: messages come in batches. */
+  | ({ kind: "messages"; id: number } & Subscription)
   | { kind: "close"; id: number };
 
 export type Report =
@@ -24,10 +24,10 @@ export type Report =
   | { kind: "ready"; id: number }
   | { kind: "fault"; id: number; why: string };
 
-/** Messages of all streams, in the order in which they came; answered by `taken batch`. */
+/** Reports about messages of all streams, in their order; answered by `taken batch`. */
 export interface Batch {
   readonly kind: "batch";
-  readonly messages: readonly Report[];
+  readonly reports: readonly { readonly kind: string; readonly id: number }[];
 }
 
 /** About the time of all streams; those that follow a jump are of another moment. */

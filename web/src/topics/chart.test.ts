@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { Chart, type ChartCurve, type ChartStyle } from "./chart";
+import { recording } from "./recording.fixture";
 import { Curve } from "./sampler";
 
 vi.mock("../script_urls", () => ({ dataWorker: "" }));
@@ -66,7 +67,8 @@ function shown(): Chart {
 
 function curve(...values: number[]): ChartCurve {
   const made = new Curve("x");
-  for (const [at, x] of values.entries()) made.record({ x }, at + 1);
+  const record = recording(made);
+  for (const [at, x] of values.entries()) record({ x }, at + 1);
   return { curve: made, style: 0, colour: "red" };
 }
 

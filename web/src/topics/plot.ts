@@ -11,7 +11,6 @@ import type { Chart } from "./chart";
 import { LegendEntry } from "./curve_style";
 import { Expression, ExpressionError } from "./expression";
 import { PlotOptions } from "./plot_options";
-import { type PlotSource, plotSource } from "./plot_source";
 import {
   type CurveName,
   csv,
@@ -20,7 +19,7 @@ import {
   elementsCsv,
   type ViewState,
 } from "./plot_state";
-import { Curve, Sampler } from "./sampler";
+import { Curve, type Recorder, Sampler } from "./sampler";
 import { sharedCursor } from "./shared_cursor";
 import "./plot.css";
 
@@ -42,7 +41,7 @@ interface Row {
 
 export class Plot {
   readonly element: HTMLElement;
-  readonly #source: PlotSource;
+  readonly #source: DataSource;
   readonly #model: Model;
   readonly #changed: () => void;
   readonly #aborter = new AbortController();
@@ -84,7 +83,7 @@ export class Plot {
 
   /** `changed` is called when the state changes that belongs into the URL. */
   constructor(hub: DataSource, model: Model, changed: () => void) {
-    this.#source = plotSource(hub);
+    this.#source = hub;
     this.#model = model;
     this.#changed = changed;
     const button = (text: string, title: string, onclick: () => void) =>
@@ -224,8 +223,8 @@ export class Plot {
     try {
       const expression = new Expression(text);
       const sampler = this.#samplers.get(expression.topic ?? topic);
-      const named = sampler?.named(expression.text);
-      return this.#rows.find((row) => row.sampler === sampler && row.curve.path === named);
+      const { text: wanted } = expression;
+      return this.#rows.find((row) => row.sampler === sampler && row.curve.isOf(wanted));
     } catch {
       // `#addRow` says why.
       return undefined;
@@ -266,7 +265,13 @@ export class Plot {
   #samplerOf(topic: string): Sampler {
     let sampler = this.#samplers.get(topic);
     if (sampler === undefined) {
-      sampler = new Sampler(this.#source, topic, () => this.#refresh());
+      const remove = (twin: Recorder): void => {
+        const row = this.#rows.find(({ curve }) => curve === twin);
+        if (row === undefined) return;
+        this.#remove(row);
+        this.#update();
+      };
+      sampler = new Sampler(this.#source, topic, () => this.#refresh(), remove);
       this.#samplers.set(topic, sampler);
       if (this.#shown) sampler.start();
     }
@@ -316,14 +321,14 @@ export class Plot {
   // Time.
 
   #togglePause(): void {
-    this.#pausedAt = this.#pausedAt === undefined ? this.#source.now() : undefined;
+    this.#pausedAt = this.#pausedAt === undefined ? this.#source.clock.now() / 1000 : undefined;
     this.#pause.classList.toggle("on", this.#pausedAt !== undefined);
     setText(this.#pause, this.#pausedAt === undefined ? "Pause" : "Resume");
     this.#refresh();
   }
 
   get #now(): number {
-    return this.#pausedAt ?? this.#source.now();
+    return this.#pausedAt ?? this.#source.clock.now() / 1000;
   }
 
   /** The length of the time axis in seconds: it grows with the curves up to the chosen range. */

@@ -18,12 +18,23 @@ export interface Sample {
 const FIRST_ROOM = 1024;
 
 /** The NaN of a gap is told from one that was sent by its place in another array. */
-const GAP = Number.NaN;
+export const GAP = Number.NaN;
+
+/**
+ * A number as a value that is drawn and what is to be added to that: an integer of 64 bits may lose
+ * digits. Whether it is such an integer is known by a rest of -0, which no difference is.
+ */
+export function exactParts(value: number | bigint): [value: number, rest: number] {
+  const rounded = Number(value);
+  if (typeof value === "number") return [rounded, 0];
+  const rest = Number(value - BigInt(rounded));
+  return [rounded, rest === 0 ? -0 : rest];
+}
 
 export class RingBuffer {
   #times: Float64Array;
   #values: Float64Array;
-  /** What is to be added to a value to get the integer that was sent; NaN in gaps. */
+  /** What `exactParts` says of each value; NaN in gaps. */
   #rests: Float64Array | undefined;
   #room: number;
   readonly #capacity: number;
@@ -50,20 +61,26 @@ export class RingBuffer {
     return this.length === 0 ? undefined : this.#exact(this.#count - 1);
   }
 
-  /** Add a sample. Times never decrease: an earlier one is replaced by that of the last sample. */
+  /** Add a sample, and its rest. Times never decrease: an earlier one is replaced by that of the last. */
+  add(time: number, value: number, rest = 0): void {
+    const last = this.#count === 0 ? -Infinity : this.#time(this.#count - 1);
+    if (this.#count === this.#room && this.#room < this.#capacity) this.#grow();
+    const at = this.#count % this.#room;
+    this.#times[at] = Math.max(time, last);
+    this.#values[at] = value;
+    if (!Object.is(rest, 0)) this.#rests ??= new Float64Array(this.#room);
+    if (this.#rests !== undefined) this.#rests[at] = rest;
+    this.#count += 1;
+  }
+
+  /** Add a number as it was sent. */
   push(time: number, value: number | bigint): void {
-    const rounded = Number(value);
-    this.#add(time, rounded);
-    if (typeof value === "number") return;
-    const rest = Number(value - BigInt(rounded));
-    // Whether it is an integer of 64 bits is known by -0, which no difference is.
-    this.#setRest(rest === 0 ? -0 : rest);
+    this.add(time, ...exactParts(value));
   }
 
   /** Add a gap: there was no number, or no subscription. */
   pushGap(time: number): void {
-    this.#add(time, GAP);
-    this.#setRest(GAP);
+    this.add(time, GAP, GAP);
   }
 
   clear(): void {
@@ -141,21 +158,6 @@ export class RingBuffer {
       else low = middle + 1;
     }
     return low;
-  }
-
-  #add(time: number, value: number): void {
-    const last = this.#count === 0 ? -Infinity : this.#time(this.#count - 1);
-    if (this.#count === this.#room && this.#room < this.#capacity) this.#grow();
-    const at = this.#count % this.#room;
-    this.#times[at] = Math.max(time, last);
-    this.#values[at] = value;
-    if (this.#rests !== undefined) this.#rests[at] = 0;
-    this.#count += 1;
-  }
-
-  #setRest(rest: number): void {
-    this.#rests ??= new Float64Array(this.#room);
-    this.#rests[(this.#count - 1) % this.#room] = rest;
   }
 
   #grow(): void {

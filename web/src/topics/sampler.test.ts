@@ -1,51 +1,84 @@
-import { describe, expect, it, vi } from "vitest";
+import { beforeEach, describe, expect, it } from "vitest";
 import { Clock } from "../clock";
-import type { Message } from "../hub";
 import { greatest } from "../lists";
-import type { Wanted } from "../messages/data_client";
-import type { DataSource } from "../source";
-import { plotSource } from "./plot_source";
-import { Curve, Sampler, timeOf } from "./sampler";
+import type { Subscriber } from "../messages/feed";
+import { Outbox } from "../messages/outbox";
+import type { Fields } from "../messages/reader";
+import type { Batch } from "../messages/worker_messages";
+import { openSamples, timeOf } from "./remote_sampler";
+import type { Report, Request } from "./sample_messages";
+import { Curve, type Recorder, Sampler } from "./sampler";
 
-vi.mock("../messages/data_client", () => ({
-  subscribe: (fake: FakeHub, ...rest: Parameters<FakeHub["subscribe"]>) => fake.subscribe(...rest),
-}));
-
-/** A source of messages that records its calls. */
+/** The worker, with a source of messages that records its calls. */
 class FakeHub {
   readonly clock = new Clock();
-  #listener: (message: Message, delivery: { time: number }) => void = () => undefined;
-  reject: (why: string) => void = () => undefined;
   readonly calls: string[] = [];
+  subscriber: Subscriber | undefined;
+  #listener: (report: Report) => void = () => undefined;
+  readonly #outbox = new Outbox((report) => {
+    if ("why" in report) this.#listener(report as Report);
+    if (!("reports" in report)) return;
+    for (const each of (report as Batch).reports) this.#listener(each as Report);
+    queueMicrotask(() => this.#outbox.taken());
+  });
 
-  /** Let a message come at a time in ms. */
-  receive(message: Message, time = 1000): void {
-    this.#listener(message, { time });
+  /** Let messages come at a time in ms. */
+  receive(message: Fields, time = 1000): void {
+    this.deliver(message, time);
+    this.flush();
   }
 
-  subscribe(
-    { topic, throttle = 0, queue = 1 }: Wanted,
-    listener: (message: Message, delivery: { time: number }) => void,
-    onError: (why: string) => void,
-  ): () => void {
-    this.calls.push(`subscribe ${topic} ${throttle} ${queue}`);
-    this.#listener = listener;
-    this.reject = onError;
-    return () => this.calls.push(`unsubscribe ${topic}`);
+  deliver(message: Fields, time: number): void {
+    void this.subscriber?.receive({ message, time, size: 1, node: "" });
   }
-}
 
-function create(): { hub: FakeHub; sampler: Sampler } {
-  const hub = new FakeHub();
-  return {
-    hub,
-    sampler: new Sampler(plotSource(hub as unknown as DataSource), "/n", () => undefined),
+  /** Let the page have what was read. */
+  flush(): void {
+    this.#outbox.post({ kind: "clock" });
+  }
+
+  jump(): void {
+    this.subscriber?.jump?.();
+    this.flush();
+    this.clock.jump();
+  }
+
+  readonly open = (request: unknown, _: Transferable[], listener: unknown) => {
+    this.#listener = listener as (report: Report) => void;
+    const subscribe = (subscriber: Subscriber) => {
+      this.calls.push(`subscribe ${subscriber.topic} ${subscriber.throttle} ${subscriber.queue}`);
+      this.subscriber = subscriber;
+      return () => this.calls.push(`unsubscribe ${subscriber.topic}`);
+    };
+    const opened = { ...(request as object), id: 1 } as Request & { kind: "samples" };
+    const next = openSamples({ subscribe }, opened, this.#outbox);
+    return (more: object) => {
+      next({ ...more, id: 1 } as Request);
+      this.flush();
+    };
   };
 }
 
+let hub: FakeHub;
+let sampler: Sampler;
+/** How often the sampler has reported samples. */
+let changes: number;
+/** What the sampler has found twice. */
+let twins: Recorder[];
+
+beforeEach(() => {
+  hub = new FakeHub();
+  changes = 0;
+  twins = [];
+  const source = hub as unknown as ConstructorParameters<typeof Sampler>[0];
+  const changed = (): void => {
+    changes += 1;
+  };
+  sampler = new Sampler(source, "/n", changed, (twin) => twins.push(twin));
+});
+
 describe("a sampler", () => {
   it("records the numbers of messages, and names a path that has none", () => {
-    const { hub, sampler } = create();
     const x = sampler.add(new Curve("x"));
     const inner = sampler.add(new Curve("list[1]"));
     sampler.start();
@@ -60,7 +93,6 @@ describe("a sampler", () => {
   });
 
   it("follows an element by its name", () => {
-    const { hub, sampler } = create();
     const curve = sampler.add(new Curve("position[1]"));
     sampler.start();
     hub.receive({ name: ["shoulder", "elbow"], position: [1, 2] });
@@ -75,7 +107,6 @@ describe("a sampler", () => {
   });
 
   it("begins again when stamps go back", () => {
-    const { hub, sampler } = create();
     const { samples } = sampler.add(new Curve("x"));
     sampler.start();
     const at = (secs: number, x: number) =>
@@ -90,7 +121,6 @@ describe("a sampler", () => {
   });
 
   it("has the newest elements of an array, and no samples", () => {
-    const { hub, sampler } = create();
     const curve = sampler.add(new Curve("ranges[1:] * 2"));
     sampler.start();
     hub.receive({ ranges: [1, 2, 3] });
@@ -102,7 +132,6 @@ describe("a sampler", () => {
   });
 
   it("has no derivative over the time without a subscription", () => {
-    const { hub, sampler } = create();
     const { samples } = sampler.add(new Curve("derivative(x)"));
     sampler.start();
     hub.receive({ x: 1 }, 1000);
@@ -117,7 +146,6 @@ describe("a sampler", () => {
   });
 
   it("gives a new curve the newest message", () => {
-    const { hub, sampler } = create();
     sampler.add(new Curve("x"));
     sampler.start();
     hub.receive({ x: 8, y: 5 });
@@ -125,7 +153,6 @@ describe("a sampler", () => {
   });
 
   it("subscribes between start and stop, and leaves a gap", () => {
-    const { hub, sampler } = create();
     const x = sampler.add(new Curve("x"));
     sampler.start();
     sampler.start();
@@ -138,13 +165,15 @@ describe("a sampler", () => {
   });
 
   it.each([200, 1000])("has every sample of 30 s at %i Hz, also of a busy page", (rate) => {
-    const { hub, sampler } = create();
     const { samples } = sampler.add(new Curve("data"));
     sampler.start();
     const count = 30 * rate;
     const spike = (at: number): boolean => at % 203 === 0;
     for (let at = 0; at < count; at += 1)
-      hub.receive({ data: spike(at) ? 100 : 0 }, 1e12 + (1000 * at) / rate);
+      hub.deliver({ data: spike(at) ? 100 : 0 }, 1e12 + (1000 * at) / rate);
+    hub.flush();
+    // They came in few batches.
+    expect(changes).toBeLessThan(10);
     const all = [...samples.all()];
     expect(all.length).toBe(count);
     expect(all.every(({ value }, at) => value === (spike(at) ? 100 : 0))).toBe(true);
@@ -158,20 +187,51 @@ describe("a sampler", () => {
     expect([...times]).toEqual([...times].sort((one, other) => one - other));
   });
 
-  it("keeps the reason for a rejection", () => {
-    const { hub, sampler } = create();
+  it("begins again after a jump in time, also with what came before it", () => {
+    const speed = sampler.add(new Curve("derivative(x)"));
     sampler.start();
-    hub.reject("no such type");
+    hub.receive({ x: 1 }, 1000);
+    hub.receive({ x: 2 }, 2000);
+    hub.deliver({ x: 3 }, 3000);
+    hub.jump();
+    expect(speed.samples.length).toBe(0);
+    hub.receive({ x: 100 }, 9000);
+    expect(speed.samples.length).toBe(0);
+    expect(sampler.add(new Curve("x")).samples.newest).toBe(100);
+    hub.receive({ x: 102 }, 10_000);
+    expect(speed.samples.newest).toBe(2);
+  });
+
+  it("knows a curve by its index and by its name", () => {
+    const curve = sampler.add(new Curve("position[1]"));
+    sampler.start();
+    hub.receive({ name: ["shoulder", "elbow"], position: [1, 2] });
+    expect(
+      ["position[1]", "position[elbow]", "position[0]"].map((each) => curve.isOf(each)),
+    ).toEqual([true, true, false]);
+  });
+
+  it("finds a curve that is there by its name when it is added by its index", () => {
+    sampler.add(new Curve("position[elbow]"));
+    sampler.start();
+    hub.receive({ name: ["shoulder", "elbow"], position: [1, 2] });
+    sampler.add(new Curve("position[0]"));
+    expect(twins).toEqual([]);
+    const curve = sampler.add(new Curve("position[1]"));
+    expect(twins).toEqual([curve]);
+  });
+
+  it("keeps the reason for a rejection", () => {
+    sampler.start();
+    hub.subscriber?.fail("no such type");
     expect(sampler.error).toBe("no such type");
   });
 });
 
 describe("the time of a sample", () => {
   it("is that of the header if it is close to now", () => {
-    const at = (secs: number): number =>
-      timeOf({ header: { stamp: { secs, nsecs: 500_000_000 } } }, 1000);
-    expect(at(998)).toBe(998.5);
-    expect(at(1)).toBe(1000);
-    expect(timeOf({ data: 1 }, 1000)).toBe(1000);
+    expect(timeOf(998.5, 1000)).toBe(998.5);
+    expect(timeOf(1, 1000)).toBe(1000);
+    expect(timeOf(undefined, 1000)).toBe(1000);
   });
 });

@@ -1,24 +1,31 @@
-/** Subscribes to one topic and records the numbers that are plotted. */
-import type { Message } from "../hub";
-import { secondsOf } from "../messages/values";
-import { Stamps } from "../simulated_time";
-import { own } from "../types";
-import { ABSENT, Expression, WAITING } from "./expression";
-import type { PlotSource } from "./plot_source";
+/** Records what is plotted of one topic; the worker takes it out of the messages. */
+import type { DataClient, Send } from "../messages/data_client";
+import { Expression } from "./expression";
 import { RingBuffer } from "./ring_buffer";
+import type { Piece, Report, Request, Wanted } from "./sample_messages";
 
 /** Samples of a curve: those of 10 minutes at 1.7 kHz. */
 const CAPACITY = 2 ** 20;
-/** A header's time is used if it differs from the clock by no more than this, in seconds. */
-const MAX_SKEW = 5;
+
+/** Where samples come from, and their time. */
+export interface SampleSource {
+  readonly open: DataClient["open"];
+  readonly clock: {
+    /** The present, in ms since 1970. */
+    now(): number;
+    /** Call a listener when time jumps: what comes then is of another time; returns what ends this. */
+    onJump(listener: () => void): () => void;
+  };
+}
 
 /** Records something of each message of a topic. */
 export interface Recorder {
   /** What it records, in words: `position[elbow]`. */
   readonly path: string;
-  /** Record a message. Returns whether it should have had something to record, but has not. */
-  record(message: Message, time: number): boolean;
-  /** There are no messages for a while. */
+  readonly wanted: Wanted;
+  /** Record what the next messages had. */
+  take(piece: Piece): void;
+  /** There are no messages for a while, from a time in seconds on. */
   pause(time: number): void;
   /** Forget everything. */
   clear(): void;
@@ -28,48 +35,45 @@ export class Curve implements Recorder {
   readonly samples = new RingBuffer(CAPACITY);
   /** The newest elements, if it is of an array: they are plotted over their index. */
   elements: Float64Array | undefined;
-  readonly #expression: Expression;
+  readonly isArray: boolean;
+  /** With the names of array elements once there was a message: `position[elbow]`. */
+  path: string;
+  readonly #text: string;
 
   /** Throws an `ExpressionError` if the text is invalid. */
   constructor(text: string) {
-    this.#expression = new Expression(text);
+    const expression = new Expression(text);
+    this.path = this.#text = expression.text;
+    this.isArray = expression.isArray;
   }
 
-  /** With the names of array elements once there was a message: `position[elbow]`. */
-  get path(): string {
-    return this.#expression.text;
+  get wanted(): Wanted {
+    return { kind: "curve", text: this.path };
   }
 
-  get isArray(): boolean {
-    return this.#expression.isArray;
+  /** Whether it is what an expression means, with names or without. */
+  isOf(text: string): boolean {
+    return text === this.path || text === this.#text;
   }
 
-  record(message: Message, time: number): boolean {
-    const value = this.#expression.evaluate(message, time);
-    // Messages of other nodes have other elements: they leave no gap.
-    if (value === ABSENT) return this.samples.length === 0;
-    if (value === WAITING) return false;
-    if (value === undefined) {
-      this.#expression.reset();
-      if (!this.isArray) this.samples.pushGap(time);
-      return true;
-    }
-    if (typeof value === "object") this.elements = value;
-    else this.samples.push(time, value);
-    return false;
+  take({ path, samples = NO_SAMPLES, rests, elements }: Piece): void {
+    this.path = path;
+    for (let at = 0; 2 * at < samples.length; at += 1)
+      this.samples.add(samples[2 * at] as number, samples[2 * at + 1] as number, rests?.[at]);
+    if (elements !== undefined) this.elements = elements;
   }
 
   pause(time: number): void {
-    this.#expression.reset();
     if (this.samples.length > 0) this.samples.pushGap(time);
   }
 
   clear(): void {
-    this.#expression.reset();
     this.samples.clear();
     this.elements = undefined;
   }
 }
+
+const NO_SAMPLES = new Float64Array();
 
 export class Sampler {
   readonly topic: string;
@@ -77,94 +81,89 @@ export class Sampler {
   error = "";
   /** A path at which the newest message had no number; empty if there is none. */
   missing = "";
-  readonly #source: PlotSource;
+  readonly #source: SampleSource;
   readonly #changed: () => void;
-  readonly #recorders = new Set<Recorder>();
-  readonly #stamps = new Stamps();
-  #unsubscribe: (() => void) | undefined;
+  readonly #found: (twin: Recorder) => void;
+  readonly #recorders = new Map<number, Recorder>();
+  #keys = 0;
+  #send: Send<Request> | undefined;
   #unwatch: (() => void) | undefined;
-  #newest: { readonly message: Message; readonly time: number } | undefined;
 
-  /** `changed` is called for each message. */
-  constructor(source: PlotSource, topic: string, changed: () => void) {
+  /**
+   * `changed` is called when there are samples, and `found` with what turns out to be the same as
+   * another one, now that its elements have names.
+   */
+  constructor(
+    source: SampleSource,
+    topic: string,
+    changed: () => void,
+    found: (twin: Recorder) => void,
+  ) {
     this.#source = source;
     this.topic = topic;
     this.#changed = changed;
+    this.#found = found;
   }
 
   /** Let something be recorded, beginning with the newest message: a slow topic has a value at once. */
   add<T extends Recorder>(recorder: T): T {
-    this.#recorders.add(recorder);
-    if (this.#newest !== undefined) this.#record(recorder, this.#newest.message, this.#newest.time);
+    this.#keys += 1;
+    this.#recorders.set(this.#keys, recorder);
+    this.#send?.({ kind: "add", key: this.#keys, wanted: recorder.wanted });
     return recorder;
-  }
-
-  /** An expression with the names of array elements, if there was a message. */
-  named(text: string): string {
-    const expression = new Expression(text);
-    if (this.#newest !== undefined) expression.evaluate(this.#newest.message, this.#newest.time);
-    return expression.text;
   }
 
   /** Record something no longer. Returns whether it was the last: then the subscription has ended. */
   remove(recorder: Recorder): boolean {
-    this.#recorders.delete(recorder);
+    for (const [key, each] of this.#recorders) {
+      if (each !== recorder) continue;
+      this.#recorders.delete(key);
+      this.#send?.({ kind: "remove", key });
+    }
     if (this.#recorders.size > 0) return false;
     this.stop();
     return true;
   }
 
   start(): void {
+    if (this.#send !== undefined) return;
     // What comes then is of another time.
-    this.#unwatch ??= this.#source.onJump(() => {
-      this.#newest = undefined;
-      for (const recorder of this.#recorders) recorder.clear();
+    this.#unwatch = this.#source.clock.onJump(() => {
+      for (const recorder of this.#recorders.values()) recorder.clear();
       this.#changed();
     });
-    this.#unsubscribe ??= this.#source.subscribe(
-      this.topic,
-      (message, time) => this.#receive(message, time),
-      (why) => {
-        this.error = why;
-        this.#changed();
-      },
-    );
+    const wanted = [...this.#recorders].map(([key, each]) => [key, each.wanted] as const);
+    const request = { kind: "samples", topic: this.topic, wanted } as const;
+    this.#send = this.#source.open<Request, Report>(request, [], (report) => this.#take(report));
   }
 
   stop(): void {
-    if (this.#unsubscribe === undefined) return;
-    this.#unsubscribe();
-    this.#unsubscribe = undefined;
+    if (this.#send === undefined) return;
+    this.#send({ kind: "close" });
+    this.#send = undefined;
     this.#unwatch?.();
-    this.#unwatch = undefined;
-    for (const recorder of this.#recorders) recorder.pause(this.#source.now());
+    for (const recorder of this.#recorders.values())
+      recorder.pause(this.#source.clock.now() / 1000);
   }
 
-  #receive(message: Message, arrived: number): void {
-    this.error = "";
-    this.missing = "";
-    const time = timeOf(message, arrived);
-    // A curve of two runs would be none of both.
-    if (this.#stamps.hasGoneBack(stampOf(message))) {
-      for (const recorder of this.#recorders) recorder.clear();
+  #hasTwin(recorder: Recorder): boolean {
+    const all = [...this.#recorders.values()];
+    return all.some((each) => each !== recorder && each.path === recorder.path);
+  }
+
+  #take(report: Report): void {
+    this.error = report.kind === "fault" ? report.why : "";
+    if (report.kind === "samples") {
+      this.missing = report.missing;
+      for (const [key, piece] of report.pieces) {
+        const recorder = this.#recorders.get(key);
+        if (recorder === undefined) continue;
+        const isRenamed = piece.path !== recorder.path;
+        if (piece.isNew) recorder.clear();
+        recorder.take(piece);
+        if (isRenamed && this.#hasTwin(recorder)) this.#found(recorder);
+      }
     }
-    this.#newest = { message, time };
-    for (const recorder of this.#recorders) this.#record(recorder, message, time);
     this.#changed();
   }
-
-  #record(recorder: Recorder, message: Message, time: number): void {
-    if (recorder.record(message, time)) this.missing = recorder.path;
-  }
-}
-
-/** The time of a message: that of its header if it is plausible, else the time of its arrival. */
-export function timeOf(message: Message, arrived: number): number {
-  const stamp = stampOf(message);
-  return stamp !== undefined && Math.abs(stamp - arrived) <= MAX_SKEW ? stamp : arrived;
-}
-
-/** The stamp of a message's header, in seconds. */
-function stampOf(message: Message): number | undefined {
-  return secondsOf(own(own(message, "header"), "stamp"));
 }

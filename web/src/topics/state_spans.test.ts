@@ -1,12 +1,14 @@
 import { expect, it } from "vitest";
+import { recording } from "./recording.fixture";
 import { spansOf } from "./state_spans";
 import { StateTrack } from "./state_track";
 
 function track(...states: [time: number, state: string | undefined][]): StateTrack {
   const made = new StateTrack("data");
+  const record = recording(made);
   for (const [time, data] of states) {
     if (data === undefined) made.pause(time);
-    else made.record({ data }, time);
+    else record({ data }, time);
   }
   return made;
 }

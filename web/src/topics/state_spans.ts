@@ -1,5 +1,6 @@
 /** Where the states of a track are on the screen. */
-import type { Change, StateTrack } from "./state_track";
+import type { Change } from "./sample_messages";
+import type { StateTrack } from "./state_track";
 
 /** From one position to another one, in pixels, with the number of its colour. */
 export interface Span {

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { Types } from "../types";
+import { recording } from "./recording.fixture";
 import { StateTrack } from "./state_track";
 
 const def = (type: string, fields: Record<string, string>, constants: Record<string, string>) => ({
@@ -12,21 +12,22 @@ const def = (type: string, fields: Record<string, string>, constants: Record<str
   constvalues: Object.values(constants),
 });
 
-const GOAL = new Types([
+const GOAL = [
   def("x/Result", { status: "x/Status" }, {}),
   def("x/Status", { status: "uint8", text: "string" }, { PENDING: "0", ACTIVE: "1" }),
-]);
-const BATTERY = new Types([
+];
+const BATTERY = [
   def(
     "x/Battery",
     { power_status: "uint8", power_health: "uint8" },
     { POWER_STATUS_FULL: "4", POWER_HEALTH_GOOD: "1", POWER_HEALTH_COLD: "4" },
   ),
-]);
+];
 
 it("has the changes of a field, and no state twice in a row", () => {
   const track = new StateTrack("ok");
-  for (const [time, ok] of [true, true, false, false, true].entries()) track.record({ ok }, time);
+  const record = recording(track);
+  for (const [time, ok] of [true, true, false, false, true].entries()) record({ ok }, time);
   expect(track.changes).toEqual([
     { time: 0, state: "true" },
     { time: 2, state: "false" },
@@ -44,27 +45,29 @@ it("has the changes of a field, and no state twice in a row", () => {
 
 it("calls integers by the names of their constants", () => {
   const track = new StateTrack("status.status", GOAL);
-  for (const [time, status] of [0, 1n, 7].entries()) track.record({ status: { status } }, time);
+  const record = recording(track);
+  for (const [time, status] of [0, 1n, 7].entries()) record({ status: { status } }, time);
   expect(track.changes.map(({ state }) => state)).toEqual(["PENDING", "ACTIVE", "7"]);
 });
 
 it("takes the constants that begin with the field's name, where there are such", () => {
-  const [status, health] = ["power_status", "power_health"].map(
-    (path) => new StateTrack(path, BATTERY),
-  );
-  status?.record({ power_status: 4 }, 0);
-  health?.record({ power_health: 4 }, 0);
-  status?.record({ power_status: 1 }, 1);
-  expect([status?.at(0), health?.at(0), status?.newest]).toEqual(["FULL", "COLD", "1"]);
+  const status = new StateTrack("power_status", BATTERY);
+  const health = new StateTrack("power_health", BATTERY);
+  recording(health)({ power_health: 4 }, 0);
+  const record = recording(status);
+  record({ power_status: 4 }, 0);
+  record({ power_status: 1 }, 1);
+  expect([status.at(0), health.at(0), status.newest]).toEqual(["FULL", "COLD", "1"]);
 });
 
 it("has texts and other numbers, and a time without messages", () => {
   const track = new StateTrack("data");
-  track.record({ data: "a" }, 1);
+  const record = recording(track);
+  record({ data: "a" }, 1);
   track.pause(2);
-  track.record({ data: -0 }, 3);
-  track.record({ data: { secs: 1, nsecs: 500_000_000 } }, 4);
-  expect(track.record({}, 5)).toBe(true);
+  record({ data: -0 }, 3);
+  record({ data: { secs: 1, nsecs: 500_000_000 } }, 4);
+  expect(record({}, 5)).toBe(true);
   expect(track.changes.map(({ state }) => state)).toEqual([
     "a",
     undefined,
@@ -76,7 +79,8 @@ it("has texts and other numbers, and a time without messages", () => {
 
 it("follows an element by its name", () => {
   const track = new StateTrack("list[0].on");
-  track.record(
+  const record = recording(track);
+  record(
     {
       list: [
         { name: "left", on: true },
@@ -86,13 +90,14 @@ it("follows an element by its name", () => {
     0,
   );
   expect(track.path).toBe("list[left].on");
-  track.record({ list: [{ name: "right", on: false }] }, 1);
+  record({ list: [{ name: "right", on: false }] }, 1);
   expect(track.newest).toBe("true");
 });
 
 it("keeps the newest changes only", () => {
   const track = new StateTrack("x");
-  for (let at = 0; at < 25_000; at += 1) track.record({ x: at % 2 }, at);
+  const record = recording(track);
+  for (let at = 0; at < 25_000; at += 1) record({ x: at % 2 }, at);
   expect(track.changes.length).toBeLessThanOrEqual(20_000);
   expect(track.changes.at(-1)?.time).toBe(24_999);
   expect(track.states.size).toBe(2);

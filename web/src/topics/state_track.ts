@@ -1,49 +1,34 @@
 /** The states that a field has had: booleans, texts, and integers by the names of their constants. */
-import { resolve, valueAt } from "../element_names";
-import type { Message } from "../hub";
-import { numberText, secondsOf } from "../messages/values";
-import { type Constant, kindOf, parsePath, pathText, type Step, type Types } from "../types";
+import { parsePath, pathText, type TypeDef } from "../types";
+import type { Change, Piece, Wanted } from "./sample_messages";
 import type { Recorder } from "./sampler";
-
-/** From a time on, in seconds, the field had this state; `undefined` is a time without messages. */
-export interface Change {
-  readonly time: number;
-  readonly state: string | undefined;
-}
 
 /** The changes that are kept; older ones are discarded, some at a time. */
 const MAX_CHANGES = 20_000;
 const DISCARDED = 1000;
 const MAX_STATES = 1000;
-/** The longest text of a state, in characters. */
-const MAX_TEXT = 200;
 
 export class StateTrack implements Recorder {
   /** In the order of time; no state follows the same one. */
   readonly changes: Change[] = [];
   /** The states, in the order in which they first came; those of a text may be many. */
   readonly states = new Map<string, number>();
-  readonly #nameOf: (value: bigint) => string | undefined;
-  #steps: readonly Step[];
+  path: string;
+  readonly #typedefs: readonly TypeDef[];
 
   /** With types, integers are called by the names of their constants. */
-  constructor(path: string, types?: Types) {
-    this.#steps = parsePath(path) ?? [];
-    this.#nameOf = types === undefined ? () => undefined : namesOf(types, this.#steps);
+  constructor(path: string, typedefs: readonly TypeDef[] = []) {
+    this.path = pathText(parsePath(path) ?? []);
+    this.#typedefs = typedefs;
   }
 
-  get path(): string {
-    return pathText(this.#steps);
+  get wanted(): Wanted {
+    return { kind: "states", path: this.path, typedefs: this.#typedefs };
   }
 
-  record(message: Message, time: number): boolean {
-    const found = resolve(message, this.#steps);
-    // Messages of other nodes have other elements.
-    if (found === undefined) return this.changes.length === 0;
-    const state = this.#stateOf(valueAt(message, found.indices));
-    if (state !== undefined) this.#steps = found.named;
-    this.#add(time, state);
-    return state === undefined;
+  take({ path, changes = [] }: Piece): void {
+    this.path = path;
+    for (const { time, state } of changes) this.#add(time, state);
   }
 
   pause(time: number): void {
@@ -84,38 +69,4 @@ export class StateTrack implements Recorder {
     this.changes.push({ time: Math.max(time, last?.time ?? -Infinity), state });
     if (this.changes.length > MAX_CHANGES) this.changes.splice(0, DISCARDED);
   }
-
-  #stateOf(value: unknown): string | undefined {
-    if (typeof value === "string") return value.slice(0, MAX_TEXT);
-    if (typeof value === "boolean") return String(value);
-    if (typeof value === "bigint") return this.#nameOf(value) ?? String(value);
-    if (typeof value === "number") {
-      const name = Number.isInteger(value) ? this.#nameOf(BigInt(value)) : undefined;
-      return name ?? numberText(value);
-    }
-    const seconds = secondsOf(value);
-    return seconds === undefined ? undefined : `${seconds} s`;
-  }
-}
-
-/** The names of the values of a field, by the constants of its message. */
-function namesOf(types: Types, steps: readonly Step[]): (value: bigint) => string | undefined {
-  const fields = steps.filter((step) => typeof step === "string");
-  let owner = "";
-  let type = types.root;
-  for (const name of fields) {
-    owner = type;
-    type = types.field(owner, name)?.type ?? "";
-  }
-  if (kindOf(type) !== "integer") return () => undefined;
-  const all = types.constants(owner, type);
-  // Some messages have constants of several fields, which begin with the field's name then.
-  const prefix = `${fields.at(-1)?.toUpperCase()}_`;
-  const own = all.filter(({ name }) => name.startsWith(prefix));
-  const known = new Map<bigint, string>();
-  for (const { name, value } of (own.length > 0 ? own : all) as Constant[]) {
-    const key = BigInt(value);
-    if (!known.has(key)) known.set(key, own.length > 0 ? name.slice(prefix.length) : name);
-  }
-  return (value) => known.get(value);
 }

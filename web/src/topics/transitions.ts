@@ -3,12 +3,10 @@ import { h, replace, setName, setText } from "../dom";
 import { least } from "../lists";
 import type { Model } from "../model";
 import type { DataSource } from "../source";
-import { Types } from "../types";
 import { agoText, clock, type Extent, multiples, spanFor, timeStep } from "./axes";
 import { listen } from "./gestures";
-import { type PlotSource, plotSource } from "./plot_source";
 import { curvesFrom, curvesText, ranges, type ViewState } from "./plot_state";
-import { Sampler } from "./sampler";
+import { type Recorder, Sampler } from "./sampler";
 import { sharedCursor } from "./shared_cursor";
 import { spansOf } from "./state_spans";
 import { StateTrack } from "./state_track";
@@ -37,7 +35,7 @@ interface Row {
 
 export class Transitions {
   readonly element: HTMLElement;
-  readonly #source: PlotSource;
+  readonly #source: DataSource;
   readonly #model: Model;
   readonly #changed: () => void;
   readonly #aborter = new AbortController();
@@ -64,7 +62,7 @@ export class Transitions {
 
   /** `changed` is called when the state changes that belongs into layouts. */
   constructor(hub: DataSource, model: Model, changed: () => void) {
-    this.#source = plotSource(hub);
+    this.#source = hub;
     this.#model = model;
     this.#changed = changed;
     const { signal } = this.#aborter;
@@ -119,7 +117,7 @@ export class Transitions {
     const type = this.#model.graph.value?.topics.find(({ name }) => name === topic)?.type;
     const typedefs = type ? await this.#model.typedefs(type).catch(() => []) : [];
     if (this.#aborter.signal.aborted) return;
-    const track = new StateTrack(path, typedefs.length > 0 ? new Types(typedefs) : undefined);
+    const track = new StateTrack(path, typedefs);
     if (track.path === "") {
       setText(this.#notes, `“${path}” is not a field; expected one such as status.level.`);
       return;
@@ -180,7 +178,11 @@ export class Transitions {
   #samplerOf(topic: string): Sampler {
     let sampler = this.#samplers.get(topic);
     if (sampler === undefined) {
-      sampler = new Sampler(this.#source, topic, () => this.#refresh());
+      const remove = (twin: Recorder): void => {
+        const row = this.#rows.find(({ track }) => track === twin);
+        if (row !== undefined) this.#remove(row);
+      };
+      sampler = new Sampler(this.#source, topic, () => this.#refresh(), remove);
       this.#samplers.set(topic, sampler);
       if (this.#shown) sampler.start();
     }
@@ -188,11 +190,7 @@ export class Transitions {
   }
 
   #makeRow(track: StateTrack, sampler: Sampler): Row {
-    const remove = (): void => {
-      this.#rows.splice(this.#rows.indexOf(row), 1);
-      if (sampler.remove(track)) this.#samplers.delete(sampler.topic);
-      this.#update();
-    };
+    const remove = (): void => this.#remove(row);
     const name = h("span", { class: "mono small" });
     const value = h("output", {}, "–");
     const canvas = h("canvas", { role: "img" });
@@ -217,10 +215,17 @@ export class Transitions {
     return row;
   }
 
+  #remove(row: Row): void {
+    const { sampler, track } = row;
+    this.#rows.splice(this.#rows.indexOf(row), 1);
+    if (sampler.remove(track)) this.#samplers.delete(sampler.topic);
+    this.#update();
+  }
+
   // Time.
 
   get #now(): number {
-    return this.#pausedAt ?? this.#source.now();
+    return this.#pausedAt ?? this.#source.clock.now() / 1000;
   }
 
   /** What is seen. */
@@ -254,7 +259,7 @@ export class Transitions {
   }
 
   #togglePause(): void {
-    this.#pausedAt = this.#pausedAt === undefined ? this.#source.now() : undefined;
+    this.#pausedAt = this.#pausedAt === undefined ? this.#source.clock.now() / 1000 : undefined;
     this.#pause.classList.toggle("on", this.#pausedAt !== undefined);
     setText(this.#pause, this.#pausedAt === undefined ? "Pause" : "Resume");
     this.#refresh();
