@@ -45,6 +45,8 @@ export interface Subscription {
    * Of more, the oldest are dropped.
    */
   readonly queue: number;
+  /** Of how long before a moment all messages count, in ms, when what is kept or recorded is shown. */
+  readonly span?: number;
   /** Whether it needs the names of the nodes that publish. */
   readonly headers?: boolean;
 }

@@ -14,7 +14,10 @@ function filled(limit: number, ...messages: readonly (readonly [string, number])
 }
 
 async function before(history: History, wanted: Record<string, number>, time: number) {
-  const found = await history.before(new Map(Object.entries(wanted)), time);
+  const wishes = Object.entries(wanted).map(
+    ([topic, count]) => [topic, { count, span: 0 }] as const,
+  );
+  const found = await history.before(new Map(wishes), time);
   return found.map((kept) => `${kept.topic} ${kept.time}`);
 }
 
@@ -30,6 +33,8 @@ it("the newest messages of topics at a moment are found in their order", async (
   expect(await before(history, { "/a": 1, "/b": 1, "/none": 1 }, 3)).toEqual(["/b 2", "/a 3"]);
   expect(await before(history, { "/a": 9 }, 5)).toEqual(["/a 1", "/a 3", "/a 5"]);
   expect(await before(history, { "/a": 1 }, 0.5)).toEqual([]);
+  const long = await history.before(new Map([["/a", { count: 1, span: 3 }]]), 5);
+  expect(long.map(({ time }) => time)).toEqual([3, 5]);
 });
 
 it("what follows a moment comes in order, also what is added meanwhile", async () => {

@@ -1,5 +1,5 @@
 /** The messages of the last minutes, in memory. */
-import { isStatic, type Kept, type Store } from "./store";
+import { isStatic, type Kept, type Store, type Wish } from "./store";
 
 /** Bytes of a message beside its own, by and large. */
 const OVERHEAD = 200;
@@ -117,13 +117,14 @@ export class History implements Store {
     return true;
   }
 
-  async before(wanted: ReadonlyMap<string, number>, time: number): Promise<Kept[]> {
+  async before(wanted: ReadonlyMap<string, Wish>, time: number): Promise<Kept[]> {
     const found: Kept[] = [];
-    for (const [topic, count] of wanted) {
+    for (const [topic, { count, span }] of wanted) {
       const track = this.#tracks.get(topic);
       if (track === undefined) continue;
       const end = track.placeAfter(time);
-      const first = track.isStatic ? track.first : Math.max(track.first, end - count);
+      const wished = Math.min(end - count, track.placeAfter(time - span));
+      const first = track.isStatic ? track.first : Math.max(track.first, wished);
       for (let place = first; place < end; place += 1) {
         const kept = track.at(place);
         if (kept !== undefined) found.push(kept);

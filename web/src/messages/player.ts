@@ -2,7 +2,7 @@
 import type { Playback } from "../clock";
 import type { Delivery, Subscriber } from "./feed";
 import type { Inbox } from "./inbox";
-import { isStatic, type Kept, type Store } from "./store";
+import { isStatic, type Kept, type Store, type Wish } from "./store";
 
 /** Who takes messages. */
 export interface Taker {
@@ -56,7 +56,8 @@ export class Player {
   #resume = 0;
   readonly #added = new Set<Taker>();
   #inFlight = 0;
-  #onTaken: (() => void) | undefined;
+  /** Called when a message has been processed, or playing ends. */
+  #onTaken: (() => void)[] = [];
   #timer: ReturnType<typeof setTimeout> | undefined;
 
   /** `hasLive`: the store grows with what comes, which is shown at first. */
@@ -131,7 +132,7 @@ export class Player {
     this.#moveTo(this.#isLive ? Date.now() : this.#now());
     this.#speed = 0;
     this.#isLive = false;
-    this.#onTaken?.();
+    this.#wake();
   }
 
   #pause(): void {
@@ -166,9 +167,23 @@ export class Player {
     this.#report();
     const found = await this.#store.before(wantedBy(takers), this.#position);
     if (turn !== this.#turn) return false;
-    const done = Promise.all(found.flatMap((kept) => this.#deliver(kept, takers)));
-    await Promise.race([done, pause(PATIENCE)]);
-    return turn === this.#turn;
+    return this.#deliverAll(found, takers, () => turn === this.#turn && this.#target === undefined);
+  }
+
+  /** Show messages of a moment, as fast as panels take them; ends early if they do not count any more. */
+  async #deliverAll(
+    found: readonly Kept[],
+    takers: readonly Taker[],
+    counts: () => boolean,
+  ): Promise<boolean> {
+    const done: Promise<void>[] = [];
+    for (const kept of found) {
+      for (const each of this.#deliver(kept, takers)) done.push(each);
+      if (this.#inFlight >= MAX_IN_FLIGHT) await Promise.race([this.#taken(), pause(PATIENCE)]);
+      if (!counts()) return false;
+    }
+    await Promise.race([Promise.all(done), pause(PATIENCE)]);
+    return counts();
   }
 
   /** Begin with another moment; returns all who take messages. */
@@ -199,8 +214,10 @@ export class Player {
   async #show(): Promise<void> {
     const takers = [...this.#added];
     this.#added.clear();
+    const turn = this.#turn;
     const found = await this.#store.before(wantedBy(takers), this.#now());
-    for (const kept of found) this.#deliver(kept, takers);
+    const isDone = await this.#deliverAll(found, takers, () => turn === this.#turn);
+    if (!isDone) return;
     // They take what is played, too.
     if (this.#speed > 0 && !this.#isLive) {
       const speed = this.#speed;
@@ -215,7 +232,7 @@ export class Player {
     const shown = new Set([...this.#takers()].map(({ subscriber }) => subscriber.topic));
     const topics = topic === "" ? shown : new Set([topic]);
     if (by < 0) {
-      const wanted = new Map([...topics].map((each) => [each, 1]));
+      const wanted = new Map([...topics].map((each) => [each, { count: 1, span: 0 }]));
       const earlier = await this.#store.before(wanted, this.#position - MOMENT);
       const time = earlier.filter((kept) => kept.time < this.#position).at(-1)?.time;
       if (turn === this.#turn && time !== undefined) await this.#seek(time);
@@ -274,8 +291,12 @@ export class Player {
   /** Wait until a message has been processed, or playing ends. */
   #taken(): Promise<void> {
     return new Promise((resolve) => {
-      this.#onTaken = resolve;
+      this.#onTaken.push(resolve);
     });
+  }
+
+  #wake(): void {
+    for (const resume of this.#onTaken.splice(0)) resume();
   }
 
   #deliver(kept: Kept, takers: Iterable<Taker>): Promise<void>[] {
@@ -294,7 +315,7 @@ export class Player {
       done.push(
         processed.then(() => {
           this.#inFlight -= 1;
-          this.#onTaken?.();
+          this.#wake();
         }),
       );
     }
@@ -313,13 +334,14 @@ export class Player {
   }
 }
 
-/** How many messages of each topic are wanted at a moment: one, or what may wait in the queue. */
-function wantedBy(takers: Iterable<Taker>): Map<string, number> {
-  const wanted = new Map<string, number>();
+/** What is wanted of each topic at a moment: one message, or what may wait in the queue. */
+function wantedBy(takers: Iterable<Taker>): Map<string, Wish> {
+  const wanted = new Map<string, Wish>();
   for (const { subscriber } of takers) {
-    const { topic, queue } = subscriber;
-    const count = isStatic(topic) ? Infinity : Math.max(queue, wanted.get(topic) ?? 0);
-    wanted.set(topic, count);
+    const { topic, queue, span = 0 } = subscriber;
+    const other = wanted.get(topic) ?? { count: 0, span: 0 };
+    const count = isStatic(topic) ? Infinity : Math.max(queue, other.count);
+    wanted.set(topic, { count, span: Math.max(span, other.span) });
   }
   return wanted;
 }

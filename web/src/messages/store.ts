@@ -15,6 +15,12 @@ export interface Kept {
   read(): Fields;
 }
 
+/** How much of a topic is wanted at a moment: so many messages, and all of so long before it, in ms. */
+export interface Wish {
+  readonly count: number;
+  readonly span: number;
+}
+
 /** All times are in ms since 1970. */
 export interface Store {
   /** Everything from here on can be shown. */
@@ -22,8 +28,8 @@ export interface Store {
   readonly end: number;
   /** Bytes in memory. */
   readonly bytes: number;
-  /** The last messages of topics up to a time, in order: of each topic as many as are wanted. */
-  before(wanted: ReadonlyMap<string, number>, time: number): Promise<Kept[]>;
+  /** The last messages of topics up to a time, in order: of each topic as much as is wanted. */
+  before(wanted: ReadonlyMap<string, Wish>, time: number): Promise<Kept[]>;
   /** All messages of topics that are later than a time, in order. */
   after(topics: ReadonlySet<string>, time: number): AsyncIterable<Kept>;
 }

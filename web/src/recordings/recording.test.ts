@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import type { Kept } from "../messages/store";
+import type { Kept, Wish } from "../messages/store";
 import { Unreachable } from "./ranges";
 import { Channel, IndexedRecording, topicsOf } from "./recording";
 
@@ -73,6 +73,10 @@ function seconds(found: readonly Kept[]): string[] {
   return found.map(({ topic, time }) => `${topic} ${(time - START) / 1000}`);
 }
 
+function wish(count: number, span = 0): Wish {
+  return { count, span };
+}
+
 function every(topic: string, step: number, end: number): [string, number][] {
   return Array.from({ length: Math.floor(end / step) + 1 }, (_, at) => [topic, at * step]);
 }
@@ -80,9 +84,9 @@ function every(topic: string, step: number, end: number): [string, number][] {
 it("the newest messages before a moment are found, also of a topic from long ago", async () => {
   const recording = new Fake([["/map", 0], ...every("/scan", 0.5, 5000)], 5000);
   const wanted = new Map([
-    ["/map", 1],
-    ["/scan", 1],
-    ["/none", 1],
+    ["/map", wish(1)],
+    ["/scan", wish(1)],
+    ["/none", wish(1)],
   ]);
   const found = await recording.before(wanted, START + 4000_200);
   expect(seconds(found)).toEqual(["/map 0", "/scan 4000"]);
@@ -90,22 +94,33 @@ it("the newest messages before a moment are found, also of a topic from long ago
   expect(recording.reads.map(({ topics }) => topics)).toEqual(["/map,/scan", "/map"]);
 });
 
+it("those who say so get all messages of a longer time", async () => {
+  const recording = new Fake(every("/odom", 1, 1000), 1000);
+  const wanted = new Map([["/odom", wish(10_000, 600_000)]]);
+  const found = await recording.before(wanted, START + 700_000);
+  expect(seconds([found[0], found.at(-1)] as Kept[])).toEqual(["/odom 100", "/odom 700"]);
+  expect(found.length).toBe(601);
+  // As far as the bytes go.
+  recording.messageSize = 2 ** 20;
+  expect((await recording.before(wanted, START + 700_000)).length).toBeLessThan(100);
+});
+
 it("those who want all messages get those of half a minute", async () => {
   const recording = new Fake(every("/odom", 1, 1000), 1000);
-  const found = await recording.before(new Map([["/odom", 10_000]]), START + 500_000);
+  const found = await recording.before(new Map([["/odom", wish(10_000)]]), START + 500_000);
   expect(seconds(found)).toEqual(
     every("/odom", 1, 1000)
       .slice(470, 501)
       .map((x) => x.join(" ")),
   );
-  const few = await recording.before(new Map([["/odom", 3]]), START + 500_000);
+  const few = await recording.before(new Map([["/odom", wish(3)]]), START + 500_000);
   expect(seconds(few)).toEqual(["/odom 498", "/odom 499", "/odom 500"]);
 });
 
 it("no more is read for them than some bytes, such as of images beside them", async () => {
   const recording = new Fake(every("/odom", 2, 1000), 1000);
   recording.messageSize = 10 * 2 ** 20;
-  const found = await recording.before(new Map([["/odom", 10_000]]), START + 500_000);
+  const found = await recording.before(new Map([["/odom", wish(10_000)]]), START + 500_000);
   expect(seconds(found)).toEqual(
     every("/odom", 2, 500)
       .slice(-8)
@@ -115,7 +130,7 @@ it("no more is read for them than some bytes, such as of images beside them", as
 
 it("all static transforms up to a moment are found", async () => {
   const recording = new Fake([...every("/tf_static", 100, 900), ["/a", 950]], 1000);
-  const found = await recording.before(new Map([["/tf_static", Infinity]]), START + 250_000);
+  const found = await recording.before(new Map([["/tf_static", wish(Infinity)]]), START + 250_000);
   expect(seconds(found)).toEqual(["/tf_static 0", "/tf_static 100", "/tf_static 200"]);
 });
 
@@ -134,7 +149,9 @@ it("damaged parts are left out, with a warning", async () => {
   for await (const kept of recording.after(new Set(["/a"]), START - 1)) found.push(kept);
   expect(seconds(found)).toEqual(["/a 0", "/a 5", "/a 30", "/a 35", "/a 40"]);
   expect(recording.warnings).toEqual(["a part of the file is left out: wrong checksum"]);
-  expect(seconds(await recording.before(new Map([["/a", 1]]), START + 29_000))).toEqual(["/a 5"]);
+  expect(seconds(await recording.before(new Map([["/a", wish(1)]]), START + 29_000))).toEqual([
+    "/a 5",
+  ]);
 });
 
 it("nothing is left out while the server cannot be reached", async () => {

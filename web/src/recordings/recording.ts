@@ -2,7 +2,7 @@
 import { readDefinition } from "../messages/definition";
 import { type Fields, makeReader, type Reader } from "../messages/reader";
 import type { Topic } from "../messages/recording_messages";
-import { isStatic, type Kept, type Store } from "../messages/store";
+import { isStatic, type Kept, type Store, type Wish } from "../messages/store";
 import { type CountedRanges, Unreachable } from "./ranges";
 
 export interface Recording extends Store {
@@ -17,10 +17,13 @@ const BEFORE = 30_000;
 const MAX_READ = 64 * 2 ** 20;
 /** Topics that are read together before a moment, in ms; each of the others is read by itself. */
 const TOGETHER = 1000;
-/** Most messages before a moment, for the memory. */
+/** Most messages before a moment, for the memory; more of those who say how long before it they want. */
 const MAX_BEFORE = 20_000;
+const MAX_IN_SPAN = 200_000;
 /** More than times may lose by being rounded to ms, in ms. */
 const ROUNDED = 0.001;
+
+const NOTHING: Wish = { count: 0, span: 0 };
 
 /** What reads the messages of one channel of a file. */
 export class Channel {
@@ -89,10 +92,13 @@ export abstract class IndexedRecording implements Recording {
   /** Leave out the damaged part at a time. Returns whether there was another part to leave out. */
   protected abstract leaveOut(topics: readonly string[], time: number, isBack: boolean): boolean;
 
-  async before(wanted: ReadonlyMap<string, number>, time: number): Promise<Kept[]> {
+  async before(wanted: ReadonlyMap<string, Wish>, time: number): Promise<Kept[]> {
     const found = new Map([...wanted.keys()].map((topic): [string, Kept[]] => [topic, []]));
-    const isFull = (topic: string): boolean =>
-      (found.get(topic)?.length ?? 0) >= Math.min(wanted.get(topic) ?? 0, MAX_BEFORE);
+    const isFull = (topic: string): boolean => {
+      const { count, span } = wanted.get(topic) ?? NOTHING;
+      const most = span > 0 ? MAX_IN_SPAN : Math.min(count, MAX_BEFORE);
+      return (found.get(topic)?.length ?? 0) >= most;
+    };
     /** Take messages of topics between two times, the newest first, until there are enough. */
     const take = async (topics: readonly string[], from: number, to: number, isEnough = isFull) => {
       for await (const kept of this.#readOn(topics, from, to, true)) {
@@ -107,10 +113,11 @@ export abstract class IndexedRecording implements Recording {
     await take(others, time - TOGETHER, time);
     const earlier = time - TOGETHER;
     for (const topic of others) {
-      if ((wanted.get(topic) ?? 0) > 1 && !isFull(topic)) {
+      const { count, span } = wanted.get(topic) ?? NOTHING;
+      if (count > 1 && !isFull(topic)) {
         const most = this.#ranges.total + MAX_READ;
         const isEnough = (): boolean => isFull(topic) || this.#ranges.total > most;
-        await take([topic], time - BEFORE, earlier, isEnough);
+        await take([topic], time - Math.max(BEFORE, span), earlier, isEnough);
       }
       if (!isKnown(topic)) await take([topic], this.start, earlier, isKnown);
     }

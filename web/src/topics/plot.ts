@@ -273,6 +273,7 @@ export class Plot {
       };
       sampler = new Sampler(this.#source, topic, () => this.#refresh(), remove);
       this.#samplers.set(topic, sampler);
+      sampler.reach(this.#options.seconds);
       if (this.#shown) sampler.start();
     }
     return sampler;
@@ -367,6 +368,7 @@ export class Plot {
     this.element.classList.toggle("plot-folded", this.#isFolded);
     this.#fold.setAttribute("aria-expanded", String(!this.#isFolded));
     this.#options.update(this.#rows.length);
+    for (const sampler of this.#samplers.values()) sampler.reach(this.#options.seconds);
     replace(this.#legend, ...this.#rows.map(({ entry }) => entry.element));
     if (hasCurves && this.#chart === undefined) void this.#load();
     this.#restyle();

@@ -64,6 +64,7 @@ export function openSamples(
     topic,
     throttle: 0,
     queue: QUEUE,
+    span: 1000 * request.span,
     receive,
     fail: (why) => outbox.post({ kind: "fault", id, why }),
     jump: () => {

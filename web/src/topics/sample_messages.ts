@@ -34,6 +34,8 @@ export type Request =
       kind: "samples";
       id: number;
       topic: string;
+      /** How long before a moment is seen, in seconds. */
+      span: number;
       wanted: readonly (readonly [key: number, Wanted])[];
     }
   /** Take something more of each message, beginning with the newest one. */

@@ -211,6 +211,20 @@ describe("a sampler", () => {
     ).toEqual([true, true, false]);
   });
 
+  it("asks for a longer time before a moment, unless that is the present", () => {
+    const { samples } = sampler.add(new Curve("x"));
+    sampler.reach(30);
+    sampler.start();
+    hub.receive({ x: 1 });
+    sampler.reach(120);
+    expect([hub.subscriber?.span, samples.length, hub.calls.length]).toEqual([30_000, 1, 1]);
+    hub.clock.report({ ...hub.clock.playback.value, isLive: false });
+    sampler.reach(600);
+    expect([hub.subscriber?.span, samples.length]).toEqual([600_000, 0]);
+    sampler.reach(10);
+    expect(hub.calls.length).toBe(3);
+  });
+
   it("finds a curve that is there by its name when it is added by its index", () => {
     sampler.add(new Curve("position[elbow]"));
     sampler.start();

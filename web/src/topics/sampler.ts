@@ -11,6 +11,7 @@ const CAPACITY = 2 ** 20;
 export interface SampleSource {
   readonly open: DataClient["open"];
   readonly clock: {
+    readonly playback: { readonly value: { readonly isLive: boolean } };
     /** The present, in ms since 1970. */
     now(): number;
     /** Call a listener when time jumps: what comes then is of another time; returns what ends this. */
@@ -86,6 +87,7 @@ export class Sampler {
   readonly #found: (twin: Recorder) => void;
   readonly #recorders = new Map<number, Recorder>();
   #keys = 0;
+  #span = 0;
   #send: Send<Request> | undefined;
   #unwatch: (() => void) | undefined;
 
@@ -125,6 +127,16 @@ export class Sampler {
     return true;
   }
 
+  /** Have what was recorded in so many seconds before a moment, if that is not the present. */
+  reach(seconds: number): void {
+    if (seconds <= this.#span) return;
+    this.#span = seconds;
+    if (this.#send === undefined || this.#source.clock.playback.value.isLive) return;
+    this.#end();
+    for (const recorder of this.#recorders.values()) recorder.clear();
+    this.start();
+  }
+
   start(): void {
     if (this.#send !== undefined) return;
     // What comes then is of another time.
@@ -133,17 +145,21 @@ export class Sampler {
       this.#changed();
     });
     const wanted = [...this.#recorders].map(([key, each]) => [key, each.wanted] as const);
-    const request = { kind: "samples", topic: this.topic, wanted } as const;
+    const request = { kind: "samples", topic: this.topic, span: this.#span, wanted } as const;
     this.#send = this.#source.open<Request, Report>(request, [], (report) => this.#take(report));
   }
 
   stop(): void {
     if (this.#send === undefined) return;
-    this.#send({ kind: "close" });
-    this.#send = undefined;
-    this.#unwatch?.();
+    this.#end();
     for (const recorder of this.#recorders.values())
       recorder.pause(this.#source.clock.now() / 1000);
+  }
+
+  #end(): void {
+    this.#send?.({ kind: "close" });
+    this.#send = undefined;
+    this.#unwatch?.();
   }
 
   #hasTwin(recorder: Recorder): boolean {

@@ -184,6 +184,7 @@ export class Transitions {
       };
       sampler = new Sampler(this.#source, topic, () => this.#refresh(), remove);
       this.#samplers.set(topic, sampler);
+      sampler.reach(Number(this.#range.value));
       if (this.#shown) sampler.start();
     }
     return sampler;
@@ -269,6 +270,7 @@ export class Transitions {
 
   #update(): void {
     replace(this.#list, ...this.#rows.map(({ element }) => element));
+    for (const sampler of this.#samplers.values()) sampler.reach(Number(this.#range.value));
     this.#refresh();
     this.#changed();
   }
