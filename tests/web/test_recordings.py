@@ -96,13 +96,13 @@ def write_json(path: Path) -> Path:
     return path
 
 
-def write_cdr(path: Path) -> Path:
+def write_cdr(path: Path, first: int = 1, last: int = COUNT) -> Path:
     with path.open("wb") as file:
         writer = JsonWriter(file)
         writer.start("ros2")
         schema = writer.register_schema("std_msgs/msg/Int32", "ros2msg", b"int32 data")
         channel = writer.register_channel("/n", "cdr", schema)
-        for number in range(1, COUNT + 1):
+        for number in range(first, last + 1):
             time = START + number * SECOND
             data = b"\0\1\0\0" + number.to_bytes(4, "little")
             writer.add_message(channel, time, data, time)
@@ -166,6 +166,58 @@ async def test_messages_of_ros_2_are_shown(page: Page, tmp_path: Path) -> None:
     await open_file(page, write_cdr(tmp_path / "cdr.mcap"))
     await press(page, "End")
     await shown(page, COUNT)
+
+
+def write_folder(folder: Path) -> list[Path]:
+    """Write a recording of rosbag2: two files, and what is said of them."""
+    folder.mkdir()
+    metadata = folder / "metadata.yaml"
+    names = "".join(f"  - {folder.name}_{part}.mcap\n" for part in range(2))
+    metadata.write_text(f"rosbag2_bagfile_information:\n  relative_file_paths:\n{names}")
+    half = COUNT // 2
+    first = write_cdr(folder / f"{folder.name}_0.mcap", 1, half)
+    return [metadata, first, write_cdr(folder / f"{folder.name}_1.mcap", half + 1)]
+
+
+async def test_the_files_of_a_folder_are_one_recording(page: Page, tmp_path: Path) -> None:
+    metadata, *parts = write_folder(tmp_path / "run")
+    await page.get_by_label("Recording").set_input_files([metadata, *parts])
+    await choose(page, "/n")
+    for key, number in (("End", COUNT), ("Home", 1)):
+        await press(page, key)
+        await shown(page, number)
+    find = page.get_by_label("Find the next message")
+    await find.fill(str(COUNT // 2 + 1))
+    await find.press("Enter")
+    await shown(page, COUNT // 2 + 1)
+    await page.get_by_role("button", name="Previous message").click()
+    await shown(page, COUNT // 2)
+    await page.get_by_label("Recording").set_input_files([metadata, parts[0]])
+    await expect(page.locator(".file-problem")).to_contain_text("run_1.mcap is missing")
+    await choose(page, "/n")
+    await press(page, "End")
+    await shown(page, COUNT // 2)
+
+
+async def test_the_next_message_with_a_value_is_found(page: Page, tmp_path: Path) -> None:
+    await open_file(page, write_cdr(tmp_path / "n.mcap"))
+    find = page.get_by_label("Find the next message")
+    await find.fill("47")
+    await find.press("Enter")
+    await shown(page, 47)
+    await find.press("Enter")
+    await expect(page.get_by_text("not found")).to_be_visible()
+    await shown(page, 47)
+
+
+async def test_a_plot_has_the_range_that_it_shows_before_a_moment(
+    page: Page, tmp_path: Path
+) -> None:
+    await open_file(page, write_cdr(tmp_path / "n.mcap"))
+    await page.get_by_role("button", name="Plot data").click()
+    await page.get_by_label("Time range").select_option("120")
+    await press(page, "End")
+    await expect(page.locator(".plot-legend li")).to_contain_text(f"1 … {COUNT}")
 
 
 async def test_a_recording_is_played(page: Page, tmp_path: Path) -> None:

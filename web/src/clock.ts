@@ -14,6 +14,8 @@ export interface Playback {
   readonly end: number;
   /** Bytes in memory. */
   readonly bytes: number;
+  /** How the search for a message goes; empty if there is none, or it has found one. */
+  readonly search?: "" | "searching" | "not found";
 }
 
 const LIVE: Playback = { isLive: true, time: 0, speed: 1, start: 0, end: 0, bytes: 0 };

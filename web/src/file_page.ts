@@ -1,5 +1,6 @@
 /** The page of a recording: the views that need no hub, with the time bar. */
 import { h, replace, setText } from "./dom";
+import type { Files } from "./dropped_files";
 import { FileModel, FileSource } from "./file_source";
 import { bytes, plural } from "./format";
 import type { Origin, RecordingReport } from "./messages/recording_messages";
@@ -17,7 +18,7 @@ const LABELS: Record<FileTab, string> = {
 };
 
 /** Show a recording in place of the page; return a function that ends that. */
-export function showRecording(origin: Origin, open: (file: File) => void): () => void {
+export function showRecording(origin: Origin, open: (files: Files) => void): () => void {
   const source = new FileSource(origin);
   const model = new FileModel(source);
   const stage = h("main", { id: "stage", tabindex: -1 });
@@ -80,6 +81,6 @@ function factsOf({ size, topics }: RecordingReport): string {
 }
 
 function nameOf(origin: Origin): string {
-  if (origin instanceof File) return origin.name;
+  if ("name" in origin) return origin.name;
   return decodeURIComponent(new URL(origin.url).pathname.split("/").at(-1) ?? origin.url);
 }

@@ -29,7 +29,7 @@ export class FileSource implements DataSource {
   readonly #report = new Source<RecordingReport | null>(null);
 
   constructor(origin: Origin) {
-    this.url = origin instanceof File ? `file:${origin.name}` : origin.url;
+    this.url = "name" in origin ? `file:${origin.name}` : origin.url;
     this.report = this.#report;
     this.data = new DataClient(this.clock, (report) => this.#report.set(report));
     this.open = (request, transfer, listener) => this.data.open(request, transfer, listener);

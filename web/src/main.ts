@@ -2,9 +2,11 @@
 import { loadRoslib, offerConsole } from "./browser_console";
 import { connectionProblem } from "./connection_problem";
 import { h, replace } from "./dom";
+import { entriesOf, filesOf } from "./dropped_files";
 import { isHidden } from "./hidden_names";
 import { Hub, hubUrl, splitToken } from "./hub";
 import { Login, loginForm } from "./login";
+import type { Origin } from "./messages/recording_messages";
 import { HubModel } from "./model";
 import { Navigation, staticView } from "./navigation";
 import { Shell, TABS, type Tab } from "./shell";
@@ -26,14 +28,14 @@ document.addEventListener("dragover", (event) => {
   if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
 });
 document.addEventListener("drop", (event) => {
-  const dropped = event.dataTransfer?.files[0];
-  if (dropped === undefined) return;
+  if (!event.dataTransfer?.types.includes("Files")) return;
   event.preventDefault();
-  void open(dropped);
+  const entries = entriesOf(event.dataTransfer);
+  void filesOf(entries).then(open, (error) => console.error(error));
 });
 
 /** Show a recording. */
-async function open(origin: File | { url: string; token: string }): Promise<void> {
+async function open(origin: Origin): Promise<void> {
   const { showRecording } = await import("./file_page");
   end();
   end = showRecording(origin, open);

@@ -1,18 +1,21 @@
 /** A button that opens a recording of this computer. */
 import { h } from "./dom";
+import type { Files } from "./dropped_files";
 
-export function openButton(open: (file: File) => void): HTMLElement {
+export function openButton(open: (files: Files) => void): HTMLElement {
   const input = h("input", {
     type: "file",
-    accept: ".mcap,.bag",
+    accept: ".mcap,.bag,.zstd,.yaml",
+    multiple: true,
     hidden: true,
     "aria-label": "Recording",
     onchange: () => {
-      const [file] = input.files ?? [];
-      if (file !== undefined) open(file);
+      const files = [...(input.files ?? [])];
+      if (files[0] !== undefined) open({ name: files[0].name, files });
     },
   });
-  const title = "Show a recording: an MCAP file or a bag of ROS 1, also dropped on the page";
+  const title =
+    "Show a recording: an MCAP file, a bag of ROS 1, or all files of a folder of rosbag2; also dropped on the page";
   const button = h(
     "button",
     { type: "button", class: "quiet", title, onclick: () => input.click() },

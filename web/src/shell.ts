@@ -4,6 +4,7 @@ import "./shell.css";
 import { PLAYBACK, RECORDER } from "./bags/names";
 import type { Log } from "./console/log";
 import { h, replace, setText, svg } from "./dom";
+import type { Files } from "./dropped_files";
 import { hertz } from "./format";
 import { applicationLink, FOXGLOVE } from "./foxglove";
 import { isHidden } from "./hidden_names";
@@ -53,7 +54,7 @@ export class Shell {
   /** The place of what is shown once there is a recorder or a player. */
   readonly #bags = h("div", { id: "bags" });
 
-  constructor(hub: Hub, model: Model, login: Login, open: (file: File) => void) {
+  constructor(hub: Hub, model: Model, login: Login, open: (files: Files) => void) {
     replace(document.body, this.#header(hub, model.log, login, open), this.stage);
     this.#badge(model);
     this.#showBags(hub, model);
@@ -77,7 +78,7 @@ export class Shell {
     document.title = `${label} · fibws hub`;
   }
 
-  #header(hub: Hub, log: Log, login: Login, open: (file: File) => void): HTMLElement {
+  #header(hub: Hub, log: Log, login: Login, open: (files: Files) => void): HTMLElement {
     const count = (noun: string, number: HTMLElement) => h("div", {}, h("dt", {}, noun), number);
     return h(
       "header",

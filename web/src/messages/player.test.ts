@@ -128,6 +128,19 @@ it("a loop begins again, with a jump", async () => {
   expect(events.slice(0, 6)).toEqual(["/a 1", "/a 2", "jump", "/a 1", "/a 2", "jump"]);
 });
 
+it("finds the next message that has a text or a number, and says if there is none", async () => {
+  const messages = [1, 2, 12, 20].map((seconds) => ["/a", seconds] as const);
+  const { player, events, take, playback } = play(false, ...messages);
+  take("/a");
+  await player.control({ kind: "find", topic: "", text: "12" });
+  expect(events.slice(-2)).toEqual(["jump", "/a 12"]);
+  expect(playback()).toMatchObject({ time: START + 12_000, search: "" });
+  await player.control({ kind: "find", topic: "/a", text: "1" });
+  expect(playback()).toMatchObject({ time: START + 12_000, search: "not found" });
+  await player.control({ kind: "seek", time: START + 1000 });
+  expect(playback().search).toBe("");
+});
+
 it("steps go to the next and to the previous message of a topic", async () => {
   const { player, events, take, playback } = play(
     false,

@@ -3,6 +3,7 @@ import type { Playback } from "../clock";
 import type { Delivery, Subscriber } from "./feed";
 import type { Inbox } from "./inbox";
 import { isStatic, type Kept, type Store, type Wish } from "./store";
+import { hasText } from "./values";
 
 /** Who takes messages. */
 export interface Taker {
@@ -18,6 +19,8 @@ export type Command =
   | { readonly kind: "seek"; readonly time: number }
   /** Show the next or the previous message of a topic, or of any topic that is shown. */
   | { readonly kind: "step"; readonly topic: string; readonly by: 1 | -1 }
+  /** Show the next message of a topic, or of any topic that is shown, that has a text or a number. */
+  | { readonly kind: "find"; readonly topic: string; readonly text: string }
   /** Show what comes now. */
   | { readonly kind: "live" };
 
@@ -49,6 +52,7 @@ export class Player {
   #loop = false;
   /** Counts what ends playing and jumps that are under way. */
   #turn = 0;
+  #search: NonNullable<Playback["search"]> = "";
   /** The moment to which to jump next. */
   #target: number | undefined;
   #isJumping = false;
@@ -106,6 +110,9 @@ export class Player {
       case "step":
         await this.#step(command.topic, command.by);
         break;
+      case "find":
+        await this.#find(command.topic, command.text);
+        break;
       case "live":
         await this.#goLive();
     }
@@ -129,6 +136,7 @@ export class Player {
   /** End playing, and what is under way. */
   #stop(): void {
     this.#turn += 1;
+    this.#search = "";
     this.#moveTo(this.#isLive ? Date.now() : this.#now());
     this.#speed = 0;
     this.#isLive = false;
@@ -229,7 +237,7 @@ export class Player {
   async #step(topic: string, by: 1 | -1): Promise<void> {
     this.#pause();
     const turn = this.#turn;
-    const shown = new Set([...this.#takers()].map(({ subscriber }) => subscriber.topic));
+    const shown = this.#shown;
     const topics = topic === "" ? shown : new Set([topic]);
     if (by < 0) {
       const wanted = new Map([...topics].map((each) => [each, { count: 1, span: 0 }]));
@@ -248,6 +256,33 @@ export class Player {
     this.#report();
   }
 
+  /** The topics that are shown. */
+  get #shown(): Set<string> {
+    return new Set([...this.#takers()].map(({ subscriber }) => subscriber.topic));
+  }
+
+  async #find(topic: string, text: string): Promise<void> {
+    this.#pause();
+    const turn = this.#turn;
+    this.#search = "searching";
+    this.#report();
+    let slice = performance.now();
+    const topics = topic === "" ? this.#shown : new Set([topic]);
+    for await (const kept of this.#store.after(topics, this.#position)) {
+      if (performance.now() - slice > SLICE) {
+        await pause(0);
+        slice = performance.now();
+      }
+      if (turn !== this.#turn) return;
+      if (!has(kept, text)) continue;
+      await this.#seek(kept.time);
+      return;
+    }
+    if (turn !== this.#turn) return;
+    this.#search = "not found";
+    this.#report();
+  }
+
   #play(speed: number): void {
     this.#turn += 1;
     this.#moveTo(this.#position);
@@ -257,7 +292,7 @@ export class Player {
   }
 
   async #run(turn: number): Promise<void> {
-    const topics = new Set([...this.#takers()].map(({ subscriber }) => subscriber.topic));
+    const topics = this.#shown;
     let slice = performance.now();
     for await (const kept of this.#store.after(topics, this.#position)) {
       if (turn !== this.#turn) return;
@@ -326,7 +361,8 @@ export class Player {
     clearTimeout(this.#timer);
     const { start, bytes } = this.#store;
     const [isLive, speed, end] = [this.#isLive, this.#speed, this.#end];
-    const playback = { isLive, speed, start, end, bytes, time: isLive ? end : this.#now() };
+    const time = isLive ? end : this.#now();
+    const playback = { isLive, speed, start, end, bytes, time, search: this.#search };
     this.#post({ kind: "clock", playback });
     const isPlaying = !isLive && speed > 0;
     if (isPlaying || this.#hasLive)
@@ -344,6 +380,15 @@ function wantedBy(takers: Iterable<Taker>): Map<string, Wish> {
     wanted.set(topic, { count, span: Math.max(span, other.span) });
   }
   return wanted;
+}
+
+/** Whether a message has a text, or a number that is written so; unreadable ones have nothing. */
+function has(kept: Kept, text: string): boolean {
+  try {
+    return hasText(kept.read(), text);
+  } catch {
+    return false;
+  }
 }
 
 function pause(ms: number): Promise<void> {

@@ -8,8 +8,10 @@ export interface Topic {
   readonly definition: string;
 }
 
-/** A file of the browser, or one of a server, with the token that this wants. */
-export type Origin = File | { readonly url: string; readonly token: string };
+/** Files of the browser that are one recording, or a file of a server, with the token that this wants. */
+export type Origin =
+  | { readonly name: string; readonly files: readonly File[] }
+  | { readonly url: string; readonly token: string };
 
 /** Show a recording in place of what comes. */
 export interface FileRequest {

@@ -55,6 +55,20 @@ export function numberAt(
   return secondsOf(value);
 }
 
+/** Elements of an array of numbers that are searched. */
+const SEARCHED = 1000;
+
+/** Whether a value has a text in one of its texts, in any case, or a number that is written so. */
+export function hasText(value: unknown, text: string): boolean {
+  if (typeof value === "string") return value.toLowerCase().includes(text.toLowerCase());
+  if (typeof value === "number" || typeof value === "bigint") return numberText(value) === text;
+  if (typeof value === "boolean") return String(value) === text;
+  if (ArrayBuffer.isView(value) && value.byteLength > 8 * SEARCHED) return false;
+  const list = elements(value);
+  if (list !== undefined) return Array.from(list).some((each) => hasText(each, text));
+  return Object.values(value ?? {}).some((each) => hasText(each, text));
+}
+
 /** A time or a duration in seconds; `undefined` for other values. */
 export function secondsOf(value: unknown): number | undefined {
   const secs = own(value, "secs");

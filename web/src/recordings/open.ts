@@ -4,11 +4,17 @@ import { Inbox } from "../messages/inbox";
 import { Player, type Taker } from "../messages/player";
 import type { Origin, RecordingReport } from "../messages/recording_messages";
 import type { ClockReport } from "../messages/worker_messages";
+import { JoinedRecording, filesOf as namedFiles } from "./joined";
 import { CountedRanges, FileRanges, openUrl, type Ranges } from "./ranges";
 import type { Recording } from "./recording";
 
 const BAG = "#ROSBAG V2.0\n";
 const MCAP = "\x89MCAP0\r\n";
+/** In a folder of rosbag2: what is said of its files, and these, which may be compressed as a whole. */
+const METADATA = "metadata.yaml";
+const RECORDING = /\.(bag|mcap)(\.zstd)?$/;
+const ZSTD = ".zstd";
+const MAX_COMPRESSED = 512 * 2 ** 20;
 
 export class RecordedMessages implements Messages {
   readonly player: Player;
@@ -45,26 +51,56 @@ export async function openRecording(
   post: (report: RecordingReport | ClockReport) => void,
 ): Promise<RecordedMessages> {
   const none = { kind: "recording", size: 0, topics: [], warnings: [] } as const;
+  const name = "url" in origin ? origin.url : origin.name;
   try {
-    const ranges = new CountedRanges(await rangesOf(origin));
-    const { name, size } = ranges;
+    const { files, warnings: before } = await filesOf(origin);
+    const size = files.reduce((sum, each) => sum + each.size, 0);
     const report = (): void => {
       const { topics, warnings } = recording;
       post({ kind: "recording", name, size, topics, warnings: [...warnings], fault: "" });
     };
-    const recording = await recordingOf(ranges, () => report());
+    const parts: Recording[] = [];
+    for (const each of files)
+      parts.push(await recordingOf(new CountedRanges(each), () => report()));
+    const [only] = parts;
+    const isOne = only !== undefined && parts.length === 1 && before.length === 0;
+    const recording = isOne ? only : new JoinedRecording(parts, before);
     report();
     return new RecordedMessages(recording, post);
   } catch (error) {
-    const name = origin instanceof File ? origin.name : origin.url;
     post({ ...none, name, fault: (error as Error).message });
     throw error;
   }
 }
 
-async function rangesOf(origin: Origin): Promise<Ranges> {
-  if (origin instanceof File) return new FileRanges(origin, origin.name);
-  return openUrl(origin.url, origin.token);
+/** The files of a recording, and what is wrong with them together. */
+async function filesOf(origin: Origin): Promise<{ files: Ranges[]; warnings: string[] }> {
+  if ("url" in origin) return { files: [await openUrl(origin.url, origin.token)], warnings: [] };
+  const { files } = origin;
+  const metadata = files.find(({ name }) => name === METADATA);
+  const recordings = files.filter(({ name }) => RECORDING.test(name));
+  const named = metadata === undefined ? [] : namedFiles(await metadata.text());
+  const others = named.filter((name) => !recordings.some((file) => file.name === name));
+  if (named.length > 0 && others.length === named.length)
+    throw new Error(
+      `${others.join(", ")} cannot be shown: expected MCAP files; fibws bag filter converts them`,
+    );
+  // A single file may have any name.
+  const found = recordings.length > 0 ? recordings : files;
+  if (found.length === 0) throw new Error(`${origin.name} has no recording: expected MCAP files`);
+  return {
+    files: await Promise.all(found.map(rangesOf)),
+    warnings: others.map((name) => `${name} is missing, or no MCAP file`),
+  };
+}
+
+async function rangesOf(file: File): Promise<Ranges> {
+  if (!file.name.endsWith(ZSTD)) return new FileRanges(file, file.name);
+  if (file.size > MAX_COMPRESSED)
+    throw new Error(`${file.name} is compressed as a whole, and larger than 512 MiB`);
+  const { decompress } = await import("fzstd");
+  const bytes = decompress(new Uint8Array(await file.arrayBuffer()));
+  return new FileRanges(new Blob([bytes as Uint8Array<ArrayBuffer>]), file.name);
 }
 
 async function recordingOf(ranges: CountedRanges, warn: () => void): Promise<Recording> {

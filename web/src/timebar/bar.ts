@@ -42,6 +42,19 @@ export class TimeBar {
   );
   readonly #loop = h("input", { type: "checkbox", onchange: () => this.#playOn() });
   readonly #topic = h("select", { class: "mono", "aria-label": "Topic of the steps" });
+  readonly #find = h("input", {
+    type: "search",
+    class: "timebar-find",
+    placeholder: "find",
+    "aria-label": "Find the next message with a text or a number",
+    title: "Enter: the next message of the topic that has this text or number",
+    onkeydown: ({ key }: KeyboardEvent) => {
+      const text = this.#find.value.trim();
+      if (key === "Enter" && text !== "")
+        this.#send({ kind: "find", topic: this.#topic.value, text });
+    },
+  });
+  readonly #found = h("span", { class: "soft small", role: "status" });
   readonly #steps: HTMLElement;
   #frame: number | undefined;
 
@@ -64,6 +77,8 @@ export class TimeBar {
       stepButton(-1, "Previous message", "‹"),
       stepButton(1, "Next message", "›"),
       this.#topic,
+      this.#find,
+      this.#found,
       this.#speed,
       isFile ? h("label", {}, this.#loop, " loop") : "",
     );
@@ -121,7 +136,8 @@ export class TimeBar {
   #show(): void {
     if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
     this.#frame = undefined;
-    const { isLive, speed, start, end, bytes: memory } = this.#clock.playback.value;
+    const { isLive, speed, start, end, bytes: memory, search = "" } = this.#clock.playback.value;
+    setText(this.#found, search === "searching" ? "searching …" : search);
     const now = isLive ? end : this.#clock.now();
     const isPlaying = isLive || speed > 0;
     setText(this.#play, isPlaying ? "Pause all" : "Play");
