@@ -34,7 +34,7 @@ LAYOUT = json.dumps(
                     "split": "row",
                     "size": 0.6,
                     "items": [
-                        {"view": "picture", "name": "/camera"},
+                        {"view": "image", "name": "/camera"},
                         {"view": "map", "name": "/map"},
                     ],
                 },
@@ -42,7 +42,7 @@ LAYOUT = json.dumps(
                     "split": "row",
                     "size": 0.4,
                     "items": [
-                        {"view": "drive", "name": "/cmd_vel"},
+                        {"view": "teleop", "name": "/cmd_vel"},
                         {"view": "diagnostics", "name": "/diagnostics"},
                     ],
                 },
@@ -50,7 +50,7 @@ LAYOUT = json.dumps(
         },
     }
 )
-FOUR = ["Picture /camera", "Map /map", "Drive /cmd_vel", "Diagnostics /diagnostics"]
+FOUR = ["Image /camera", "Map /map", "Teleop /cmd_vel", "Diagnostics /diagnostics"]
 
 
 class Robot:
@@ -151,14 +151,14 @@ async def test_empty_hub_says_what_to_publish_and_fills_as_a_robot_comes(
     async with fibws.Node("robot", hub=hub.url) as node:
         robot = Robot(node, hub)
         await node.flush()
-        drive = pane(page, "Drive /cmd_vel")
+        drive = pane(page, "Teleop /cmd_vel")
         await expect(drive).to_be_visible()
         await robot.start()
         await expect(panes(page)).to_have_count(4)
-        camera = pane(page, "Picture /camera")
+        camera = pane(page, "Image /camera")
         await expect(camera).to_contain_text("rgb8")
         await expect(pane(page, "Diagnostics /diagnostics")).to_contain_text("1 warning")
-        await expect(panes(page).nth(1)).to_have_attribute("aria-label", re.compile("Scene|Map"))
+        await expect(panes(page).nth(1)).to_have_attribute("aria-label", re.compile("3D|Map"))
         left, top, *_ = await box(camera)
         space, below = await box(panes(page).nth(1)), await box(drive)
         assert space[0] > left and space[1] == top
@@ -181,28 +181,28 @@ async def test_panels_are_split_chosen_moved_closed_and_brought_back(
     page = await open_robot(robot, open_page)
     await pane(page, "Map /map").get_by_role("button", name="Split right").click()
     await expect_panes(page, [*FOUR[:2], "New panel", *FOUR[2:]])
-    await choose(page, "Echo", "/diagnostics")
-    five = [*FOUR[:2], "Echo /diagnostics", *FOUR[2:]]
+    await choose(page, "Raw messages", "/diagnostics")
+    five = [*FOUR[:2], "Raw messages /diagnostics", *FOUR[2:]]
     await expect_panes(page, five)
-    echo = pane(page, "Echo /diagnostics")
+    echo = pane(page, "Raw messages /diagnostics")
     await expect(echo.locator(".tree")).to_contain_text("dust")
     assert (await box(echo))[1] == (await box(pane(page, "Map /map")))[1]
 
-    title = echo.get_by_role("button", name="Echo /diagnostics")
+    title = echo.get_by_role("button", name="Raw messages /diagnostics")
     await title.click()
     await echo.get_by_label("Side").select_option("below")
-    await echo.get_by_label("Panel").select_option(label="Picture /camera")
+    await echo.get_by_label("Panel").select_option(label="Image /camera")
     await echo.get_by_role("button", name="Move").click()
-    await expect_panes(page, [FOUR[0], "Echo /diagnostics", *FOUR[1:]])
+    await expect_panes(page, [FOUR[0], "Raw messages /diagnostics", *FOUR[1:]])
     await expect(title).to_be_focused()
     await expect(echo.locator(".tree")).to_be_visible()
-    left, top, *_ = await box(pane(page, "Picture /camera"))
+    left, top, *_ = await box(pane(page, "Image /camera"))
     moved = await box(echo)
     assert moved[0] == left and moved[1] > top
 
-    await pane(page, "Drive /cmd_vel").get_by_role("button", name="Close").click()
+    await pane(page, "Teleop /cmd_vel").get_by_role("button", name="Close").click()
     await expect(panes(page)).to_have_count(4)
-    for expected in ([FOUR[0], "Echo /diagnostics", *FOUR[1:]], five):
+    for expected in ([FOUR[0], "Raw messages /diagnostics", *FOUR[1:]], five):
         await page.get_by_role("button", name="Undo").click()
         await expect_panes(page, expected)
     await page.reload()
@@ -215,7 +215,7 @@ async def test_bars_are_moved_by_mouse_and_keys_and_stay_there(
     page = await open_robot(robot, open_page)
     bars = page.get_by_role("separator")
     await expect(bars).to_have_count(3)
-    camera = pane(page, "Picture /camera")
+    camera = pane(page, "Image /camera")
     _, _, width, height = await box(camera)
     left, top, w, h = await box(bars.nth(0))
     await page.mouse.move(left + w / 2, top + h / 2)
@@ -253,7 +253,7 @@ async def test_bars_are_moved_by_mouse_and_keys_and_stay_there(
 
 async def test_a_bar_is_moved_by_a_finger(robot: Robot, open_page: OpenPage) -> None:
     page = await open_robot(robot, open_page, has_touch=True)
-    camera = pane(page, "Picture /camera")
+    camera = pane(page, "Image /camera")
     _, _, width, _ = await box(camera)
     left, top, w, h = await box(page.get_by_role("separator").first)
     touch = await page.context.new_cdp_session(page)
@@ -268,7 +268,7 @@ async def test_a_bar_is_moved_by_a_finger(robot: Robot, open_page: OpenPage) -> 
 async def test_hidden_panels_end_their_subscriptions(robot: Robot, open_page: OpenPage) -> None:
     page = await open_robot(robot, open_page)
     await robot.subscribed("/camera", "/map", "/diagnostics")
-    camera = pane(page, "Picture /camera")
+    camera = pane(page, "Image /camera")
     await camera.locator(".pane-head").dblclick(position={"x": 300, "y": 10})
     await robot.subscribed("/camera")
     await expect(pane(page, "Map /map")).to_be_hidden()
@@ -283,7 +283,7 @@ async def test_hidden_panels_end_their_subscriptions(robot: Robot, open_page: Op
     await robot.subscribed()
     await page.get_by_role("link", name="Dashboard", exact=True).click()
     await robot.subscribed("/camera", "/map", "/diagnostics")
-    await camera.get_by_role("button", name="Picture /camera").click()
+    await camera.get_by_role("button", name="Image /camera").click()
     await robot.subscribed("/map", "/diagnostics")
 
 
@@ -310,18 +310,18 @@ async def test_a_page_in_a_hidden_tab_ends_its_subscriptions_after_10_s(
 
 async def test_settings_of_panels_are_part_of_the_layout(robot: Robot, open_page: OpenPage) -> None:
     page = await open_robot(robot, open_page)
-    camera = pane(page, "Picture /camera")
+    camera = pane(page, "Image /camera")
     await camera.get_by_label("Most images").select_option(label="\u2264 5 Hz")
     await camera.get_by_role("button", name="1:1").click()
     await pane(page, "Diagnostics").get_by_label("Filter").fill("laser")
-    drive = pane(page, "Drive /cmd_vel")
+    drive = pane(page, "Teleop /cmd_vel")
     await drive.get_by_label("Greatest speed in m/s").fill("0.25")
     await drive.get_by_label("Sideways", exact=True).check()
     # The last one is kept as the page is left.
     await page.reload()
     await expect_panes(page, FOUR)
     await expect(camera.get_by_label("Most images")).to_have_value("2")
-    await expect(page.locator(".pane-picture canvas")).to_have_css("width", "4px")
+    await expect(page.locator(".pane-image canvas")).to_have_css("width", "4px")
     await expect(pane(page, "Diagnostics").get_by_label("Filter")).to_have_value("laser")
     await expect(drive.get_by_label("Greatest speed in m/s")).to_have_value("0.25")
     await expect(drive.get_by_label("Sideways", exact=True)).to_be_checked()
@@ -373,7 +373,7 @@ async def test_layouts_are_shared_through_a_parameter_of_the_hub(
 
     # Changes of both are kept until one of them is thrown away.
     await pane(page, "Map").get_by_role("button", name="Close").click()
-    await pane(other, "Picture").get_by_role("button", name="Close").click()
+    await pane(other, "Image").get_by_role("button", name="Close").click()
     await save(other, "lab", shared=True)
     await page.reload()
     await expect(page.get_by_text("changed here, and on the hub meanwhile")).to_be_visible()
@@ -403,7 +403,7 @@ async def test_layouts_are_exported_and_imported(
     robot: Robot, open_page: OpenPage, tmp_path: Path
 ) -> None:
     page = await open_robot(robot, open_page)
-    await pane(page, "Drive").get_by_role("button", name="Close").click()
+    await pane(page, "Teleop").get_by_role("button", name="Close").click()
     await page.get_by_text("More", exact=True).click()
     async with page.expect_download() as download:
         await page.get_by_role("button", name="Export").click()
@@ -439,17 +439,39 @@ def payload(text: str) -> FilePayload:
     return {"name": "mine.json", "mimeType": "application/json", "buffer": text.encode()}
 
 
+async def test_tabs_are_panels_that_keep_their_state(
+    robot: Robot, hub: HubServer, open_page: OpenPage
+) -> None:
+    views = ["graph", "topics", "parameters", "services"]
+    items = [{"view": view} for view in views] + [{"view": "publish", "name": "/cmd_vel"}]
+    layout = {"schema": 1, "layout": {"split": "row", "items": items}}
+    page = await open_page(hub, DASHBOARD, width=2400)
+    await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
+    await expect_panes(page, ["Graph", "Topics", "Parameters", "Services", "Publish /cmd_vel"])
+    await expect(pane(page, "Graph").locator("svg.drawing")).to_contain_text("/camera")
+    await expect(pane(page, "Parameters")).to_contain_text("rosdistro")
+    topics = pane(page, "Topics")
+    await topics.get_by_label("Filter").fill("cam")
+    await topics.get_by_role("link", name="/camera").click()
+    await expect(topics.get_by_role("heading", name="/camera")).to_be_visible()
+    assert page.url.endswith("#/dashboard")
+    await pane(page, "Publish /cmd_vel").get_by_role("button", name="Publish", exact=True).click()
+    await expect(pane(page, "Publish /cmd_vel")).to_contain_text("1 message")
+    await page.reload()
+    await expect(topics.get_by_label("Filter")).to_have_value("cam")
+
+
 async def test_a_panel_waits_for_its_topic(hub: HubServer, open_page: OpenPage) -> None:
     layout = {"schema": 1, "layout": {"view": "picture", "name": "/camera"}}
     page = await open_page(hub, DASHBOARD)
     await page.get_by_label("File with a layout").set_input_files(payload(json.dumps(layout)))
-    await expect(pane(page, "Picture /camera")).to_contain_text("/camera does not exist now")
+    await expect(pane(page, "Image /camera")).to_contain_text("/camera does not exist now")
     async with fibws.Node("robot", hub=hub.url) as node:
         await node.advertise("/camera", Float64)
-        await expect(pane(page, "Picture")).to_contain_text("has the type std_msgs/Float64")
+        await expect(pane(page, "Image")).to_contain_text("has the type std_msgs/Float64")
     async with fibws.Node("robot", hub=hub.url) as node:
         await Robot(node, hub).start()
-        await expect(pane(page, "Picture /camera")).to_contain_text("rgb8")
+        await expect(pane(page, "Image /camera")).to_contain_text("rgb8")
 
 
 async def test_numbers_of_an_echo_are_plotted_beside_it(
@@ -459,8 +481,8 @@ async def test_numbers_of_an_echo_are_plotted_beside_it(
         speed = await node.advertise("/speed", Float64, latch=True)
         await speed.publish(Float64(1.5))
         page = await open_page(hub, DASHBOARD)
-        await expect_panes(page, ["Echo /speed", "Console"])
-        await pane(page, "Echo").get_by_role("button", name="Plot data").click()
+        await expect_panes(page, ["Raw messages /speed", "Console"])
+        await pane(page, "Raw messages").get_by_role("button", name="Plot data").click()
         plot = pane(page, "Plot")
         await expect(plot.locator(".plot-legend li")).to_have_count(1)
         await expect(plot.locator(".plot-value")).to_have_text("1.5")
@@ -506,14 +528,16 @@ async def test_choice_of_a_panel_is_filtered_and_stays_while_the_graph_changes(
         page = await open_page(hub, DASHBOARD)
         await page.get_by_role("button", name="Add panel").click()
         chooser = page.locator(".pane-chooser:not([hidden])")
-        echo = chooser.locator("details", has=page.locator("summary", has_text="Echo (20)"))
+        echo = chooser.locator("details", has=page.locator("summary", has_text="Raw messages (20)"))
         await expect(echo.locator("button").first).to_be_hidden()
         await echo.locator("summary").click()
         button = echo.get_by_role("button", name="/fleet/robot_7/speed")
         await button.focus()
         scrolled = await chooser.evaluate("(element) => element.scrollTop = 40")
         await node.advertise("/fleet/robot_20/speed", Float64)
-        other = chooser.locator("details", has=page.locator("summary", has_text="Echo (21)"))
+        other = chooser.locator(
+            "details", has=page.locator("summary", has_text="Raw messages (21)")
+        )
         added = other.get_by_role("button", name="/fleet/robot_20/speed")
         await expect(added).to_be_visible()
         await expect(other.get_by_role("button", name="/fleet/robot_7/speed")).to_be_focused()
@@ -525,7 +549,7 @@ async def test_choice_of_a_panel_is_filtered_and_stays_while_the_graph_changes(
         await expect(chooser).to_contain_text("No views match the filter.")
         await page.get_by_label("Filter views").fill("echo robot_7/")
         await buttons.click()
-        chosen = pane(page, "Echo /fleet/robot_7/speed")
+        chosen = pane(page, "Raw messages /fleet/robot_7/speed")
         # What it is stays whole, whatever the length of the name.
         label = chosen.locator(".pane-title b")
         assert await label.evaluate("(element) => element.scrollWidth <= element.clientWidth")
@@ -616,7 +640,7 @@ async def test_fields_of_an_echo_are_dragged_onto_plots_and_states(
         async def drag(path: str, target: Locator) -> None:
             # The mouse would miss: rows move while the panels beside them are laid out.
             transfer = {"dataTransfer": await page.evaluate_handle("new DataTransfer()")}
-            field = pane(page, "Echo").locator(f'[data-field="{path}"]')
+            field = pane(page, "Raw messages").locator(f'[data-field="{path}"]')
             await field.dispatch_event("dragstart", transfer)
             for event in ("dragenter", "dragover", "drop"):
                 await target.dispatch_event(event, transfer)
@@ -638,9 +662,9 @@ async def test_title_of_a_narrow_panel_is_not_covered(robot: Robot, open_page: O
     await bar.focus()
     for _ in range(3):
         await page.keyboard.press("Shift+ArrowLeft")
-    camera = pane(page, "Picture /camera")
+    camera = pane(page, "Image /camera")
     assert (await box(camera))[2] < 200
-    title = camera.get_by_role("button", name="Picture /camera")
+    title = camera.get_by_role("button", name="Image /camera")
     tools = camera.locator(".pane-tools")
     left, _, width, _ = await box(title)
     assert left + width <= (await box(tools))[0] + 1
@@ -679,14 +703,14 @@ async def test_a_phone_has_panels_below_one_another(robot: Robot, open_page: Ope
         await expect(pane(page, "Diagnostics")).to_be_hidden()
         await robot.subscribed("/map")
         await dots.get_by_role("button", name="All panels").tap()
-        await expect(pane(page, "Picture")).to_be_visible()
+        await expect(pane(page, "Image")).to_be_visible()
 
 
 async def test_a_phone_on_its_side_has_a_stick_at_each_thumb(
     robot: Robot, open_page: OpenPage
 ) -> None:
     async with phone(robot, open_page, 844, 390) as page:
-        await expect(pane(page, "Picture")).to_be_visible()
+        await expect(pane(page, "Image")).to_be_visible()
         await expect(pane(page, "Map")).to_be_hidden()
         left, right = [
             await box(page.locator(each)) for each in (".teleop-stick >> nth=0", ".teleop-turn")
@@ -752,7 +776,7 @@ async def test_keyboard_alone_builds_a_layout(robot: Robot, open_page: OpenPage)
 
 async def test_nothing_is_drawn_while_nothing_changes(robot: Robot, open_page: OpenPage) -> None:
     page = await open_robot(robot, open_page, has_clock=True)
-    await expect(pane(page, "Picture")).to_contain_text("without an image")
+    await expect(pane(page, "Image")).to_contain_text("without an image")
     await page.evaluate(
         """() => {
             window.changes = 0;

@@ -116,7 +116,9 @@ async def test_raw_image_is_shown(
     await expect(page.locator(".image-facts")).to_contain_text("another clock")
     await expect(page.get_by_role("img", name="Camera /image")).to_be_visible()
     # The numbers of an image are not sent to the page as text.
-    assert await page.locator("details.section", has_text="Echo").get_attribute("open") is None
+    assert (
+        await page.locator("details.section", has_text="Raw messages").get_attribute("open") is None
+    )
 
 
 @pytest.mark.parametrize("kind", ["JPEG", "PNG", "WEBP"])
@@ -210,9 +212,9 @@ async def test_picture_ends_with_its_page(
     await subscribed(False)
     await page.get_by_role("button", name="Resume").click()
     await subscribed(True)
-    await page.locator("details.section", has_text="Picture").locator("summary").click()
+    await page.locator("details.section", has_text="Image").locator("summary").click()
     await subscribed(False)
-    await page.locator("details.section", has_text="Picture").locator("summary").click()
+    await page.locator("details.section", has_text="Image").locator("summary").click()
     await shown(page, "rgb8")
     await subscribed(True)
     await page.locator("#tab-services").click()

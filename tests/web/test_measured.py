@@ -134,23 +134,29 @@ async def test_memory_does_not_grow_during_an_hour_of_messages(
 
 
 TOPICS = {
-    "picture": ("/camera", "sensor_msgs/Image"),
+    "image": ("/camera", "sensor_msgs/Image"),
     "map": ("/map", "nav_msgs/OccupancyGrid"),
     "diagnostics": ("/diagnostics", "diagnostic_msgs/DiagnosticArray"),
-    "frames": ("/tf", "tf2_msgs/TFMessage"),
+    "transforms": ("/tf", "tf2_msgs/TFMessage"),
     "playback": ("/playback", "fibws_msgs/PlaybackState"),
-    "drive": ("/cmd_vel", "geometry_msgs/Twist"),
+    "teleop": ("/cmd_vel", "geometry_msgs/Twist"),
     "joints": ("/joint_states", "sensor_msgs/JointState"),
     "attitude": ("/imu", "sensor_msgs/Imu"),
     "battery": ("/battery", "sensor_msgs/BatteryState"),
     "position": ("/fix", "sensor_msgs/NavSatFix"),
-    "scene": ("", ""),
+    "3d": ("", ""),
     "plot": ("/imu", ""),
     "transitions": ("/battery", ""),
-    "echo": ("/imu", ""),
+    "raw": ("/imu", ""),
+    "publish": ("/cmd_vel", ""),
     "action": ("/fibonacci", ""),
     "service": ("/rosapi/nodes", ""),
     "console": ("", ""),
+    "graph": ("", ""),
+    "topics": ("", ""),
+    "services": ("", ""),
+    "actions": ("", ""),
+    "parameters": ("", ""),
 }
 """What each view of the dashboard shows, and the type of its topic."""
 KINDS = Path(__file__).parents[2] / "web" / "src" / "panels" / "kinds.ts"

@@ -199,6 +199,18 @@ async def test_the_files_of_a_folder_are_one_recording(page: Page, tmp_path: Pat
     await shown(page, COUNT // 2)
 
 
+async def test_nothing_is_published_to_a_recording(page: Page, tmp_path: Path) -> None:
+    await open_file(page, write_cdr(tmp_path / "n.mcap"))
+    await expect(page.get_by_text("Raw messages")).to_be_visible()
+    await expect(page.get_by_text("Publish", exact=True)).to_have_count(0)
+    await expect(page.get_by_role("button", name="New topic")).to_have_count(0)
+    await page.get_by_role("link", name="Dashboard").click()
+    await page.get_by_role("button", name="Add panel").click()
+    await expect(page.get_by_role("button", name="Topics")).to_be_visible()
+    for name in ("Publish", "Parameters", "Services"):
+        await expect(page.locator(".pane-chooser summary", has_text=name)).to_have_count(0)
+
+
 async def test_the_next_message_with_a_value_is_found(page: Page, tmp_path: Path) -> None:
     await open_file(page, write_cdr(tmp_path / "n.mcap"))
     find = page.get_by_label("Find the next message")

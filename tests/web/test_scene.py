@@ -489,7 +489,7 @@ async def test_scene_has_the_theme_that_changed_while_it_was_covered(
     await shown(page, (255, 255, 255), 1000)
     large = page.locator(".pane-console").get_by_role("button", name="Maximize")
     await large.click()
-    await expect(page.locator(".pane-scene")).to_be_hidden()
+    await expect(page.locator(".pane-3d")).to_be_hidden()
     await page.emulate_media(color_scheme="dark")
     await large.click()
     await shown(page, DARK, 1000)
@@ -590,7 +590,7 @@ async def test_trail_is_not_joined_across_a_cut(
     trail = red, green, blue
     before = await shown(page, trail, 50)
     assert before["right"] - before["left"] < 10
-    heading = page.locator("details.section", has_text="Scene").locator("summary").first
+    heading = page.locator("details.section", has_text="3D").locator("summary").first
     for wanted in (False, True) if cut == "no messages" else ():
         await heading.click()
         await subscribed(wanted)
@@ -619,7 +619,7 @@ async def test_goal_says_its_age_without_a_new_picture(
     await state(page, "/goal", "0°, 40 s ago")
     assert await at_rest(page) == before
     # It is latched, so it comes again, and is as old as before.
-    heading = page.locator("details.section", has_text="Scene").locator("summary").first
+    heading = page.locator("details.section", has_text="3D").locator("summary").first
     for _ in range(2):
         await heading.click()
     await state(page, "/goal", "0°, 40 s ago")
@@ -634,7 +634,7 @@ async def test_escape_ends_a_tool_before_the_large_panel(
 ) -> None:
     await publish_frames(robot, stamped("map", "base_link", 0, 0))
     page = await open_dashboard(hub, open_page, "scene", "console")
-    await page.locator(".pane-scene").get_by_role("button", name="Maximize").click()
+    await page.locator(".pane-3d").get_by_role("button", name="Maximize").click()
     goal = page.get_by_role("button", name="Goal", exact=True)
     for focused in (goal, page.get_by_label("Topic of the tool")):
         await goal.click()
@@ -724,7 +724,7 @@ async def test_nothing_is_drawn_at_rest_and_when_hidden(
     assert await at_rest(page) == before
     await page.evaluate("document.querySelector('.scene').style.marginTop = ''")
     await until(page, f"draws > {before}")
-    await page.locator("details.section", has_text="Scene").locator("summary").first.click()
+    await page.locator("details.section", has_text="3D").locator("summary").first.click()
     await subscribed(False)
     before = await at_rest(page)
     await topic.publish(scan("laser", [3.0] * 4))
@@ -733,7 +733,7 @@ async def test_nothing_is_drawn_at_rest_and_when_hidden(
         await other.advertise("/scan", LaserScan)
         await expect(page.locator(".topic-flow")).to_contain_text("2 publishers")
     assert await at_rest(page) == before
-    await page.locator("details.section", has_text="Scene").locator("summary").first.click()
+    await page.locator("details.section", has_text="3D").locator("summary").first.click()
     await state(page, "/scan", "nearest 3.00 m")
 
 

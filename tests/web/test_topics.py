@@ -230,7 +230,7 @@ async def test_echo_keeps_its_open_branches(
     await scans.publish(ranges=[float(each) for each in range(1000)], header=Header(frame_id="a"))
     page = await open_page(hub, "#/topics/%2Fscan")
     # The scene is shown instead of it.
-    await page.locator("details.section", has_text="Echo").locator("summary").first.click()
+    await page.locator("details.section", has_text="Raw messages").locator("summary").first.click()
     summary = page.locator(".tree summary", has_text="ranges")
     await expect(summary).to_contain_text(
         re.compile(r"float32\[\] 1\u202f000 elements +0, 1, 2, 3, …")

@@ -66,6 +66,20 @@ export function breakable(name: string): Child[] {
   return [first, ...others.flatMap((word) => [h("wbr"), word])];
 }
 
+/** The characters at the end of a long name that are not cut off: names of one robot differ there. */
+const END = 14;
+
+/** An element with the text of a name, which is cut in the middle where there is too little room. */
+export function cutName(name: string, className: string): HTMLElement {
+  const at = name.length > 2 * END ? name.length - END : name.length;
+  return h(
+    "span",
+    { class: `cut ${className}`, title: name },
+    h("span", { class: "cut-start" }, name.slice(0, at)),
+    at < name.length ? h("span", { class: "cut-end" }, name.slice(at)) : null,
+  );
+}
+
 /** Set an element's text to a name; if it is too long for a line, the tooltip has all of it. */
 export function setName(element: HTMLElement, name: string): void {
   if (element.textContent === name) return;

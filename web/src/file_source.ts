@@ -21,6 +21,7 @@ export class FileSource implements DataSource {
   readonly node = "/page";
   readonly state: Signal<State> = new Source<State>("open");
   readonly clock = new Clock();
+  readonly canPublish = false;
   readonly isCongested = false;
   readonly data: DataClient;
   /** null until the file is open. */

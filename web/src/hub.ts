@@ -132,6 +132,9 @@ export class Hub {
     this.connect();
   }
 
+  /** Whether there are nodes that take messages, calls and goals. */
+  readonly canPublish: boolean = true;
+
   /** Whether so much waits to be sent that what is sent now would arrive late. */
   get isCongested(): boolean {
     return (this.#socket?.bufferedAmount ?? 0) > MAX_BUFFERED;

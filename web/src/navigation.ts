@@ -2,7 +2,7 @@
 import { h, replace } from "./dom";
 import type { Model } from "./model";
 import type { DataSource } from "./source";
-import { type MakeView, pathOf, stateOf, type View } from "./view";
+import { type MakeView, pathOf, stateOf, URL_PLACE, type View } from "./view";
 
 /** The modules of the views, each loaded when its tab is first opened. */
 const MODULES = import.meta.glob<{ makeView: MakeView }>("./*/view.ts");
@@ -80,7 +80,7 @@ export class Navigation<Tab extends string> {
   async #load(tab: Tab): Promise<View> {
     const load = MODULES[`./${tab}/view.ts`];
     if (load === undefined) return errorView(tab, "it was not built");
-    return (await load()).makeView(this.#source, this.#model);
+    return (await load()).makeView(this.#source, this.#model, URL_PLACE);
   }
 }
 

@@ -21,5 +21,5 @@ export function openButton(open: (files: Files) => void): HTMLElement {
     { type: "button", class: "quiet", title, onclick: () => input.click() },
     "Open file",
   );
-  return h("span", {}, button, input);
+  return h("span", { class: "open-file" }, button, input);
 }

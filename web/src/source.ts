@@ -14,6 +14,7 @@ export type DataSource = Pick<
   | "node"
   | "state"
   | "clock"
+  | "canPublish"
   | "isCongested"
   | "isOwn"
   | "second"

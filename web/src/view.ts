@@ -13,10 +13,19 @@ export interface View {
   show(path: string[], state: URLSearchParams | null): void;
   /** The view becomes hidden: it ends the subscriptions that it needs only while visible. */
   hide(): void;
+  /** The view is hidden, and will not be shown again: it frees what it has. */
+  close?(): void;
+}
+
+/** Where a view is: the page's URL has its state and its path, or a panel. */
+export interface Place {
+  save(state: Record<string, string | boolean>): void;
+  /** Show a path, which begins with the name of the view's tab. */
+  go(...path: string[]): void;
 }
 
 /** What each folder's `view.ts` exports as `makeView`. */
-export type MakeView = (hub: DataSource, model: Model) => View;
+export type MakeView = (hub: DataSource, model: Model, place: Place) => View;
 
 /** The URL fragment of a view: `route("topics", "/chatter")` is `#/topics/%2Fchatter`. */
 export function route(...path: string[]): string {
@@ -41,13 +50,18 @@ export function withState(hash: string, state: Record<string, string | boolean>)
   return text === "" ? path : `${path || "#/"}?${text}`;
 }
 
-/** Put the state of the shown view into the URL, so that a link to it or a reload restores it. */
-export function saveState(state: Record<string, string | boolean>): void {
-  const hash = withState(location.hash, state);
-  if (hash !== location.hash) {
-    history.replaceState(history.state, "", `${location.pathname}${location.search}${hash}`);
-  }
-}
+/** The URL: a link to it or a reload restores the state of the shown view. */
+export const URL_PLACE: Place = {
+  save(state) {
+    const hash = withState(location.hash, state);
+    if (hash !== location.hash) {
+      history.replaceState(history.state, "", `${location.pathname}${location.search}${hash}`);
+    }
+  },
+  go(...path) {
+    location.hash = route(...path);
+  },
+};
 
 /** The path in a URL fragment, decoded; parts that are invalid stay as they are. */
 export function pathOf(hash: string): string[] {

@@ -6,10 +6,10 @@ import { isHidden } from "../hidden_names";
 import type { ActionInfo, Graph, Model } from "../model";
 import { NameTable } from "../name_table";
 import type { DataSource } from "../source";
-import { type MakeView, route, saveState } from "../view";
+import { type MakeView, type Place, route } from "../view";
 import { ActionPage } from "./action_page";
 
-export const makeView: MakeView = (hub, model) => new ActionsView(hub, model);
+export const makeView: MakeView = (hub, model, place) => new ActionsView(hub, model, place);
 
 const EXAMPLE = "python -m fibws.examples.action_server";
 
@@ -17,12 +17,13 @@ class ActionsView {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
   readonly #model: Model;
+  readonly #place: Place;
   readonly #filter = new FilterInput("Filter actions", () => this.#changed());
   readonly #debug: HTMLInputElement;
   readonly #count = h("span", { class: "soft small", role: "status" });
   readonly #table = new NameTable("Action");
   readonly #empty = h("p", { class: "empty" });
-  readonly #place = h("div", { class: "browse-place scroll" });
+  readonly #beside = h("div", { class: "browse-place scroll" });
   /** The page that is shown, and those with goals that have not ended, by their links. */
   readonly #pages = new Map<string, ActionPage>();
   #shown: ActionPage | undefined;
@@ -30,7 +31,8 @@ class ActionsView {
   #path: string[] = [];
   #stop: (() => void) | undefined;
 
-  constructor(hub: DataSource, model: Model) {
+  constructor(hub: DataSource, model: Model, place: Place) {
+    this.#place = place;
     this.#hub = hub;
     this.#model = model;
     this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });
@@ -46,7 +48,7 @@ class ActionsView {
       ),
       h("div", { class: "scroll" }, this.#table.element, this.#empty),
     );
-    this.element = h("div", { class: "browse actions" }, list, this.#place);
+    this.element = h("div", { class: "browse actions" }, list, this.#beside);
   }
 
   show(path: string[], state: URLSearchParams | null): void {
@@ -58,7 +60,7 @@ class ActionsView {
     this.#save();
     const isOpen = path.length > 0;
     this.element.classList.toggle("has-page", isOpen);
-    this.#place.hidden = !isOpen;
+    this.#beside.hidden = !isOpen;
     this.#stop ??= this.#model.graph.watch(() => this.#update());
     this.#update();
   }
@@ -76,7 +78,7 @@ class ActionsView {
 
   /** `?filter=robot&debug=1` */
   #save(): void {
-    saveState({ filter: this.#filter.filter.text, debug: this.#debug.checked });
+    this.#place.save({ filter: this.#filter.filter.text, debug: this.#debug.checked });
   }
 
   #update(): void {
@@ -123,7 +125,7 @@ class ActionsView {
   #open(chosen: ActionInfo | undefined, known: boolean): void {
     if (chosen === undefined) {
       this.#shown?.hide();
-      replace(this.#place);
+      replace(this.#beside);
       this.#closeOthers("");
       return;
     }
@@ -134,14 +136,19 @@ class ActionsView {
       page = new ActionPage(this.#hub, this.#model, chosen);
       this.#pages.set(key, page);
     }
-    if (this.#place.firstElementChild !== page.element) {
+    if (this.#beside.firstElementChild !== page.element) {
       this.#shown?.hide();
-      replace(this.#place, page.element);
+      replace(this.#beside, page.element);
     }
     this.#shown = page;
     page.show();
     page.showNode(chosen.node, known);
     this.#closeOthers(key);
+  }
+
+  close(): void {
+    for (const page of this.#pages.values()) page.close();
+    this.#pages.clear();
   }
 
   #closeOthers(shown: string): void {

@@ -7,7 +7,7 @@ import { h, replace, setText } from "../dom";
 import { Filter, FilterInput } from "../filter";
 import { plural, whole } from "../format";
 import type { Model } from "../model";
-import { type MakeView, saveState, type View } from "../view";
+import type { MakeView, Place, View } from "../view";
 import {
   clock,
   type Entry,
@@ -26,12 +26,12 @@ const MAX_NAMES = 500;
 /** The list counts as scrolled to its end up to this distance, in px. */
 const AT_END = 8;
 
-export const makeView: MakeView = (_hub, model) => new ConsoleView(model, saveState);
+export const makeView: MakeView = (_hub, model, place) => new ConsoleView(model, place.save);
 
 export class ConsoleView implements View {
   readonly element: HTMLElement;
   readonly #log: Log;
-  readonly #saveState: typeof saveState;
+  readonly #saveState: Place["save"];
   readonly #filter: EntryFilter = { level: 0, node: "", text: new Filter() };
   readonly #rows = h("ol", { class: "log" });
   readonly #scroller = h("div", {
@@ -69,7 +69,7 @@ export class ConsoleView implements View {
   #stop: (() => void) | undefined;
 
   /** `save` is called with the state that belongs into the URL. */
-  constructor({ log }: Model, save: typeof saveState) {
+  constructor({ log }: Model, save: Place["save"]) {
     this.#log = log;
     this.#saveState = save;
     this.#scroller.append(this.#rows);

@@ -34,7 +34,7 @@ function text(layout: Layout | null): string {
 }
 
 /** A scene shows maps, too. */
-const hasScene = KINDS.some(({ label }) => label === "Scene");
+const hasScene = KINDS.some(({ id }) => id === "3d");
 const IMAGE = topic("/camera/image", "sensor_msgs/Image");
 const MAP = topic("/map", "nav_msgs/OccupancyGrid");
 const CMD = topic("/cmd_vel", "geometry_msgs/Twist", { publishers: 0, subscribers: 1 });
@@ -58,25 +58,25 @@ test("a robot has its camera beside the map, over the stick and the diagnostics"
 });
 
 test("what is missing leaves its place to the others", () => {
-  expect(auto(IMAGE)).toBe("picture /camera/image");
-  expect(auto(IMAGE, CMD)).toBe("col(picture /camera/image, drive /cmd_vel)");
-  expect(auto(CMD, DIAGNOSTICS)).toBe("row(drive /cmd_vel, diagnostics /diagnostics)");
+  expect(auto(IMAGE)).toBe("image /camera/image");
+  expect(auto(IMAGE, CMD)).toBe("col(image /camera/image, teleop /cmd_vel)");
+  expect(auto(CMD, DIAGNOSTICS)).toBe("row(teleop /cmd_vel, diagnostics /diagnostics)");
 });
 
 test("the smaller images, the stick that a robot listens to and the sum of diagnostics are preferred", () => {
   const compressed = topic("/camera/image/compressed", "sensor_msgs/CompressedImage");
-  expect(auto(IMAGE, compressed)).toBe("picture /camera/image/compressed");
+  expect(auto(IMAGE, compressed)).toBe("image /camera/image/compressed");
   const dead = topic("/camera/image/compressed", "sensor_msgs/CompressedImage", { publishers: 0 });
-  expect(auto(IMAGE, dead)).toBe("picture /camera/image");
+  expect(auto(IMAGE, dead)).toBe("image /camera/image");
   const joystick = topic("/a/cmd_vel", "geometry_msgs/Twist");
-  expect(auto(joystick, CMD)).toBe("drive /cmd_vel");
+  expect(auto(joystick, CMD)).toBe("teleop /cmd_vel");
   const sum = topic("/diagnostics_agg", "diagnostic_msgs/DiagnosticArray");
   expect(auto(DIAGNOSTICS, sum)).toBe("diagnostics /diagnostics_agg");
 });
 
 test("a graph without pictures has echoes and the console, and an empty one nothing", () => {
   const numbers = ["/d", "/c", "/b", "/a"].map((name) => topic(name, "std_msgs/Int32"));
-  expect(auto(...numbers)).toBe("col(row(echo /a, echo /b, echo /c), console)");
+  expect(auto(...numbers)).toBe("col(row(raw /a, raw /b, raw /c), console)");
   expect(auto()).toBe("nothing");
   expect(auto(topic("/rosout", "rosgraph_msgs/Log"))).toBe("nothing");
 });

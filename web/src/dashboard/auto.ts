@@ -12,7 +12,7 @@ const MAX_ECHOES = 3;
  *
  * A graph without any of these has echoes of its first topics, and the console; null for an empty one.
  */
-export function autoLayout(graph: Graph): Layout | null {
+export function autoLayout(graph: Graph, canPublish = true): Layout | null {
   const pane = (name: string, rank: (topic: TopicInfo) => number): Layout | null => {
     const view = VIEWS.find((each) => each.name === name);
     const offers = view?.offers(graph) ?? [];
@@ -26,22 +26,22 @@ export function autoLayout(graph: Graph): Layout | null {
   };
   const published = ({ publishers }: TopicInfo): number => Number(publishers.length > 0);
   const camera = pane(
-    "picture",
+    "image",
     // The smaller of two topics with the same images.
     (topic) => 2 * published(topic) + Number(topic.type.endsWith("/CompressedImage")),
   );
-  const space = pane("scene", published) ?? pane("map", published) ?? pane("frames", published);
+  const space = pane("3d", published) ?? pane("map", published) ?? pane("transforms", published);
   // A topic that moves a robot has a subscriber other than a page.
-  const drive = pane("drive", ({ subscriptions }) =>
-    Number(subscriptions.some(({ node }) => !isHidden(node))),
-  );
+  const isDriven = ({ subscriptions }: TopicInfo): number =>
+    Number(subscriptions.some(({ node }) => !isHidden(node)));
+  const drive = canPublish ? pane("teleop", isDriven) : null;
   const diagnostics = pane("diagnostics", (topic) => Number(topic.name.endsWith("_agg")));
   const top = joined("row", [camera, space], 0.6);
   const bottom = joined("row", [drive, diagnostics], 0.4);
   const robot = joined("col", [top, bottom]);
   if (robot !== null) return robot;
-  const topics = VIEWS.find(({ name }) => name === "echo")?.offers(graph) ?? [];
+  const topics = VIEWS.find(({ name }) => name === "raw")?.offers(graph) ?? [];
   if (topics.length === 0) return null;
-  const echoes = topics.slice(0, MAX_ECHOES).map((name) => newPane("echo", name));
+  const echoes = topics.slice(0, MAX_ECHOES).map((name) => newPane("raw", name));
   return joined("col", [joined("row", echoes, 0.6), { ...newPane("console"), size: 0.4 }]);
 }

@@ -3,6 +3,7 @@ import { h, setText } from "../dom";
 import { FilterInput } from "../filter";
 import { KeyedRows } from "../keyed_rows";
 import type { Graph } from "../model";
+import { earlierNames } from "./view_names";
 import { VIEWS, type ViewKind } from "./views";
 
 /** From as many names on, those of a view are folded. */
@@ -31,6 +32,7 @@ interface Group {
 export class Chooser {
   readonly element: HTMLElement;
   readonly #current: Choice;
+  readonly #views: readonly ViewKind[];
   readonly #choose: (choice: Choice) => void;
   readonly #filter = new FilterInput("Filter views", () => this.show(this.#graph));
   readonly #offers = h("div", { class: "pane-offers" });
@@ -38,8 +40,10 @@ export class Chooser {
   readonly #groups: KeyedRows<Offer, Group, string>;
   #graph: Graph | null = null;
 
-  constructor(current: Choice, choose: (choice: Choice) => void) {
+  /** `canPublish`: views that publish, call or set something are offered, too. */
+  constructor(current: Choice, canPublish: boolean, choose: (choice: Choice) => void) {
     this.#current = current;
+    this.#views = VIEWS.filter(({ publishes = false }) => canPublish || !publishes);
     this.#choose = choose;
     this.#groups = new KeyedRows(
       this.#offers,
@@ -54,9 +58,11 @@ export class Chooser {
   show(graph: Graph | null): void {
     this.#graph = graph;
     const { filter } = this.#filter;
-    const offers = VIEWS.flatMap((kind): Offer[] => {
+    const offers = this.#views.flatMap((kind): Offer[] => {
       const all = graph === null ? [] : kind.offers(graph);
-      const names = all.filter((name) => filter.matches(name, kind.label));
+      const names = all.filter((name) =>
+        filter.matches(name, kind.label, ...earlierNames(kind.name)),
+      );
       return names.length === 0 ? [] : [{ kind, names }];
     });
     this.#groups.show(offers);

@@ -5,6 +5,7 @@
  */
 import type { Config } from "../panels/panel";
 import { own } from "../types";
+import { currentName } from "./view_names";
 
 /** Side by side, or below one another. */
 export type Direction = "row" | "col";
@@ -303,7 +304,7 @@ function read(value: unknown): Layout | null {
       if (JSON.stringify(config).length > MAX_CONFIG) {
         fail(`has more than ${MAX_CONFIG} characters of “config”`);
       }
-      return { ...newPane(view, name, config as Config), size };
+      return { ...newPane(currentName(view), name, config as Config), size };
     }
     if (split !== "row" && split !== "col") return fail("must have “row” or “col” as “split”");
     const items = own(item, "items");

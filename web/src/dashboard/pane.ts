@@ -1,5 +1,5 @@
 /** One pane of the dashboard: its head, the panel that it shows, and the choice of another one. */
-import { h, replace, setText, svg } from "../dom";
+import { cutName, h, replace, setText, svg } from "../dom";
 import type { Graph } from "../model";
 import { type Config, closePanel, type Panel } from "../panels/panel";
 import { type Choice, Chooser } from "./chooser";
@@ -66,10 +66,11 @@ export class PaneView {
         class: "quiet pane-title",
         "aria-expanded": "false",
         title: `${this.title}: choose what it shows, or move it`,
+        "aria-label": this.title,
         onclick: toggle,
       },
       h("b", {}, label),
-      h("span", { class: "mono ros-name" }, name),
+      name === "" ? null : cutName(name, "mono ros-name"),
     );
     const button = (text: string, path: string, work: () => void) =>
       h(
@@ -224,7 +225,7 @@ export class PaneView {
   #offer(graph: Graph | null): void {
     const { id } = this;
     const choose = ({ view, name }: Choice): void => this.#changes.choose(id, view, name);
-    this.#offers = new Chooser(this, choose);
+    this.#offers = new Chooser(this, this.#context.hub.canPublish, choose);
     this.#offers.show(graph);
     replace(
       this.#chooser,

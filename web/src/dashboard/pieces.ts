@@ -9,9 +9,11 @@ import type { Config, Panel } from "../panels/panel";
 import { ServicePage } from "../services/service_page";
 import { Echo } from "../topics/echo";
 import { Plot } from "../topics/plot";
+import { PublishForm } from "../topics/publish_form";
 import { Transitions } from "../topics/transitions";
 import { Types } from "../types";
 import type { Context } from "./context";
+import { query } from "./tab_panel";
 
 /** How many topics and fields the lists of a plot offer. */
 const MAX_OFFERS = 500;
@@ -229,12 +231,14 @@ export function consolePanel({ model }: Context, config: Config): Panel {
   };
 }
 
-/** Settings as the state in a URL. */
-function query(config: Config): URLSearchParams {
-  const state = new URLSearchParams();
-  for (const [name, value] of Object.entries(config)) {
-    if (typeof value === "string" && value !== "") state.set(name, value);
-    if (value === true) state.set(name, "1");
-  }
-  return state;
+/** The form to publish on a topic. */
+export async function publishPanel(
+  { hub, model }: Context,
+  topic: string,
+  type: string,
+): Promise<Panel> {
+  const types = new Types(await model.typedefs(type));
+  const form = new PublishForm(hub, topic, type, types);
+  const element = h("div", { class: "form-pane" }, form.element);
+  return { element, show: () => undefined, hide: () => form.close() };
 }

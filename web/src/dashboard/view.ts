@@ -38,7 +38,7 @@ const PHONE = "(width < 44rem), (height < 30rem) and (pointer: coarse)";
 /** Phones that are held in both hands: a stick is at each thumb. */
 const WIDE_PHONE = "(height < 30rem) and (pointer: coarse) and (orientation: landscape)";
 /** Views that one drives by, the best first. */
-const VISTAS = ["picture", "scene", "map"];
+const VISTAS = ["image", "3d", "map"];
 /** How many changes can be undone. */
 const MAX_UNDO = 20;
 /** Time from the last action of the user to the look at the settings of panels, in ms. */
@@ -261,7 +261,7 @@ class DashboardView implements View {
 
   #makeAuto(): void {
     const graph = this.#model.graph.value;
-    const layout = graph && autoLayout(graph);
+    const layout = graph && autoLayout(graph, this.#context.hub.canPublish);
     if (layout === null) this.#showError("There is nothing to show in the graph so far.");
     else this.#change(this.#reused(layout), this.#store.name === "");
   }
@@ -318,7 +318,7 @@ class DashboardView implements View {
 
   /** Add what has come into the graph, until the user has changed something. */
   #extend(graph: Graph): void {
-    const layout = autoLayout(graph);
+    const layout = autoLayout(graph, this.#context.hub.canPublish);
     const key = ({ view, name }: { view: string; name: string }) => `${view} ${name}`;
     const present = new Set(panesOf(this.#layout).map(key));
     if (layout === null || panesOf(layout).every((pane) => present.has(key(pane)))) return;
@@ -380,7 +380,7 @@ class DashboardView implements View {
     const text = (...words: (string | Node)[]) => h("p", {}, ...words);
     if (graph === null) {
       replace(this.#empty, text("Waiting for the hub …"));
-    } else if (autoLayout(graph) === null) {
+    } else if (autoLayout(graph, this.#context.hub.canPublish) === null) {
       replace(
         this.#empty,
         text(
@@ -440,7 +440,7 @@ class DashboardView implements View {
     const all = [...this.#panes.values()];
     const find = (name: string) => all.find(({ view }) => view === name);
     const [picture] = VISTAS.flatMap((name) => find(name) ?? []);
-    const drive = find("drive");
+    const drive = find("teleop");
     return picture && drive && [picture, drive];
   }
 

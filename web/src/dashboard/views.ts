@@ -3,12 +3,17 @@ import { isHidden } from "../hidden_names";
 import type { Graph } from "../model";
 import { KINDS } from "../panels/kinds";
 import type { Config, Panel } from "../panels/panel";
+import { TYPE as RECONFIGURE } from "../reconfigure/configuration";
+import type { MakeView } from "../view";
 import type { Context } from "./context";
+import { currentName } from "./view_names";
 
 export interface ViewKind {
   /** Its name in layouts, which stays. */
   readonly name: string;
   readonly label: string;
+  /** Whether it publishes, calls or sets something: a recording takes nothing. */
+  readonly publishes?: boolean | undefined;
   /** What it can show of a graph: names of topics, services or actions, or "" for a view of its own. */
   offers(graph: Graph): readonly string[];
   /** The type of a name in the graph; undefined while the view cannot be made. */
@@ -17,12 +22,13 @@ export interface ViewKind {
 }
 
 /** The views of topics for which there are panels: picture, map, diagnostics, and so on. */
-const PANELS: readonly ViewKind[] = KINDS.map(({ id, label, types, load }) => {
+const PANELS: readonly ViewKind[] = KINDS.map(({ id, label, types, publishes, load }) => {
   // A scene is made of many topics, and begins with those that there are.
-  const isWhole = id === "scene";
+  const isWhole = id === "3d";
   return {
     name: id,
     label,
+    publishes,
     offers: ({ topics }) => {
       const found = shown(topics.filter(({ type }) => types.includes(type)));
       if (!isWhole) return found;
@@ -57,11 +63,20 @@ const PIECES: readonly ViewKind[] = [
       (await import("./pieces")).transitionsPanel(context, name, type, config),
   },
   {
-    name: "echo",
-    label: "Echo",
+    name: "raw",
+    label: "Raw messages",
     offers: ({ topics }) => shown(topics),
     typeOf: ({ topics }, name) => topics.find((topic) => topic.name === name)?.type || undefined,
     make: async (context, name, type) => (await import("./pieces")).echoPanel(context, name, type),
+  },
+  {
+    name: "publish",
+    label: "Publish",
+    publishes: true,
+    offers: ({ topics }) => shown(topics.filter(({ type }) => type !== "")),
+    typeOf: ({ topics }, name) => topics.find((topic) => topic.name === name)?.type || undefined,
+    make: async (context, name, type) =>
+      (await import("./pieces")).publishPanel(context, name, type),
   },
   {
     name: "action",
@@ -90,10 +105,76 @@ const PIECES: readonly ViewKind[] = [
   },
 ];
 
-export const VIEWS: readonly ViewKind[] = [...PANELS, ...PIECES];
+/** Tabs of the page as a whole. */
+const TABS: readonly ViewKind[] = [
+  tab(
+    "graph",
+    "Graph",
+    false,
+    ({ nodes }) => nodes.length > 0,
+    () => import("../graph/view"),
+  ),
+  tab(
+    "topics",
+    "Topics",
+    false,
+    () => true,
+    () => import("../topics/view"),
+  ),
+  tab(
+    "services",
+    "Services",
+    true,
+    () => true,
+    () => import("../services/view"),
+  ),
+  tab(
+    "actions",
+    "Actions",
+    true,
+    ({ actions }) => actions.length > 0,
+    () => import("../actions/view"),
+  ),
+  tab(
+    "parameters",
+    "Parameters",
+    true,
+    () => true,
+    () => import("../parameters/view"),
+  ),
+  tab(
+    "reconfigure",
+    "Reconfigure",
+    true,
+    ({ services }) => services.some(({ type }) => type === RECONFIGURE),
+    () => import("../reconfigure/view"),
+  ),
+];
+
+function tab(
+  name: string,
+  label: string,
+  publishes: boolean,
+  isThere: (graph: Graph) => boolean,
+  load: () => Promise<{ makeView: MakeView }>,
+): ViewKind {
+  return {
+    name,
+    label,
+    publishes,
+    offers: (graph) => (isThere(graph) ? [""] : []),
+    typeOf: () => "",
+    make: async (context, _name, _type, config) => {
+      const [{ makeView }, { tabPanel }] = await Promise.all([load(), import("./tab_panel")]);
+      return tabPanel(makeView, name, context, config);
+    },
+  };
+}
+
+export const VIEWS: readonly ViewKind[] = [...PANELS, ...PIECES, ...TABS];
 
 export function viewNamed(name: string): ViewKind | undefined {
-  return VIEWS.find((view) => view.name === name);
+  return VIEWS.find((view) => view.name === currentName(name));
 }
 
 function shown(all: readonly { readonly name: string }[]): string[] {

@@ -51,6 +51,11 @@ export class LayoutClient {
     this.#worker.postMessage({ number: this.#number, request });
   }
 
+  /** End the worker. */
+  close(): void {
+    this.#worker.terminate();
+  }
+
   #receive({ number, layout, error }: Response): void {
     if (number !== this.#number) return;
     this.#busy = false;

@@ -5,7 +5,7 @@ import "./view.css";
 import { h, replace, setText } from "../dom";
 import { download } from "../download";
 import type { Graph, Model, Rates } from "../model";
-import { type MakeView, route, saveState, type View } from "../view";
+import type { MakeView, Place, View } from "../view";
 import { asText } from "./as_text";
 import { Details } from "./details";
 import { Drawing } from "./drawing";
@@ -24,11 +24,12 @@ const NOTHING: Picture = { elements: [], edges: [], groups: [], typed: true };
 /** After this time in ms, the user is told that the layout is being computed. */
 const LONG = 700;
 
-export const makeView: MakeView = (_hub, model) => new GraphView(model);
+export const makeView: MakeView = (_hub, model, place) => new GraphView(model, place);
 
 class GraphView implements View {
   readonly element: HTMLElement;
   readonly #model: Model;
+  readonly #place: Place;
   readonly #options = { ...DEFAULTS };
   readonly #traffic = new Traffic();
   readonly #measure = textMeasure();
@@ -44,7 +45,8 @@ class GraphView implements View {
   );
   readonly #drawing = new Drawing({
     choose: ({ id, kind, name }) => {
-      location.hash = id === this.#chosen ? route("graph") : route("graph", kind, name);
+      if (id === this.#chosen) this.#place.go("graph");
+      else this.#place.go("graph", kind, name);
     },
     focus: (box) => this.#viewport.reveal(box, this.#details.covered()),
   });
@@ -66,11 +68,11 @@ class GraphView implements View {
   );
   readonly #details: Details;
   readonly #toolbar = new Toolbar(this.#options, () => {
-    saveState(stateOfOptions(this.#options));
+    this.#place.save(stateOfOptions(this.#options));
     this.#update(this.#model.graph.value);
   });
   readonly #layouts = new LayoutClient(
-    (layout) => this.#place(layout),
+    (layout) => this.#arrange(layout),
     (why) => {
       window.clearTimeout(this.#hint);
       setText(this.#notice, `The graph could not be laid out: ${why}`);
@@ -89,8 +91,9 @@ class GraphView implements View {
   #stops: (() => void)[] = [];
   #chosen: string | null = null;
 
-  constructor(model: Model) {
+  constructor(model: Model, place: Place) {
     this.#model = model;
+    this.#place = place;
     this.#details = new Details(model, () => this.#close());
     this.element = h(
       "section",
@@ -104,7 +107,7 @@ class GraphView implements View {
   /** `["node", "/talker"]` shows the details of that. */
   show(path: string[], state: URLSearchParams | null): void {
     if (state !== null) Object.assign(this.#options, optionsOf(state));
-    saveState(stateOfOptions(this.#options));
+    this.#place.save(stateOfOptions(this.#options));
     this.#toolbar.update();
     if (this.#stops.length === 0) {
       this.#resized.observe(this.#stage);
@@ -124,6 +127,10 @@ class GraphView implements View {
   hide(): void {
     for (const stop of this.#stops) stop();
     this.#stops = [];
+  }
+
+  close(): void {
+    this.#layouts.close();
   }
 
   #saveButtons(): HTMLElement {
@@ -198,7 +205,7 @@ class GraphView implements View {
   }
 
   /** Draw a new layout. */
-  #place(next: Layout): void {
+  #arrange(next: Layout): void {
     window.clearTimeout(this.#hint);
     setText(this.#notice, "");
     // If the user has moved the drawing, it stays in place.
@@ -266,7 +273,7 @@ class GraphView implements View {
 
   #close(): void {
     const chosen = this.#chosen;
-    location.hash = route("graph");
+    this.#place.go("graph");
     if (chosen !== null) this.#drawing.focus(chosen);
   }
 }

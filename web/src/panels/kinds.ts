@@ -12,13 +12,15 @@ export interface Kind {
   readonly types: readonly string[];
   /** Whether it is shown instead of Echo: the numbers are many, and nobody reads them. */
   readonly replacesEcho: boolean;
+  /** Whether it is there to publish: a recording takes nothing. */
+  readonly publishes?: boolean;
   load(): Promise<PanelModule>;
 }
 
 export const KINDS: readonly Kind[] = [
   {
-    id: "picture",
-    label: "Picture",
+    id: "image",
+    label: "Image",
     types: ["sensor_msgs/Image", "sensor_msgs/CompressedImage"],
     replacesEcho: true,
     load: () => import("./image/panel"),
@@ -38,8 +40,8 @@ export const KINDS: readonly Kind[] = [
     load: () => import("./diagnostics/panel"),
   },
   {
-    id: "frames",
-    label: "Frames",
+    id: "transforms",
+    label: "Transform tree",
     types: ["tf2_msgs/TFMessage", "tf/tfMessage"],
     replacesEcho: true,
     load: () => import("./frames/panel"),
@@ -52,10 +54,11 @@ export const KINDS: readonly Kind[] = [
     load: () => import("./playback/panel"),
   },
   {
-    id: "drive",
-    label: "Drive",
+    id: "teleop",
+    label: "Teleop",
     types: ["geometry_msgs/Twist", "geometry_msgs/TwistStamped"],
     replacesEcho: false,
+    publishes: true,
     load: () => import("./teleop/panel"),
   },
   {
@@ -87,8 +90,8 @@ export const KINDS: readonly Kind[] = [
     load: () => import("./readings/panel"),
   },
   {
-    id: "scene",
-    label: "Scene",
+    id: "3d",
+    label: "3D",
     types: SCENE_TYPES,
     replacesEcho: true,
     load: () => import("./scene/panel"),

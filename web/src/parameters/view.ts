@@ -5,7 +5,7 @@ import { breakable, h, replace, setText } from "../dom";
 import { FilterInput } from "../filter";
 import { plural } from "../format";
 import type { DataSource } from "../source";
-import { type MakeView, saveState, type View } from "../view";
+import type { MakeView, Place, View } from "../view";
 import {
   fromText,
   kind,
@@ -24,11 +24,12 @@ const MAX_POLLED = 100_000;
 /** The maximum height of the input for a value, in lines. */
 const MAX_LINES = 12;
 
-export const makeView: MakeView = (hub) => new ParametersView(hub);
+export const makeView: MakeView = (hub, _model, place) => new ParametersView(hub, place);
 
 class ParametersView implements View {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
+  readonly #place: Place;
   readonly #server: ParameterServer;
   readonly #list = h("div", { class: "parameters-tree scroll panel" });
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
@@ -45,7 +46,8 @@ class ParametersView implements View {
   #timer: number | undefined;
   #stop: (() => void) | undefined;
 
-  constructor(hub: DataSource) {
+  constructor(hub: DataSource, place: Place) {
+    this.#place = place;
     this.#hub = hub;
     this.#server = new ParameterServer(hub);
     const refresh = h("button", { type: "button", onclick: () => void this.#refresh() }, "Refresh");
@@ -82,7 +84,7 @@ class ParametersView implements View {
 
   /** `?filter=arm&folded=/robot,/camera` */
   #saveFilter(): void {
-    saveState({ filter: this.#filter.filter.text, folded: [...this.#folded].join() });
+    this.#place.save({ filter: this.#filter.filter.text, folded: [...this.#folded].join() });
   }
 
   #addForm(): HTMLElement {

@@ -7,26 +7,28 @@ import { plural } from "../format";
 import type { Model } from "../model";
 import { NameTable } from "../name_table";
 import type { DataSource } from "../source";
-import { type MakeView, route, saveState, type View } from "../view";
+import { type MakeView, type Place, route, type View } from "../view";
 import { SERVICE, TYPE } from "./configuration";
 import { ServerPage } from "./server_page";
 
-export const makeView: MakeView = (hub, model) => new ReconfigureView(hub, model);
+export const makeView: MakeView = (hub, model, place) => new ReconfigureView(hub, model, place);
 
 class ReconfigureView implements View {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
   readonly #model: Model;
+  readonly #place: Place;
   readonly #filter = new FilterInput("Filter servers", () => this.#changed());
   readonly #count = h("span", { class: "soft small", role: "status" });
   readonly #table = new NameTable("Server");
   readonly #empty = h("p", { class: "empty" });
-  readonly #place = h("div", { class: "browse-place scroll" });
+  readonly #pages = h("div", { class: "browse-place scroll" });
   #page: ServerPage | undefined;
   #name = "";
   #stop: (() => void) | undefined;
 
-  constructor(hub: DataSource, model: Model) {
+  constructor(hub: DataSource, model: Model, place: Place) {
+    this.#place = place;
     this.#hub = hub;
     this.#model = model;
     const list = h(
@@ -35,7 +37,7 @@ class ReconfigureView implements View {
       h("div", { class: "toolbar" }, this.#filter.element, this.#count),
       h("div", { class: "scroll" }, this.#table.element, this.#empty),
     );
-    this.element = h("div", { class: "browse reconfigure" }, list, this.#place);
+    this.element = h("div", { class: "browse reconfigure" }, list, this.#pages);
   }
 
   show([name = ""]: string[], state: URLSearchParams | null): void {
@@ -43,7 +45,7 @@ class ReconfigureView implements View {
     if (state !== null) this.#filter.text = state.get("filter") ?? "";
     this.#save();
     this.element.classList.toggle("has-page", name !== "");
-    this.#place.hidden = name === "";
+    this.#pages.hidden = name === "";
     this.#stop ??= this.#model.graph.watch(() => this.#update());
     this.#update();
     this.#page?.open();
@@ -62,7 +64,7 @@ class ReconfigureView implements View {
 
   /** `?filter=camera` */
   #save(): void {
-    saveState({ filter: this.#filter.filter.text });
+    this.#place.save({ filter: this.#filter.filter.text });
   }
 
   #update(): void {
@@ -93,11 +95,11 @@ class ReconfigureView implements View {
     if (this.#page !== undefined && this.#page.name !== this.#name) {
       this.#page.close();
       this.#page = undefined;
-      replace(this.#place);
+      replace(this.#pages);
     }
     if (this.#name === "" || this.#page !== undefined) return;
     this.#page = new ServerPage(this.#hub, this.#name, node);
-    replace(this.#place, this.#page.element);
+    replace(this.#pages, this.#page.element);
     this.#page.open();
   }
 }

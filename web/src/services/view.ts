@@ -6,27 +6,29 @@ import { isHidden } from "../hidden_names";
 import type { Graph, Model } from "../model";
 import { NameTable } from "../name_table";
 import type { DataSource } from "../source";
-import { type MakeView, route, saveState } from "../view";
+import { type MakeView, type Place, route } from "../view";
 import { ServicePage } from "./service_page";
 import "./services.css";
 
-export const makeView: MakeView = (hub, model) => new ServicesView(hub, model);
+export const makeView: MakeView = (hub, model, place) => new ServicesView(hub, model, place);
 
 class ServicesView {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
   readonly #model: Model;
+  readonly #place: Place;
   readonly #filter = new FilterInput("Filter services", () => this.#changed());
   readonly #debug: HTMLInputElement;
   readonly #count = h("span", { class: "soft small", role: "status" });
   readonly #table = new NameTable("Service");
   readonly #empty = h("p", { class: "empty" });
-  readonly #place = h("div", { class: "browse-place scroll" });
+  readonly #pages = h("div", { class: "browse-place scroll" });
   #page: ServicePage | undefined;
   #name = "";
   #stop: (() => void) | undefined;
 
-  constructor(hub: DataSource, model: Model) {
+  constructor(hub: DataSource, model: Model, place: Place) {
+    this.#place = place;
     this.#hub = hub;
     this.#model = model;
     this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });
@@ -42,7 +44,7 @@ class ServicesView {
       ),
       h("div", { class: "scroll" }, this.#table.element, this.#empty),
     );
-    this.element = h("div", { class: "browse services" }, list, this.#place);
+    this.element = h("div", { class: "browse services" }, list, this.#pages);
   }
 
   show([name = ""]: string[], state: URLSearchParams | null): void {
@@ -53,7 +55,7 @@ class ServicesView {
     }
     this.#save();
     this.element.classList.toggle("has-page", name !== "");
-    this.#place.hidden = name === "";
+    this.#pages.hidden = name === "";
     this.#stop ??= this.#model.graph.watch(() => this.#update());
     this.#update();
   }
@@ -70,7 +72,7 @@ class ServicesView {
 
   /** `?filter=robot&debug=1` */
   #save(): void {
-    saveState({ filter: this.#filter.filter.text, debug: this.#debug.checked });
+    this.#place.save({ filter: this.#filter.filter.text, debug: this.#debug.checked });
   }
 
   #update(): void {
@@ -101,7 +103,7 @@ class ServicesView {
   #open(graph: Graph | null): void {
     if (this.#name === "") {
       this.#page = undefined;
-      replace(this.#place);
+      replace(this.#pages);
       return;
     }
     const service = graph?.services.find(({ name }) => name === this.#name);
@@ -110,7 +112,7 @@ class ServicesView {
       (service !== undefined && this.#page.type !== service.type)
     ) {
       this.#page = new ServicePage(this.#hub, this.#model, this.#name, service?.type ?? "");
-      replace(this.#place, this.#page.element);
+      replace(this.#pages, this.#page.element);
     }
     this.#page.showNode(service?.node, graph !== null);
   }

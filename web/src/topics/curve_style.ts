@@ -1,5 +1,5 @@
 /** The styles of curves, which differ in colour, dashes and markers, and their legend. */
-import { h, setText, svg } from "../dom";
+import { cutName, h, setText, svg } from "../dom";
 import { figure } from "../format";
 import { numberText } from "../messages/values";
 import type { Extent } from "./axes";
@@ -125,13 +125,7 @@ export class LegendEntry {
       "li",
       {},
       this.#swatch,
-      h(
-        "span",
-        { class: "plot-name" },
-        h("span", { class: "soft", title: topic }, topic),
-        " ",
-        this.#path,
-      ),
+      h("span", { class: "plot-name" }, cutName(topic, "soft"), " ", this.#path),
       this.#value,
       this.#range,
       h(

@@ -1,7 +1,7 @@
 /** The form "New topic": opens the page of a topic that does not exist yet. */
 import { h, setText } from "../dom";
 import type { Model } from "../model";
-import { route } from "../view";
+import type { Place } from "../view";
 
 const COMMON = [
   "std_msgs/Bool",
@@ -25,13 +25,15 @@ export class NewTopic {
   readonly button: HTMLButtonElement;
   readonly element: HTMLFormElement;
   readonly #model: Model;
+  readonly #place: Place;
   readonly #name: HTMLInputElement;
   readonly #type: HTMLInputElement;
   readonly #types = h("datalist", { id: "new-topic-types" });
   readonly #problem = h("p", { class: "error", role: "alert", hidden: true });
   readonly #chosenTypes = new Map<string, string>();
 
-  constructor(model: Model) {
+  constructor(model: Model, place: Place) {
+    this.#place = place;
     this.#model = model;
     const shared = { autocomplete: "off", spellcheck: "false", class: "mono", required: true };
     this.#name = h("input", { ...shared, placeholder: "/chatter" });
@@ -91,7 +93,7 @@ export class NewTopic {
     if (problem !== "") return;
     this.#chosenTypes.set(absolute(name), type);
     this.#toggle(false);
-    location.hash = route("topics", absolute(name));
+    this.#place.go("topics", absolute(name));
   }
 
   #problemOf(name: string, type: string, existing: string | undefined): string {

@@ -51,7 +51,7 @@ export class TopicList {
     model: Model,
     plot: (topic: string, type: string) => void,
     changed: () => void,
-    ...tools: HTMLElement[]
+    ...tools: (HTMLElement | null)[]
   ) {
     this.#model = model;
     this.#plot = plot;

@@ -31,7 +31,7 @@ export class TopicPage {
   readonly #picker = h("div");
   /** A section for each panel. */
   readonly #panelSections = h("div");
-  readonly #echo = section("Echo", true);
+  readonly #echo = section("Raw messages", true);
   readonly #publish = section("Publish", false);
   readonly #connections = section("Connections", true);
   readonly #definition = section("Type", false);
@@ -62,7 +62,7 @@ export class TopicPage {
       this.#picker,
       this.#panelSections,
       this.#echo.element,
-      this.#publish.element,
+      hub.canPublish ? this.#publish.element : null,
       this.#connections.element,
       this.#definition.element,
     );
@@ -130,7 +130,7 @@ export class TopicPage {
   #createPanels(type: string): void {
     for (const { panel } of this.#panels) closePanel(panel);
     this.#panels = [];
-    const kinds = kindsFor(type);
+    const kinds = kindsFor(type).filter(({ publishes }) => !publishes || this.#hub.canPublish);
     // The first one is the most special: a scene has joints, too, but does not show their numbers.
     if (kinds[0]?.replacesEcho) this.#echo.element.open = false;
     const sections = kinds.map((kind) => {
@@ -171,7 +171,10 @@ export class TopicPage {
       echo: new Echo(this.#hub, this.#name, type, isKnown ? types : undefined, (path) =>
         this.#plot.add(this.#name, path),
       ),
-      publish: isKnown ? new PublishForm(this.#hub, this.#name, type, types) : undefined,
+      publish:
+        isKnown && this.#hub.canPublish
+          ? new PublishForm(this.#hub, this.#name, type, types)
+          : undefined,
     };
     replace(this.#echo.body, this.#tools.echo.element);
     replace(

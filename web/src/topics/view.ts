@@ -3,45 +3,47 @@ import { h, replace } from "../dom";
 import type { Model } from "../model";
 import type { DataSource } from "../source";
 import { Types } from "../types";
-import { type MakeView, route, saveState } from "../view";
+import { type MakeView, type Place, route } from "../view";
 import { NewTopic } from "./new_topic";
 import { Plot } from "./plot";
 import { TopicList } from "./topic_list";
 import { TopicPage } from "./topic_page";
 import "./topics.css";
 
-export const makeView: MakeView = (hub, model) => new TopicsView(hub, model);
+export const makeView: MakeView = (hub, model, place) => new TopicsView(hub, model, place);
 
 class TopicsView {
   readonly element: HTMLElement;
   readonly #hub: DataSource;
+  readonly #place: Place;
   readonly #model: Model;
   readonly #plot: Plot;
   readonly #list: TopicList;
-  readonly #place = h("div", { class: "browse-place scroll" });
+  readonly #pages = h("div", { class: "browse-place scroll" });
   readonly #new: NewTopic;
   #shown = false;
   /** Stops waiting for the type of a topic that is to be plotted. */
   #stopWaiting: (() => void) | undefined;
   #page: { readonly name: string; readonly expected: string; readonly page: TopicPage } | undefined;
 
-  constructor(hub: DataSource, model: Model) {
+  constructor(hub: DataSource, model: Model, place: Place) {
+    this.#place = place;
     this.#hub = hub;
     this.#model = model;
     this.#plot = new Plot(hub, model, () => this.#save());
-    this.#new = new NewTopic(model);
+    this.#new = new NewTopic(model, place);
     this.#list = new TopicList(
       model,
       (topic, type) => void this.#plotTopic(topic, type),
       () => this.#save(),
-      this.#new.button,
+      hub.canPublish ? this.#new.button : null,
     );
     this.#list.element.children[0]?.after(this.#new.element);
     this.element = h(
       "div",
       { class: "browse topics" },
       this.#list.element,
-      this.#place,
+      this.#pages,
       this.#plot.element,
     );
   }
@@ -53,12 +55,12 @@ class TopicsView {
       this.#page?.page.close();
       const page = new TopicPage(this.#hub, this.#model, this.#plot, name, expected);
       this.#page = name === "" ? undefined : { name, expected, page };
-      replace(this.#place, this.#page?.page.element);
-      this.#place.scrollTop = 0;
+      replace(this.#pages, this.#page?.page.element);
+      this.#pages.scrollTop = 0;
     }
     this.#page?.page.show();
     this.element.classList.toggle("has-page", name !== "");
-    this.#place.hidden = name === "";
+    this.#pages.hidden = name === "";
     this.#list.show(name, state);
     this.#plot.show(name, state);
     this.#shown = true;
@@ -92,9 +94,14 @@ class TopicsView {
     this.#page?.page.hide();
   }
 
+  close(): void {
+    this.#page?.page.close();
+    this.#plot.close();
+  }
+
   /** Put the state of list and plot into the URL, unless that is another view's by now. */
   #save(): void {
-    if (this.#shown) saveState({ ...this.#list.state, ...this.#plot.state });
+    if (this.#shown) this.#place.save({ ...this.#list.state, ...this.#plot.state });
   }
 
   /** Plot all numbers of a small message, or the first of a large one. */
