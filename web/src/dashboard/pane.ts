@@ -5,6 +5,7 @@ import { type Config, closePanel, type Panel } from "../panels/panel";
 import { type Choice, Chooser } from "./chooser";
 import type { Context } from "./context";
 import type { Pane, Side } from "./layout";
+import { dragPane, dropPanes } from "./pane_drag";
 import { type ViewKind, viewNamed } from "./views";
 
 /** What the pane's buttons do to the layout. */
@@ -81,6 +82,30 @@ export class PaneView {
     const maximize = (): void => changes.maximize(id);
     const corners = "M2.5 6V2.5H6 M10 2.5h3.5V6 M13.5 10v3.5H10 M6 13.5H2.5V10";
     this.#maximize = button("Maximize", corners, maximize);
+    const head = h(
+      "header",
+      {
+        class: "pane-head",
+        ondblclick: ({ target }: MouseEvent) => {
+          // On a button it is two clicks.
+          if (target instanceof Element && target.closest("button") === null) maximize();
+        },
+      },
+      h("h3", {}, this.#title),
+      h(
+        "div",
+        { class: "pane-tools" },
+        h(
+          "span",
+          { class: "pane-splits" },
+          ...SPLITS.map(({ label, path, side }) =>
+            button(label, path, () => changes.split(id, side)),
+          ),
+        ),
+        this.#maximize,
+        button("Close", "M3.5 3.5l9 9 M12.5 3.5l-9 9", () => changes.close(id)),
+      ),
+    );
     this.element = h(
       "section",
       {
@@ -92,33 +117,12 @@ export class PaneView {
           if (event.key === "Escape" && this.#closeChooser()) event.stopPropagation();
         },
       },
-      h(
-        "header",
-        {
-          class: "pane-head",
-          ondblclick: ({ target }: MouseEvent) => {
-            // On a button it is two clicks.
-            if (target instanceof Element && target.closest("button") === null) maximize();
-          },
-        },
-        h("h3", {}, this.#title),
-        h(
-          "div",
-          { class: "pane-tools" },
-          h(
-            "span",
-            { class: "pane-splits" },
-            ...SPLITS.map(({ label, path, side }) =>
-              button(label, path, () => changes.split(id, side)),
-            ),
-          ),
-          this.#maximize,
-          button("Close", "M3.5 3.5l9 9 M12.5 3.5l-9 9", () => changes.close(id)),
-        ),
-      ),
+      head,
       this.#chooser,
       this.#body,
     );
+    dragPane(head, id);
+    dropPanes(this.element, (dropped, side) => changes.move(dropped, id, side));
   }
 
   /** The settings of its panel, or those that the panel will get. */
