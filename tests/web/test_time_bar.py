@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import re
+from typing import Any
 
 from playwright.async_api import Page, expect
 
 import fibws
 from fibws.hub import Hub
-from fibws.msg.std_msgs import Int32, String
+from fibws.msg.geometry_msgs import PoseStamped, Transform, TransformStamped
+from fibws.msg.nav_msgs import MapMetaData, OccupancyGrid, Path
+from fibws.msg.sensor_msgs import Image
+from fibws.msg.std_msgs import Header, Int32, String
+from fibws.msg.tf2_msgs import TFMessage
 
 from .conftest import OpenPage
 
@@ -81,3 +87,77 @@ async def test_played_messages_end_live(open_page: OpenPage, hub: Hub) -> None:
         await bar.get_by_role("button", name="Play").click()
         await expect(bar).to_have_attribute("data-state", "live")
         await shown(page, 2)
+
+
+LAYER = {"topic": "/path", "type": "nav_msgs/Path", "kind": "path", "settings": {}}
+LAYOUT = {
+    "schema": 1,
+    "layout": {
+        "split": "row",
+        "items": [
+            {"view": "image", "name": "/camera"},
+            {"view": "map", "name": "/map"},
+            {"view": "transforms", "name": "/tf"},
+            {"view": "3d", "name": "", "config": {"layers": [LAYER]}},
+        ],
+    },
+}
+
+
+async def publish_scene(publishers: list[fibws.Publisher[Any]], size: int) -> None:
+    """Publish an image, a map, a path and a frame, all of a size."""
+    images, maps, paths, frames = publishers
+    data = bytes(3 * size * size)
+    await images.publish(height=size, width=size, encoding="rgb8", step=3 * size, data=data)
+    grid = MapMetaData(resolution=0.1, width=size, height=size)
+    await maps.publish(header=Header(frame_id="map"), info=grid, data=[0] * size * size)
+    poses = [PoseStamped(header=Header(frame_id="map"))] * size
+    await paths.publish(header=Header(frame_id="map"), poses=poses)
+    child = TransformStamped(
+        header=Header(frame_id="map"), child_frame_id=f"robot_{size}", transform=Transform()
+    )
+    child.transform.rotation.w = 1.0
+    await frames.publish(transforms=[child])
+
+
+async def test_images_maps_frames_and_scenes_go_back(open_page: OpenPage, hub: Hub) -> None:
+    async with fibws.Node("robot", hub=hub.url) as robot:
+        kinds: dict[str, Any] = {
+            "/camera": Image,
+            "/map": OccupancyGrid,
+            "/path": Path,
+            "/tf": TFMessage,
+        }
+        publishers = [await robot.advertise(name, kind, latch=True) for name, kind in kinds.items()]
+        await publish_scene(publishers, 2)
+        page = await open_page(hub, "#/dashboard", width=2400)
+        file: Any = {
+            "name": "a.json",
+            "mimeType": "application/json",
+            "buffer": json.dumps(LAYOUT).encode(),
+        }
+        await page.get_by_label("File with a layout").set_input_files(file)
+
+        async def expect_size(size: int) -> None:
+            for view in ("image", "map"):
+                facts = page.locator(f".pane-{view} .image-facts")
+                await expect(facts).to_contain_text(f"{size} \N{MULTIPLICATION SIGN} {size}")
+            await expect(page.locator(".pane-transforms")).to_contain_text(f"robot_{size}")
+            layer = page.locator(".pane-3d .scene-layer-list li").filter(has_text="/path")
+            await expect(layer).to_contain_text(f"{size} poses")
+
+        await expect_size(2)
+        await publish_scene(publishers, 5)
+        await expect_size(5)
+        bar = page.locator("#timebar")
+        await bar.get_by_role("button", name="Pause all").click()
+        await bar.get_by_label("Topic of the steps").select_option("/camera")
+        now = await bar.locator("output").inner_text()
+        await bar.get_by_role("button", name="Previous message").click()
+        await expect(bar.locator("output")).not_to_have_text(now)
+        # The second set began with its image.
+        await bar.get_by_role("button", name="Previous message").click()
+        await expect_size(2)
+        await expect(page.locator(".pane-transforms")).not_to_contain_text("robot_5")
+        await bar.get_by_role("button", name="Live").click()
+        await expect_size(5)
