@@ -1,17 +1,12 @@
 """Dependencies point down only, and the pure layers use no sockets, tasks or clocks.
 
-programs    programs/  examples/
-tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
-                \\                        /
-ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
-the wire            |                        |          client_handshake                |
-pure        values/  protocol/  interfaces/  bags/  access/  credentials  hub_address  tls
-            names  errors  files  suggestions  origins
+docs/architecture.md draws the layers.
 """
 
 from __future__ import annotations
 
 import ast
+import re
 from functools import cache
 from pathlib import Path
 
@@ -273,6 +268,16 @@ def test_each_part_has_its_layer() -> None:
     parts = {path.stem for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
     parts |= {path.stem for path in modules("*.py")}
     assert parts - {"__init__", "__main__", "_version", "rospy"} == set(BELOW)
+
+
+def test_each_part_and_room_of_the_hub_is_in_the_drawing() -> None:
+    text = (PACKAGE.parent / "docs" / "architecture.md").read_text("utf-8")
+    layers, _, hub = text.partition("## Inside the hub")
+    layers = layers.partition("## The layers")[2]
+    assert not [each for each in BELOW if not re.search(rf"\b{each}(/|\.py\b)", layers)]
+    hub = hub.partition("## The way of one message")[0]
+    rooms = {path.name for path in (PACKAGE / "hub").iterdir() if (path / "__init__.py").exists()}
+    assert not [each for each in rooms if not re.search(rf"\b{each}/", hub)]
 
 
 @pytest.mark.parametrize("layer", BELOW_IN_HUB)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from types import FrameType
 from typing import Any
 
 import pytest
+from work import executed_instructions
 
 from fibws.hub.server import HubServer
 
@@ -18,31 +17,6 @@ from .rosapi.rosapi_client import RosapiClient
 FEW, MANY = 25, 200
 LIMIT = 1.2
 """How many times as many steps an operation may take when there is eight times as much."""
-
-
-def steps(function: Callable[[], object]) -> int:
-    """Return how many instructions Python executes in a function and those that it calls.
-
-    Loops in C, such as ``list.remove``, count as one.
-    """
-    count = 0
-
-    def trace(frame: FrameType, event: str, arg: Any) -> Any:
-        nonlocal count
-        if event == "call":
-            frame.f_trace_opcodes = True
-            frame.f_trace_lines = False
-        else:
-            count += event == "opcode"
-        return trace
-
-    before = sys.gettrace()
-    sys.settrace(trace)
-    try:
-        function()
-    finally:
-        sys.settrace(before)
-    return count
 
 
 def growth(prepare: Callable[[int], Callable[[], object]]) -> float:
@@ -58,7 +32,7 @@ def growth(prepare: Callable[[int], Callable[[], object]]) -> float:
 
 def _steps_each(perform: Callable[[], object], count: int) -> float:
     perform()  # What is compiled and cached at the first time does not count.
-    return steps(perform) / count
+    return executed_instructions(perform) / count
 
 
 def names(count: int, of: str = "/name") -> list[str]:
@@ -66,7 +40,7 @@ def names(count: int, of: str = "/name") -> list[str]:
 
 
 def test_steps_are_counted_in_calls_and_loops() -> None:
-    assert steps(lambda: [each for each in range(1000)]) > 1000
+    assert executed_instructions(lambda: [each for each in range(1000)]) > 1000
     assert growth(lambda count: lambda: [each in names(count) for each in names(count)]) > 2
 
 

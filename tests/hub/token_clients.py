@@ -16,9 +16,10 @@ from fibws.hub.server import HubServer
 from fibws.protocol.serialized import SUBPROTOCOL
 
 
-def entry(name: str, more: str) -> str:
-    """The entry of a principal whose token is its name."""
-    return f'[tokens.{name}]\nsha256 = "{digest_of(name)}"\n{more}\n'
+def entry(name: str, more: str, token: str | None = None) -> str:
+    """Return the entry of a principal in a token file; its token is its name by default."""
+    digest = digest_of(name if token is None else token)
+    return f'[tokens.{name}]\nsha256 = "{digest}"\n{more}\n'
 
 
 class Client:

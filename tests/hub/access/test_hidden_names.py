@@ -17,7 +17,6 @@ from ..fakes import ADD, FIBONACCI, INT32, Client
 from ..rosapi.rosapi_client import RosapiClient
 
 KINDS: list[Kind] = ["topic", "service", "action", "parameter"]
-GOAL_TOPICS = ("goal", "cancel", "feedback", "status", "result")
 ADMIN = Principal("admin", Rights(admin=True))
 GRACE = 10.0
 """Seconds after which a message to a topic without a type is refused at once."""

@@ -30,7 +30,6 @@ from .conftest import until
 ID = "0123456789abcdef"
 HELLO = {"hub": {"id": ID, "name": "other", "version": "1"}}
 PATH = [HELLO["hub"]]
-HUGE = 10**30
 
 
 def record(kind: int, body: bytes | str | dict[str, Any] = b"") -> bytes:

@@ -12,12 +12,12 @@ from typing import Any
 import pytest
 from conftest import StartHub
 
-from fibws.access.token_file import digest_of
 from fibws.hub.log.audit import Audit, ClientIdentity
 from fibws.hub.log.text import MAX_LINES, REPEAT_AFTER
 from fibws.hub.server import HubServer
 
 from ..raw_client import Client, connected, dialled, handshake
+from ..token_clients import entry
 
 GUEST = ClientIdentity("guest", "10.0.0.7")
 
@@ -179,15 +179,8 @@ def test_text_of_a_client_stays_on_one_line(audit: Audit, caplog: pytest.LogCapt
 class TestHub:
     """Events that clients of a real hub cause."""
 
-    FILE = f"""\
-[tokens.operator]
-sha256 = "{digest_of("one")}"
-admin = true
-
-[tokens.guest]
-sha256 = "{digest_of("two")}"
-allow = {{call = ["/**"], node = ["/guest", "/page"]}}
-"""
+    FILE = entry("operator", "admin = true", "one")
+    FILE += entry("guest", 'allow = {call = ["/**"], node = ["/guest", "/page"]}', "two")
 
     @pytest.fixture
     async def guarded(

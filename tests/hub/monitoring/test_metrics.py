@@ -22,26 +22,19 @@ from prometheus_client.parser import text_string_to_metric_families
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from fibws.access.token_file import digest_of
 from fibws.hub.graph.totals import OTHER, CallTotals, TopicTotals
 from fibws.hub.server import HubServer
 from fibws.protocol.websocket import BINARY, client_header
 
 from ..raw_client import Client, connected, dialled, handshake, publish, until
+from ..token_clients import entry
 
 pytestmark = pytest.mark.both_loops
 
 OPERATIONS = (Path(__file__).parents[3] / "docs" / "operations.md").read_text("utf-8")
 OPENMETRICS = "application/openmetrics-text;version=1.0.0,text/plain;version=0.0.4;q=0.5"
-FILE = f"""\
-[tokens.operator]
-sha256 = "{digest_of("one")}"
-admin = true
-
-[tokens.guest]
-sha256 = "{digest_of("two")}"
-allow = {{subscribe = ["/**"]}}
-"""
+FILE = entry("operator", "admin = true", "one")
+FILE += entry("guest", 'allow = {subscribe = ["/**"]}', "two")
 
 
 def scrape(hub: HubServer, address: str = "127.0.0.1", **headers: str) -> Response:

@@ -13,22 +13,14 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from fibws import __version__
-from fibws.access.token_file import digest_of
 from fibws.hub.server import HubServer
 
 from ..raw_client import connected, dialled, handshake
+from ..token_clients import entry
 
-FILE = f"""\
-[tokens.operator]
-sha256 = "{digest_of("one")}"
-admin = true
-
-[tokens.guest]
-sha256 = "{digest_of("two")}"
-allow = {{subscribe = ["/**"]}}
-"""
+FILE = entry("operator", "admin = true", "one")
+FILE += entry("guest", 'allow = {subscribe = ["/**"]}', "two")
 HERE, OTHER = "127.0.0.1", "192.0.2.7"
-GUARDED = ["/healthz"]
 
 
 def get(hub: HubServer, path: str, address: str = HERE, **headers: str) -> Response:
