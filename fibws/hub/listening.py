@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import json
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from fibws.errors import SettingError
 from fibws.hub.announcement import ALL, ALL_IPV4
-from fibws.hub.port_owner import is_hub_at
 from fibws.hub.settings import Settings
 from fibws.hub.tls.certificate import ServerTls
 
 LEAST_TIMEOUT = 0.001
 """Seconds; asyncio accepts no timeouts of 0 for TLS."""
+PATIENCE = 1.0
+"""Seconds to wait for an answer."""
+LARGEST = 4096
+"""Bytes of an answer that are read."""
 PORT_TRIES = 20
 """How many ports are tried until one is free for IPv4 and IPv6."""
 ACCEPTED_AT_ONCE = 32
@@ -54,7 +59,7 @@ async def listen(
                 break
     reason = _why_not(host, port, fault)
     if fault.errno == errno.EADDRINUSE:
-        is_hub = await is_hub_at(reached_at(host), port)
+        is_hub = await _is_hub_at(reached_at(host), port)
         owner = "another hub" if is_hub else "another program"
         reason = f"Port {port} on {host} is in use by {owner}; choose one with --port"
     raise SettingError(reason) from fault
@@ -90,6 +95,34 @@ def _tls_arguments(settings: Settings, tls: ServerTls | None) -> dict[str, Any]:
         "ssl_handshake_timeout": max(settings.open_timeout, LEAST_TIMEOUT),
         "ssl_shutdown_timeout": max(settings.close_timeout, LEAST_TIMEOUT),
     }
+
+
+async def _is_hub_at(host: str, port: int) -> bool:
+    """Return whether a hub without TLS answers at a port of this machine, or one that expects TLS.
+
+    Every hub answers `/origin` to everybody, and requests without TLS by a redirect.
+    """
+    with suppress(OSError, ValueError, TimeoutError):
+        async with asyncio.timeout(PATIENCE):
+            head, body = await _get(host, port, "/origin")
+        found = json.loads(body) if body.startswith(b"{") else {}
+        return "allowed" in found or b"This port expects TLS" in head + body
+    return False
+
+
+async def _get(host: str, port: int, path: str) -> tuple[bytes, bytes]:
+    reader, writer = await asyncio.open_connection(host, port)
+    try:
+        writer.write(
+            f"GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n".encode()
+        )
+        answer = b""
+        while len(answer) < LARGEST and (piece := await reader.read(LARGEST)):
+            answer += piece
+        head, _, body = answer.partition(b"\r\n\r\n")
+        return head, body
+    finally:
+        writer.close()
 
 
 def _why_not(host: str, port: int, error: OSError) -> str:
