@@ -29,7 +29,7 @@ _unfinished: dict[object, Callable[[], str]] = {}
 
 @contextmanager
 def unfinished(text: Callable[[], str]) -> Iterator[None]:
-    """Have something said if a signal ends the program at once within the block.
+    """Print a text if a signal ends the program at once within the block.
 
     Args:
         text: returns what is left then, and how to mend it; empty for nothing.

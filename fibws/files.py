@@ -123,7 +123,7 @@ def replacing(path: Path, *, backup: Path | None = None) -> Iterator[Path]:
 
 
 def _keep_as(path: Path, backup: Path) -> None:
-    """Give a file a second name, or only that one where files have no second names."""
+    """Give a file a second name; rename it where files cannot have two."""
     link = backup.with_name(f".{backup.name}.{os.getpid()}.{os.urandom(4).hex()}")
     try:
         os.link(path, link)

@@ -44,7 +44,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 
 def suggestion_or_known(name: str, known: Iterable[str]) -> str:
-    """Return the same, or ``; known are arg, node`` if no name is similar."""
+    """Return ``; did you mean arg?``, or ``; known are arg, node`` if no name is similar."""
     names = list(known)
     return suggestion(name, names) or (f"; known are {', '.join(names)}" if names else "")
 

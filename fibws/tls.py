@@ -71,7 +71,7 @@ class TlsFiles:
         client_cert: File | None = None,
         client_key: File | None = None,
     ) -> Self:
-        """Return the files that are given, or else those of the environment variables."""
+        """Return the given files, or by default the files of the environment variables."""
         given = zip((ca, client_cert, client_key), VARIABLES, strict=True)
         return cls(*(_path(file) or os.environ.get(name) or None for file, name in given))
 

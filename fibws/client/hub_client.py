@@ -124,7 +124,7 @@ class HubClient:
         return self._socket.fileno()
 
     def resolve(self, name: str) -> str:
-        """Return the global name for the name of something that may exist, after remapping.
+        """Return the global name that a name stands for after remapping; it need not exist.
 
         Raises:
             InvalidName: the name is invalid; one that is not legal in ROS may exist all the same.

@@ -33,7 +33,7 @@ class WorkerThreads:
         self._executor.submit(self._perform, work, done)
 
     async def close(self) -> None:
-        """Forget the work that has not begun, and wait for the rest."""
+        """Drop the work that has not begun, and wait for the work under way."""
         self._is_closed = True
         if self._executor is not None:
             await asyncio.to_thread(self._executor.shutdown, cancel_futures=True)

@@ -234,7 +234,7 @@ def preferred() -> dict[str, Any]:
 
 
 class ZenohCalls(threading.Thread):
-    """Makes calls of zenoh one after the other: those that wait for no receiver.
+    """Makes the calls of zenoh that wait for no receiver, one after the other.
 
     Attributes:
         bytes: what waits.
@@ -248,7 +248,7 @@ class ZenohCalls(threading.Thread):
         self.bytes = 0
 
     def call(self, job: Callable[[], object], size: int = 0) -> None:
-        """Call a function after those that wait."""
+        """Call a function after the waiting ones."""
         with self._condition:
             if self._is_closed:
                 return
@@ -301,7 +301,7 @@ class Receivers:
             return self._bytes[receiver]
 
     def call(self, receiver: Hashable, job: Callable[[], object], size: int = 0) -> None:
-        """Call a function after those that wait for the same receiver."""
+        """Call a function after the waiting ones of the same receiver."""
         with self._changed:
             if self._is_closed:
                 return

@@ -86,7 +86,7 @@ class ClientDefinition(Definitions):
         self.fields = dict(self._count_fields())
         """How many fields and constants each of its types counts for."""
         self.md5s = {key: self.md5_of(*key) for key in self.fields}
-        """The md5s of these types."""
+        """The md5 of each of its types."""
 
     def _find_message(self, name: str) -> MessageDefinition:
         return self.messages.get(name) or self._base.message(name)
@@ -273,7 +273,7 @@ class ClientDefinitions:
     def find_for(
         self, client: str, kind: Kind, name: str, md5sum: str | None = None
     ) -> ClientDefinition | None:
-        """Return the same for a client, for which types that are hidden from it do not exist.
+        """Return what `find` does for one client; types that are hidden from it do not exist.
 
         Args:
             md5sum: that of the type, if it is to be this one alone.

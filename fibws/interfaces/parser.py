@@ -132,7 +132,7 @@ def parse_action(
 
 
 def between(lines: list[str], separates: Callable[[str], bool]) -> Iterator[tuple[int, int]]:
-    """Where the lines between those that separate begin and end."""
+    """Yield where each section between separator lines begins and ends."""
     cuts = [number for number, line in enumerate(lines) if separates(line)]
     return zip((0, *(cut + 1 for cut in cuts)), (*cuts, len(lines)), strict=True)
 

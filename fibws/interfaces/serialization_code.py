@@ -345,7 +345,7 @@ class _Scales(_Checker):
         self.add(f"o = {self.constant(function)}(data, o, left)")
 
     def weigh(self, count: str, field: Field) -> None:
-        """Subtract the weight of an array's elements from the rest."""
+        """Subtract the weight of an array's elements from the remaining budget."""
         each = 0 if field.is_bytes else weight(field.type, self.types, numbers=self._numbers)
         if each:
             self.add(f"spend(left, {count} * {each})")
@@ -725,7 +725,7 @@ class _ReaderCode(_Code):
             self._skip = struct.size
 
     def _take(self, size: str) -> None:
-        """Let ``begin`` and ``o`` be the offsets of the next bytes and of those behind them."""
+        """Let ``begin`` and ``o`` be the offsets of the beginning and the end of the next bytes."""
         self._unpack(*self._group())
         self.add(f"begin = o + {self._skip}")
         self.add(f"o = begin + {size}")

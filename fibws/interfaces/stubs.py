@@ -59,7 +59,7 @@ def _write_parents(folder: Path) -> Iterator[Path]:
 
 
 def _write(stub: Path, source: str | None) -> Iterator[Path]:
-    """Write a stub and yield its path; or remove it if there is no source, and it is one of these.
+    """Write a stub and yield its path; remove a generated one that has no source.
 
     Raises:
         OSError: it cannot be written.

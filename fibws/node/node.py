@@ -713,7 +713,7 @@ class Node(AsyncContext):
             self.log.error("The time stands still: cannot subscribe to /clock: %s", error)
 
     def _used(self, name: str) -> str:
-        """Return the global name of something that the node is to use.
+        """Return the global name of a topic, service, action or parameter of the node.
 
         Raises:
             RuntimeError: the node has not been entered: nothing would ever happen.

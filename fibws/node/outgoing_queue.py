@@ -300,7 +300,7 @@ class OutgoingQueue:
             writer.write_joined(batch)
 
     def _changed(self) -> None:
-        """Wake those who wait for what is true now."""
+        """Wake the tasks whose conditions are met now."""
         connected = self._writer is not None
         room = not connected or self._closed or self._queue.size < self._limit
         self.ready = connected and room and self._left > 0

@@ -72,7 +72,7 @@ class Peers(Public):
             self._news.set()
 
     def _change(self, removed: Iterable[str], added: Iterable[str]) -> None:
-        """Remove peers, and then add others, or some of those."""
+        """Remove peers, and then add others, which may be removed ones."""
         left, joined = set(removed), set(added)
         before = self._names or []
         remaining = [name for name in before if name not in left] if left else before

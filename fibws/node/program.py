@@ -126,7 +126,7 @@ async def _until_signal(main: Coroutine[Any, Any, T]) -> T | None:
 
 
 async def _end_others() -> None:
-    """Cancel the tasks that are left, and leave those behind that do not end."""
+    """Cancel the remaining tasks; tasks that do not end are left behind."""
     tasks = asyncio.all_tasks() - {asyncio.current_task()}
     if not tasks:
         return

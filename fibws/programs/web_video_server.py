@@ -357,7 +357,7 @@ class Viewer:
                 raise Refused(HTTPStatus.NOT_FOUND, text)
 
     def _check_page(self, request: h11.Request) -> None:
-        """Refuse pages of other sites, also those that gave this machine a name of their own.
+        """Refuse pages of other sites, and of foreign names for this machine (DNS rebinding).
 
         Raises:
             Refused: a header names another site.

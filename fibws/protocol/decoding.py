@@ -42,7 +42,7 @@ _BRACES = re.compile(rb"\}\}*[ \t\r\n]*([^ \t\r\n,\]}]?)")
 valid JSON they are then the end of the whole text, or within a string."""
 
 _TRAILING: Final = "trailing characters"
-"""How the error of `from_json` begins if a value is followed by something."""
+"""The beginning of `from_json`'s error for further text after a value."""
 
 _MOST_BRACES: Final = MOST_CONTAINERS + 100_000
 """How often `_BRACES` may be found in a text of several objects: also in strings."""

@@ -61,7 +61,7 @@ class _Counts:
 
     @classmethod
     def outside_strings(cls, text: bytes | bytearray) -> _Counts:
-        """Count those of a text; stop if it is too many."""
+        """Count the values of a text; stop if there are too many."""
         counts = cls()
         strings = 0
         for piece in _outside_strings(text):
@@ -176,7 +176,7 @@ class _CborCounts(_Counts):
     """The values of CBOR that are counted so far."""
 
     def add(self, data: bytes) -> None:
-        """Count those of some data; stop if it is too many.
+        """Count the values of CBOR data; stop if there are too many.
 
         Raises:
             IndexError: the data ends, perhaps within a value.

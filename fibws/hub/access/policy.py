@@ -53,7 +53,7 @@ class AccessPolicy:
 
     def __init__(self, known: Iterable[Principal] = ()) -> None:
         self._principals: dict[str, Principal] = {}
-        """By node, of those that are connected."""
+        """The principals of the connected nodes, by node."""
         self._kept: list[re.Pattern[str]] = []
         self.keep_names(known)
 
@@ -119,7 +119,7 @@ class AccessPolicy:
         return node == other or principal.is_same(owner)
 
     def view(self, node: str) -> Hashable:
-        """Return the same for all nodes of a principal, but not for anonymous ones."""
+        """Return an equal value for all nodes of a principal; each anonymous node has its own."""
         principal = self._principals.get(node)
         if principal is None or not principal.is_same(principal):  # Anonymous ones are strangers.
             return node

@@ -44,7 +44,7 @@ class FanOut(Generic[T, M]):
         self._targets: dict[SendQueue, Lane] = {}
         """Where frames go at once: each client gets a frame once, however many members it has."""
         self._sharing: dict[SendQueue, list[M]] = {}
-        """Further members of the same clients."""
+        """Second and later members of a client."""
         self._since: dict[M, int] = {}
         """The members without a throttle, and the value of `_sent` when each of them came."""
         self._sent = 0

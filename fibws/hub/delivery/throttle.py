@@ -87,7 +87,7 @@ class Throttle(Generic[M]):
         self._waiting: deque[Frame] = deque()
         """Latched frames, then others; their bytes count as kept for the client."""
         self._latched = 0
-        """How many of these are latched."""
+        """How many of the kept messages are latched."""
         self._due = -inf
         """The earliest time of the next frame."""
         self._timer: Timer | None = None

@@ -25,7 +25,7 @@ from fibws.hub.log.text import is_power_of_ten, printable
 logger = logging.getLogger("fibws.hub")
 
 KINDS: tuple[Kind, ...] = ("nodes", "topics", "services", "actions")
-"""The records that are kept here; `shared_parameters` keeps those of parameters."""
+"""The kinds of records that are kept here; `shared_parameters` keeps records of parameters."""
 
 RECORD = 1300
 """Bytes of memory that a record of a node, a service or an action takes, about, beside its texts

@@ -1,4 +1,4 @@
-"""Calls and goals between hubs: those of this hub at remote servers, and the reverse."""
+"""Calls and goals between hubs: to servers of other hubs, and from their clients to ours."""
 
 from __future__ import annotations
 

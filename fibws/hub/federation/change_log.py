@@ -51,7 +51,7 @@ class ChangeLog:
         self.counter = counter
         """The number of the last announcement."""
         self._records: dict[tuple[Kind, str], Record | None] = {}
-        """None for those that were removed."""
+        """The newest records; None for removed ones."""
         self._counters: dict[tuple[Kind, str], int] = {}
         self._entries: list[_Entry] = []
         self._present = 0

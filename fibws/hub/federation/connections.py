@@ -1,4 +1,4 @@
-"""The WebSocket connections of links: those that other hubs open here, and those of this hub."""
+"""The WebSocket connections of links, which either hub opens."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ class LinkLanes:
         self._begun_bytes = 0
 
     def __len__(self) -> int:
-        """Return the number of lanes in which something waits."""
+        """Return the number of lanes in which records wait."""
         return len(self._lanes)
 
     @property
@@ -262,5 +262,5 @@ class LinkLanes:
 
 
 def _fullness(number: int, lane: _Lane) -> tuple[bool, int, int]:
-    """Return what sorts the lanes: first the fullest of those that have older messages."""
+    """Return the sort key of a lane: the fullest comes first, among lanes with older messages."""
     return len(lane.records) <= 1, -lane.weight, number

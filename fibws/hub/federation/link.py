@@ -179,7 +179,7 @@ class Link(Backplane):
         )
         self._parts: dict[int, bytearray] = {}
         self._too_large: set[int] = set()
-        """The lanes of which the rest of a record is ignored."""
+        """The lanes whose present record is too large: its further parts are ignored."""
         self._skipped: set[str] = set()
         """The kinds of invalid records that were logged."""
         self._ids = count(1)

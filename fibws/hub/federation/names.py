@@ -80,11 +80,11 @@ class NameView:
         return self.inward(name) or ""
 
     def may_export(self, name: str) -> bool:
-        """Return whether the other hub gets something of this hub, by its name here."""
+        """Return whether a name of this hub is exported to the other one."""
         return self._exported.fullmatch(name) is not None
 
     def may_import(self, name: str) -> bool:
-        """Return whether this hub takes something from the other one, by its name here."""
+        """Return whether a name, as it is here, is imported from the other hub."""
         return self._imported.fullmatch(name) is not None
 
     def _is_inside(self, name: str) -> bool:

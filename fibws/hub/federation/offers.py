@@ -201,7 +201,7 @@ class Offers:
         )
 
     def _users_of(self, topic: Topic, group: TypeGroup) -> TypeUsers:
-        """Return who uses a topic with one type; those that name none are users of all."""
+        """Return the users of a topic with one type; nodes that name no type use all types."""
         name, view = topic.name, self._view
         publishers: tuple[PublisherRecord, ...] = ()
         if self._may(name, "subscribe", exports=True):
@@ -247,7 +247,7 @@ class Offers:
                 self.changed("topics", name)
 
     def _note_users(self, kind: Kind, name: str, users: set[str]) -> None:
-        """Announce nodes that began or ceased to use something, if only that makes them visible."""
+        """Announce nodes that began or ceased to use a name, if only that makes them visible."""
         view = self.backplane.view
         shows_all = not view.is_filtered and (not view.prefix or view.is_below)
         if shows_all and self.graph.policy.allows_all:

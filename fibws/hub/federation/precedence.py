@@ -93,7 +93,7 @@ class Ages:
 
 
 def choose(offers: Sequence[NodeOffer]) -> NodeOffer | None:
-    """Return the node that has a name, of those of other hubs, by the shortest way to it."""
+    """Return the node of another hub that has a name: the one with the shortest way."""
     replaced = {offer.record.replaces for offer in offers}
     left = [offer for offer in offers if offer.record.hub.id not in replaced] or offers
     if not left:

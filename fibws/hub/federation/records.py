@@ -100,7 +100,7 @@ class PublisherRecord(_Record):
 
 
 class TypeUsers(_Record):
-    """Those who use a topic with one type.
+    """The users of a topic with one type.
 
     Attributes:
         type: ``package/Type``; empty while it has none.

@@ -176,7 +176,7 @@ class SharedParameters:
                 self._changed(each)
 
     def _is_concerned(self, parent: str) -> bool:
-        """Return whether a namespace may have a new record as something in it has changed."""
+        """Return whether a change below a namespace may give it a new record."""
         is_emptied = self._text(parent) == EMPTY
         if is_emptied and self._is_applying:
             return False  # The other hub knows best whether it remains.

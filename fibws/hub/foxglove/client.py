@@ -51,17 +51,17 @@ class FoxgloveStatuses:
         self._report(self._node, text)
 
     def misspelled(self, text: str) -> None:
-        """Warn that something is likely misspelled, in the log as well."""
+        """Warn, in the log as well, that a name is likely misspelled."""
         self._errors.add(text, kind="warning")
         self._report(self._node, text)
         self.warning(text)
 
     def warning(self, text: str) -> None:
-        """Report that an operation changed nothing, or did something else than was meant."""
+        """Report that an operation had no effect, or another one than was meant."""
         self._queue.reply(text_frame("status", level=WARNING, message=shortened(text)))
 
     def state(self, id_: str, text: str) -> None:
-        """Show a warning for as long as something lasts; an empty text removes it."""
+        """Show a warning until an empty text removes it."""
         if text:
             fields = {"level": WARNING, "message": shortened(text), "id": id_}
             self._queue.reply(text_frame("status", **fields))
@@ -99,7 +99,7 @@ class FoxgloveClient:
         return self.graph.rights.allows(self.node, right, name)
 
     def check_room(self, what: Registration, taken: int) -> None:
-        """Raise `LimitReached` if the client has registered as many of something as it may."""
+        """Raise `LimitReached` if the client has reached a limit of its registrations."""
         limit = getattr(self.settings, f"max_{what}")
         if taken >= limit:
             raise LimitReached(f"too many {what} of one client (limit {limit}, --max-{what})")

@@ -61,7 +61,7 @@ class Feed(ABC, Generic[K, E]):
 
     @abstractmethod
     def encode(self, removed: Sequence[E], added: Sequence[E]) -> bytes:
-        """Return the frames of a change; what is in both is another entry of the same name."""
+        """Return the frames of a change; an entry in both lists replaces one of its name."""
 
     def size(self, entry: E) -> int:
         """Return about how many bytes an entry takes in a frame."""
@@ -271,7 +271,7 @@ class UndefinedFeed(Feed[str, tuple[str, str]]):
         """Topics that were asked about in vain."""
 
     def view(self, key: str) -> tuple[str, str] | None:
-        """Return the topic and its type, if it is one of these."""
+        """Return the topic and its type if its definition is missing for good."""
         topic = _published(self.client, key)
         type_ = topic.type if topic is not None else None
         if topic is None or type_ is None or type_.checked:

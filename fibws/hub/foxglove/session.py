@@ -116,7 +116,7 @@ class Foxglove:
         self.asset_room = asset_room or ByteRoom(MOST_HELD)
         self.report = report
         self.session_id = secrets.token_hex(8)
-        """Tells clients that connect again whether it is still the same hub."""
+        """The id by which clients that reconnect know whether the hub has restarted."""
         self.schemas = Schemas()
         self.services = ServiceFeeds(graph)
         self.groups: Groups = {}
@@ -297,7 +297,7 @@ class FoxgloveSession(NodeSession[FoxgloveClient], Application):
             self._client.statuses.error(str(error), code=error.code)
 
     def registrations(self, what: Registration) -> int:
-        """Return how many of something the client has registered."""
+        """Return the number of the client's subscriptions or advertisements."""
         if what == "subscriptions":
             return len(self._subscriptions.by_id)
         return len(self._publications)

@@ -637,7 +637,7 @@ class Graph:
     def serve_action(
         self, name: str, type_: str, definition: str | None, server: ActionServer
     ) -> Action:
-        """Let a client serve an action; otherwise as `serve`.
+        """Let a client serve an action; arguments and errors are those of `serve`.
 
         Goals of earlier advertisements of the name go on at their servers. All can be cancelled by
         a service beside the action, too, as in ROS 2.

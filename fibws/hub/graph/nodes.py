@@ -1,4 +1,4 @@
-"""The nodes of the graph, and those that are not connected to this hub."""
+"""The nodes of the graph: of clients, of ROS 1, of other hubs, and of links."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class DistantNode(ABC):
 
     @abstractmethod
     def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
-        """Ask it to end; otherwise as `ping`."""
+        """Ask the node to end; arguments and result are those of `ping`."""
 
 
 class ExternalNode(DistantNode):

@@ -285,7 +285,7 @@ def names_in(name: str, value: dict[str, Any]) -> Iterator[str]:
 
 
 def _root(name: str) -> str:
-    """Return a canonical name as the beginning of those below it: nothing for the root."""
+    """Return the prefix of all names below a canonical name; it is empty for the root."""
     return "" if name == "/" else name
 
 

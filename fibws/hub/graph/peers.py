@@ -1,4 +1,4 @@
-"""Peers: the nodes at the other end of a topic, for those who watch them."""
+"""Peers: the nodes at the other end of a topic, and who watches them."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ class PeerWatch:
         self._changes: list[tuple[str, bool]] = []
         """Nodes, each with whether it has joined; else it has left."""
         self._start = 0
-        """The number of the first of these changes."""
+        """The number of the first kept change."""
         self._news: dict[int, PeerNews] = {}
         """The news since each change, for watchers that have read equally much."""
 

@@ -94,5 +94,5 @@ class AllowAll:
         return True
 
     def view(self, node: str) -> Hashable:
-        """Return the same for all nodes; a policy that hides something has views of its own."""
+        """Return one view for all nodes; a policy that hides names has several."""
         return None if self.allows_all else node

@@ -151,7 +151,7 @@ class Topic:
         return [sink for each in sets for sink in each.receivers]
 
     def subscribers(self) -> Collection[str]:
-        """Return the nodes of these sinks, each once."""
+        """Return the nodes of the sinks, each once."""
         return self.groups[0].listeners
 
     def all_subscribers(self) -> set[str]:
@@ -404,7 +404,7 @@ class Source:
         self.messages = 0
         """Messages published."""
         self.bytes = 0
-        """Bytes of these messages as they arrived."""
+        """Bytes of the published messages as they arrived."""
         self._latched: Publication | None = None
         self._latched_bytes = 0
         self._now = now

@@ -158,7 +158,7 @@ class TypeGroup:
         return bool(self.typed.receivers or self.topic.untyped.receivers)
 
     def members(self) -> list[str]:
-        """Return the nodes that publish, or, if none does, those that hold its type."""
+        """Return the publishing nodes; without any, the subscribing nodes that hold its type."""
         return list(self.sources) or [sink.node for sink in self.holding]
 
     def sinks(self) -> Collection[Sink]:

@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 
 class Views(Generic[T]):
-    """Something about the graph as nodes see it, made once for each view and revision of it.
+    """A value computed from the graph as nodes see it, once for each view and revision.
 
     Args:
         make: makes it for a caller's node.

@@ -42,7 +42,7 @@ class ListedClient(Protocol):
         """The name of the protocol that it speaks."""
 
     def registrations(self, what: Literal["subscriptions", "advertisements"]) -> int:
-        """Return how many of something it has registered."""
+        """Return the number of the client's subscriptions or advertisements."""
 
     @property
     def name(self) -> str:

@@ -229,7 +229,7 @@ class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
     # Called by the session
 
     def _on_end(self, error: Exception | None) -> None:
-        """End all goals: abort those that have begun, reject the one that has not."""
+        """Abort all goals that have begun, and reject the one that has not."""
         self._error = error
         self._ended.set()
         for goal in list(self._goals.values()):

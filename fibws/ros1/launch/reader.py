@@ -153,7 +153,7 @@ class LaunchReader:
     def _is_known(
         self, element: LaunchElement, known: Sequence[str] | Mapping[str, object]
     ) -> bool:
-        """Return whether an element is one of those, or else warn."""
+        """Return whether an element is known; warn of others."""
         if element.name not in known:
             near = suggestion(element.name, known)
             self._warn(element, f"ignoring unknown tag <{element.name}>{near}")

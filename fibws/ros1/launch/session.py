@@ -76,7 +76,7 @@ class LaunchSession:
         self._has_default_url = has_default_url
         self._waits = waits
         self._environment = dict(os.environ)
-        """The variables of the nodes, before those of their own."""
+        """The environment variables that all nodes have, without <env>."""
         self._rosbridges = [each for launch in launches for each in rosbridges(launch, packages)]
 
     async def find_hub(self) -> None:

@@ -394,7 +394,7 @@ class _CommandReader:
 
 
 def _grouped(words: Sequence[Word], *keywords: str) -> dict[str, list[Word]]:
-    """Return the words behind each keyword that occurs, and those before any of them under ""."""
+    """Return the words behind each keyword; the words before the first one are under ""."""
     groups: dict[str, list[Word]] = {"": []}
     group = groups[""]
     for word in words:
