@@ -321,7 +321,9 @@ class Settings:
         "(those of other machines), always or never.",
     )
     ping_interval: float = _setting(20.0, "Seconds between two pings; 0 sends none.")
-    ping_timeout: float = _setting(20.0, "Seconds in which a client must answer a ping.")
+    ping_timeout: float = _setting(
+        20.0, "Seconds in which a client must answer a ping, or send anything else."
+    )
     open_timeout: float = _setting(10.0, "Seconds in which a client must finish its handshake.")
     close_timeout: float = _setting(5.0, "Seconds in which a client must answer a close.")
     public_metrics: bool = _setting(

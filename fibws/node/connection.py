@@ -48,6 +48,7 @@ from fibws.errors import (
     NotAHub,
 )
 from fibws.hub_address import node_url
+from fibws.node.liveness import LOOK_INTERVAL, HubLiveness
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
 from fibws.node.session import Session
@@ -58,6 +59,7 @@ from fibws.protocol.websocket import (
     LIMITED,
     REPLACED,
     SERIALIZED,
+    SILENT,
     SIMULATED,
     SIZE_HEADER,
     TEXT,
@@ -166,6 +168,8 @@ class NodeWebSocket(asyncio.BufferedProtocol):
         self._is_reading_paused = True  # by the handshake
         self._fragments: list[bytes] = []
         self._is_text = False
+        self._keepalive = HubLiveness()
+        self._next_look: asyncio.TimerHandle | None = None
 
     def start(self, *, hold: bool) -> None:
         """Register with the hub and begin to read.
@@ -188,6 +192,7 @@ class NodeWebSocket(asyncio.BufferedProtocol):
         )
         self._receive(self._handshake.rest)
         self._schedule_turn()
+        self._look_later()
 
     async def accepted(self) -> None:
         """Wait until the hub has answered a ping: it has read what was sent before, and refuses a
@@ -231,6 +236,25 @@ class NodeWebSocket(asyncio.BufferedProtocol):
         finally:
             self._transport.abort()  # Does nothing if the connection was closed in good order.
 
+    # Liveness of the hub
+
+    def _look_later(self) -> None:
+        self._next_look = self._loop.call_later(LOOK_INTERVAL, self._look)
+
+    def _look(self) -> None:
+        """Ping the hub, or give it up, if that is due."""
+        self._look_later()
+        verdict = self._keepalive.look()
+        # A ping would wait behind bytes that the hub does not read.
+        if verdict == "ping" and self.is_open and not self.is_behind:
+            self._handshake.protocol.send_ping(b"")
+            self._handshake.send_data()
+        elif verdict == "lost":
+            if self.is_open:
+                self._handshake.protocol.fail(SILENT.code, SILENT.reason)
+                self._handshake.send_data()
+            self._transport.abort()
+
     # Writing, for the queue
 
     def write(self, frame: bytes, lane: PublisherLane | None) -> None:
@@ -264,6 +288,7 @@ class NodeWebSocket(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Handle what was read."""
+        self._keepalive.alive()
         try:
             if self._parser.in_large:
                 self._parser.filled(nbytes)
@@ -281,6 +306,8 @@ class NodeWebSocket(asyncio.BufferedProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Deliver what was read already, and report the loss."""
+        if self._next_look is not None:
+            self._next_look.cancel()
         self._session.outgoing.disconnect()
         while self._parser.paused:
             self._receive_more()
@@ -293,6 +320,7 @@ class NodeWebSocket(asyncio.BufferedProtocol):
 
     def resume_writing(self) -> None:
         """Handle a socket that has caught up."""
+        self._keepalive.alive()
         self._handshake.resume_writing()
         self._session.outgoing.resume()
 
@@ -489,6 +517,7 @@ class HubConnection:
                 max_size=self._session.max_message_size,
                 open_timeout=OPEN_TIMEOUT,
                 close_timeout=CLOSE_TIMEOUT,
+                ping_interval=None,  # See `HubLiveness`.
                 # What the socket does not take at once waits in our own queue, where it is bounded.
                 write_limit=1,
                 # A hub is nearby: the environment's proxy is for the internet.

@@ -159,6 +159,7 @@ class Connection(asyncio.BufferedProtocol):
         "_request",
         "_requested",
         "_rest",
+        "_seen_bytes",
         "_shared",
         "_transport",
         "_waiting",
@@ -198,7 +199,7 @@ class Connection(asyncio.BufferedProtocol):
         """What is not written yet of that response's body."""
         self._quotas = ClientQuotas(shared.limits.quotas)
         self._log = ClientLog(shared.audit)
-        self.bytes_received = 0
+        self.bytes_received = self._seen_bytes = 0
         self.queue: SendQueue
         self.endpoint: Endpoint | None = None
         self._requested: str | None = None
@@ -814,9 +815,9 @@ class Connection(asyncio.BufferedProtocol):
             late: seconds by which the sweep itself is late.
         """
         self._keepalive.excuse(late)
-        if self._busy:
+        if self._busy or self.bytes_received != self._seen_bytes:
             self._keepalive.behind(now)
-            self._busy = self._waiting
+            self._busy, self._seen_bytes = self._waiting, self.bytes_received
         if self.endpoint is not None:
             self._report_drops(now)
             if self.queue.overfull:

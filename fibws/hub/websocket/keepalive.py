@@ -47,7 +47,7 @@ class Keepalive:
         self._pong_due = None
 
     def behind(self, now: float) -> None:
-        """Extend the pong's deadline: unread input may contain the pong."""
+        """Extend the deadline of the pong: the client sends, or has sent what was not read."""
         if self._pong_due is not None:
             self._pong_due = now + self._settings.ping_timeout
 

@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import AsyncExitStack
+from functools import partial
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ from conftest import Faults, StartHub
 
 from fibws.access.rights import Principal
 from fibws.hub.server import HubServer
+from fibws.hub.websocket.connection import Connection
 from fibws.hub.websocket.endpoint import Opening, Registration, Work
 from fibws.hub.websocket.turns import ITERATION, MOST_FRAMES, TURN, Turns
 from fibws.protocol.websocket import LARGE, SHUTDOWN, Payload
@@ -402,6 +404,31 @@ async def test_client_whose_pong_is_behind_its_messages_is_alive(start_hub: Star
         # From now on its silence counts.
         clock.advance(10.0)
         clock.advance(30.0)
+        assert (await client.frame())[0] == CLOSE
+
+
+def is_reached(connection: Connection, received: int) -> bool:
+    return connection.bytes_received >= received
+
+
+async def test_client_that_sends_but_whose_pong_does_not_come_is_alive(
+    start_hub: StartHub,
+) -> None:
+    """The pong may wait behind megabytes in the client, or on a slow network."""
+    hub = await start_hub(ping_interval=10.0, ping_timeout=20.0)
+    clock = VirtualTime(hub)
+    async with connected(hub.port) as client:
+        clock.advance(10.0)
+        assert (await client.frame())[0] == PING
+        [connection] = hub._connections
+        for _ in range(5):
+            expected = connection.bytes_received + 100
+            await client.send(frame(TEXT, b"x" * 1000)[:100])  # A part of a message.
+            await until(partial(is_reached, connection, expected))
+            clock.advance(15.0)
+        clock.advance(15.0)
+        assert hub._connections
+        clock.advance(6.0)
         assert (await client.frame())[0] == CLOSE
 
 
