@@ -7,6 +7,7 @@ each type, however the program came to it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +17,9 @@ from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.folders import KINDS, STANDARD
 from fibws.interfaces.generated_modules import GENERATED, MODULES
 from fibws.interfaces.generator import generate
+
+_OTHERS = ("hub", "tf")
+"""Further packages that `fibws` exports."""
 
 
 def write_stubs(interfaces: Interfaces, folder: Path) -> Iterator[Path]:
@@ -45,17 +49,26 @@ def write_stubs(interfaces: Interfaces, folder: Path) -> Iterator[Path]:
 
 
 def _write_parents(folder: Path) -> Iterator[Path]:
-    """Write stubs of fibws itself, and of its packages that hold the modules, if they are needed.
+    """Write stubs of fibws itself, and of the packages in it that it exports, if they are needed.
 
     Without them mypy takes a standard package's own module, not the stub of the user's package that
-    has its name. All other modules are found where fibws is installed.
+    has its name. All other modules are found where fibws is installed, by absolute names alone:
+    Pyright looks for relative ones beside the stub.
     """
     names = (each.stem for each in folder.glob("fibws/*/[!_]*.pyi"))
     is_needed = any((STANDARD / name).is_dir() for name in names)
-    for path in ("__init__.pyi", *(f"{kind}/__init__.py" for kind in KINDS)):
-        source = (MODULES / path).read_text("utf-8")
-        copied = f"# A copy of fibws/{path}, {GENERATED}\n{source}" if is_needed else None
-        yield from _write((folder / "fibws" / path).with_suffix(".pyi"), copied)
+    for package in ("", *KINDS, *_OTHERS):
+        stub = folder / "fibws" / package / "__init__.pyi"
+        yield from _write(stub, _copied(package) if is_needed else None)
+
+
+def _copied(package: str) -> str:
+    """Return a copy of the stub of fibws, or of a package in it, with absolute names."""
+    found = MODULES / package / "__init__.pyi"
+    path = found if found.exists() else found.with_suffix(".py")
+    name = ".".join(filter(None, ("fibws", package)))
+    source = re.sub(r"^from \.(?=\w)", f"from {name}.", path.read_text("utf-8"), flags=re.M)
+    return f"# A copy of {path.relative_to(MODULES.parent).as_posix()}, {GENERATED}\n{source}"
 
 
 def _write(stub: Path, source: str | None) -> Iterator[Path]:

@@ -1,6 +1,7 @@
 """The generator of the modules in fibws/msg, srv and action."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -175,13 +176,18 @@ def test_stubs_of_a_package_with_a_standard_name_come_with_those_of_fibws_itself
     text = (stubs / "msg" / "std_msgs.pyi").read_text("utf-8")
     assert "class Extra(" in text
     assert "class String(" in text
-    parents = [stubs / name / "__init__.pyi" for name in ("", *KINDS)]
-    assert [each.is_file() for each in parents] == [True] * 4
-    assert "Node as Node" in parents[0].read_text("utf-8")
+    parents = {each.parent.name: each for each in stubs.rglob("__init__.pyi")}
+    text = parents["fibws"].read_text("utf-8")
+    assert "Node as Node" in text
+    # Pyright looks for modules with relative names beside the stub alone.
+    [exported] = re.findall(r"^from \. import (.*)$", text, re.M)
+    assert {each.split(" as ")[0] for each in exported.split(", ")} == {*parents} - {"fibws"}
+    for each in parents.values():
+        assert not re.search(r"^from \.\w", each.read_text("utf-8"), re.M), each
     (tmp_path / "own" / "std_msgs").rename(tmp_path / "own" / "extra_msgs")
     (stubs / "msg" / "std_msgs.pyi").unlink()
     generator.main(arguments)
-    assert [each.is_file() for each in parents] == [False] * 4
+    assert not [*stubs.rglob("__init__.pyi")]
 
 
 def test_stubs_need_packages_of_the_user(
