@@ -326,6 +326,9 @@ class DeflatingGroup(RosbridgeGroup):
 
     def receive(self, publication: Publication) -> None:
         """Send a message to every subscription that wants it, once it is compressed."""
+        if not self._targets and not any(map(self.wants, self._throttles)):
+            super().receive(publication)  # It only counts the message.
+            return
         try:
             frame = self._encode_text(publication)
         except Exception as fault:
