@@ -261,6 +261,8 @@ def _hide_token(record: logging.LogRecord) -> bool:
 
 def _check(token: str, source: str) -> str:
     """Return a token; raise `AccessError` if a header must not hold it."""
+    if not isinstance(token, str):
+        raise TypeError(f"{source} must be a string, got {token!r}")
     if not token:
         raise AccessError(f"{source} is empty, expected a token")
     if len(token) > LONGEST_TOKEN:

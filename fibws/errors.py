@@ -123,9 +123,9 @@ class InvalidTypeName(InterfaceError, ValueError):
 
     code = "invalid_type_name"
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, hint: str = "") -> None:
         self.name = name
-        super().__init__(f"{name} is not a valid type string")
+        super().__init__(f"{name} is not a valid type string{hint}")
 
 
 class DefinitionLimit(InterfaceError):

@@ -34,10 +34,17 @@ def is_legal(name: str) -> bool:
     return len(name) <= MAX_LENGTH and _LEGAL.fullmatch(name) is not None
 
 
-def check(name: str) -> str:
-    """Return ``name`` if it is a legal graph name; raise `InvalidName` otherwise."""
+def check_text(name: object) -> None:
+    """Raise TypeError unless a name is a string."""
+    if isinstance(name, type):
+        raise TypeError(f"a name must be a string, got the class {name.__name__}")
     if not isinstance(name, str):
         raise TypeError(f"a name must be a string, got {name!r}")
+
+
+def check(name: str) -> str:
+    """Return ``name`` if it is a legal graph name; raise `InvalidName` otherwise."""
+    check_text(name)
     if not name:
         raise InvalidName(name, "it is empty")
     if len(name) > MAX_LENGTH:
@@ -200,6 +207,7 @@ def parse_remappings(arguments: Iterable[str]) -> Remapping:
 
 def check_namespace(name: str) -> str:
     """Return a namespace as a global name: ``/`` or ``/a/b``."""
+    check_text(name)
     stripped = name.strip("/")
     if stripped.startswith("~"):
         raise InvalidName(name, "a namespace cannot be private")

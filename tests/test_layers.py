@@ -26,7 +26,7 @@ BELOW = {
     "errors": {"command_names", "hub_advice"},
     "names": {"errors"},
     "suggestions": set[str](),
-    "public_classes": set[str](),
+    "public_classes": {"suggestions"},
     "files": set[str](),
     "hub_address": {"errors", "hub_advice"},
     "hub_advice": {"command_names"},

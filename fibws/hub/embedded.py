@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Self
+from typing import ClassVar, Self
 
 from fibws.hub.server import HubServer
 from fibws.hub.settings import Settings
@@ -30,6 +30,10 @@ class Hub(AsyncContext):
             it cannot use a certificate, or another file, folder or address of its settings.
         SettingError: a folder of definitions is not there.
     """
+
+    _hints: ClassVar = {
+        "__init__": "write Hub(Settings(port=9090)), with the settings in fibws.Settings"
+    }
 
     def __init__(self, settings: Settings | None = None) -> None:
         if not isinstance(settings, Settings | None):

@@ -356,8 +356,10 @@ class Settings:
     def _is_set(self, name: str) -> bool:
         return bool(getattr(self, name) != self.__dataclass_fields__[name].default)
 
-    def __new__(cls, **values: Any) -> Settings:
+    def __new__(cls, *unnamed: Any, **values: Any) -> Settings:
         """Refuse unknown arguments, with the nearest known one."""
+        if unnamed:
+            raise TypeError(f"Settings takes named values, as in port=9090, got {unnamed[0]!r}")
         for name in values:
             if name not in cls.__dataclass_fields__:
                 meant = suggestion(name, cls.__dataclass_fields__)

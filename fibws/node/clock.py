@@ -5,7 +5,9 @@ from __future__ import annotations
 import asyncio
 import math
 import time
+from typing import ClassVar
 
+from fibws.node.checks import is_number
 from fibws.node.session import Session
 from fibws.public_classes import AsyncIterable, made_by
 
@@ -80,6 +82,8 @@ class Schedule:
     """
 
     def __init__(self, hz: float) -> None:
+        if not is_number(hz):
+            raise TypeError(f"a rate must be a number (hertz), got {hz!r}")
         if not 0 < hz < math.inf:
             raise ValueError(f"a rate must be a finite number above 0 (hertz), got {hz!r}")
         self._period = 1 / hz
@@ -98,6 +102,8 @@ class Schedule:
 @made_by("Node.rate")
 class Rate(AsyncIterable):
     """Ticks ``hz`` times a second until the node ends: ``async for _ in node.rate(10)``."""
+
+    _other_names: ClassVar = {"sleep": "async for _ in node.rate(hz)"}
 
     def __init__(self, hz: float, clock: NodeClock) -> None:
         self._schedule = Schedule(hz)

@@ -10,6 +10,12 @@ from fibws.public_classes import Public, made_by
 from fibws.srv import rosapi
 
 
+def _type_name(name: str) -> str:
+    if not isinstance(name, str):
+        raise TypeError(f"expected the name of a type, such as std_msgs/Int32, got {name!r}")
+    return name
+
+
 @dataclass(frozen=True, slots=True)
 class NodeDetails:
     """The names of one node's topics and services."""
@@ -58,7 +64,9 @@ class Graph(Public):
     async def topics_of_type(self, type_: str, *, timeout: float | None = None) -> list[str]:
         """Return the names of the topics of a type, such as ``std_msgs/Int32``."""
         return (
-            await self._ask("topics_for_type", rosapi.TopicsForType, timeout, type=type_)
+            await self._ask(
+                "topics_for_type", rosapi.TopicsForType, timeout, type=_type_name(type_)
+            )
         ).topics
 
     async def topic_type(self, topic: str, *, timeout: float | None = None) -> str | None:
@@ -89,7 +97,9 @@ class Graph(Public):
     async def services_of_type(self, type_: str, *, timeout: float | None = None) -> list[str]:
         """Return the names of the services of a type, such as ``std_srvs/Trigger``."""
         return (
-            await self._ask("services_for_type", rosapi.ServicesForType, timeout, type=type_)
+            await self._ask(
+                "services_for_type", rosapi.ServicesForType, timeout, type=_type_name(type_)
+            )
         ).services
 
     async def service_type(self, service: str, *, timeout: float | None = None) -> str | None:

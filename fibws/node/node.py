@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Self, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, overload
 
 from typing_extensions import TypeVar
 
@@ -19,7 +19,7 @@ from fibws.interfaces import Action, Message, Service, Time
 from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg.rosgraph_msgs import Log
 from fibws.node.calls import Calls
-from fibws.node.checks import check_queue_size, check_timeout
+from fibws.node.checks import check_queue_size, check_timeout, check_types
 from fibws.node.clock import CLOCK_QUEUE, NodeClock, Rate
 from fibws.node.connection import HubConnection
 from fibws.node.log import Console, Loggers, Rosout, node_log
@@ -74,6 +74,7 @@ class Identity:
             remapping: another one.
             resolve: `names.resolve`, or `names.resolve_any` if names need not be legal.
         """
+        names.check_text(name)
         if resolve is names.resolve or "/" in name:
             names.check_base(name)
         if remapping.node_name is not None:
@@ -143,6 +144,31 @@ class Node(AsyncContext):
             positive number.
     """
 
+    _hints: ClassVar = {
+        "subscribe": "messages come by: async for message in node.subscribe(topic, type)",
+        "call": 'a request is one value, such as a dict: node.call(name, type, {"a": 1})',
+        "service": "write service(name, type, handler), whose handler takes the request",
+        "action_server": "write action_server(name, type, execute), whose execute takes the goal",
+    }
+    _other_names: ClassVar = {
+        "create_publisher": "await node.advertise(topic, type)",
+        "create_subscription": "async for message in node.subscribe(topic, type)",
+        "create_service": "await node.service(name, type, handler)",
+        "create_client": "await node.call(name, type, request)",
+        "create_rate": "async for _ in node.rate(hz)",
+        "create_timer": "async for _ in node.rate(hz)",
+        "get_logger": "node.log",
+        "get_name": "node.name",
+        "get_param": "await node.params.get(name)",
+        "get_parameter": "await node.params.get(name)",
+        "set_param": "await node.params.set(name, value)",
+        "declare_parameter": "await node.params.get(name, default)",
+        "loginfo": "node.log.info(text)",
+        "publish": "await publisher.publish(message), of node.advertise(topic, type)",
+        "shutdown": "await node.close()",
+        "destroy_node": "await node.close()",
+        "spin_once": "await node.spin()",
+    }
     _needs_legal_names = True
     """Whether names must be legal in ROS; rospy only warns about others."""
 
@@ -165,6 +191,7 @@ class Node(AsyncContext):
         use_sim_time: bool | None = None,
         max_message_size: int | None = None,
     ) -> None:
+        check_types(log=(log, logging.Logger), remapping=(remapping, names.Remapping))
         self._identity = Identity.choose(
             name,
             anonymous=anonymous,
@@ -377,6 +404,8 @@ class Node(AsyncContext):
             topic: its name.
             take: is called in the node's loop, while the socket is read; it must not raise.
         """
+        if not callable(take):
+            raise TypeError(f"take must be a function, got {take!r}")
         return self._topics.subscribe(
             self._used(topic),
             self._types.serialized(ANY_TYPE, None, None),

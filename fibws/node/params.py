@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from fibws import names
 from fibws.errors import InvalidName, ParameterNotSet
@@ -31,6 +31,14 @@ class Params(Public):
         ServiceError: the hub refuses, or was lost, as the text says.
         NodeClosed: the node has ended.
     """
+
+    if not TYPE_CHECKING:
+
+        def __getitem__(self, name: str) -> NoReturn:
+            raise TypeError("write await node.params.get(name), not node.params[name]")
+
+        def __setitem__(self, name: str, value: object) -> NoReturn:
+            raise TypeError("write await node.params.set(name, value), not node.params[name]")
 
     # calls: the node's.
     # resolve: returns the global name of a name.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Generic, Self, TypeVar, overload
+from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 
 from typing_extensions import ParamSpec
 
 from fibws.errors import InvalidMessage, NodeClosed, NodeError, OperationRejected
 from fibws.interfaces import Message
 from fibws.interfaces.json_text import exact_json_of
+from fibws.node.checks import check_seconds
 from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.peers import Peers
 from fibws.node.session import Registration, Session, throw
@@ -39,6 +40,12 @@ class Publisher(Registration, Generic[M, P]):
 
     Leave it with `close`, or by ``async with``, to stop publishing before the node does.
     """
+
+    _other_names: ClassVar = {
+        "get_num_connections": "await node.graph.subscribers(topic)",
+        "unadvertise": "publisher.close()",
+        "unregister": "publisher.close()",
+    }
 
     # session: the node's.
     # operation: the advertisement, as for a server without `fibws.v1`.
@@ -253,6 +260,7 @@ class Publisher(Registration, Generic[M, P]):
         """
         if self._closed or self._session.over:
             self._raise()
+        check_seconds(timeout)
         if timeout is not None and not SHORTEST_WILL <= timeout <= LONGEST_WILL:
             raise ValueError(
                 f"timeout must be between {SHORTEST_WILL:g} and {LONGEST_WILL:g} s, got {timeout:g}"
@@ -341,6 +349,8 @@ class Publisher(Registration, Generic[M, P]):
             message = fields[0]
             if not isinstance(message, message_class):
                 raise self._codec.mismatch(message)
+        elif fields and isinstance(fields[0], type):
+            raise self._codec.mismatch(fields[0])
         elif fields and named:
             raise TypeError("publish() can be called with arguments or keywords, but not both.")
         else:

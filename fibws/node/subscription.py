@@ -6,7 +6,7 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeAlias, TypeVar
 
 from pydantic_core import from_json
 
@@ -52,6 +52,14 @@ class Subscription(AsyncContext, AsyncIterable, Generic[M]):
     decoded when they are read. Leave it with `close`, or by ``async with``, to stop listening
     before the node does. From a rosbridge_suite server infinity arrives as NaN.
     """
+
+    _other_names: ClassVar = {
+        "get": "await anext(subscription)",
+        "recv": "await anext(subscription)",
+        "receive": "await anext(subscription)",
+        "unregister": "subscription.close()",
+        "unsubscribe": "subscription.close()",
+    }
 
     # operation: the subscription, as for a server without `fibws.v1`.
     # codec: the codec of its messages.

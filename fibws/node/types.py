@@ -9,7 +9,7 @@ from typing import Any, Generic, cast
 from typing_extensions import TypeVar
 
 from fibws.action import action_class
-from fibws.errors import InterfaceError, InvalidMessage
+from fibws.errors import InterfaceError, InvalidMessage, InvalidTypeName
 from fibws.interfaces import Action, Duration, Interfaces, Message, Service, Time, Validators
 from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.interfaces.python_names import ros_name
@@ -136,8 +136,14 @@ class MessageCodec(Generic[N]):
 
     def mismatch(self, given: object) -> TypeError:
         """Return the error for something that is not a message of the class."""
+        if isinstance(given, type):
+            text = f"expected [{self.type}] but got the class {given.__name__}"
+            is_meant = issubclass(given, self.message_class)
+            return TypeError(f"{text}: write {given.__name__}()" if is_meant else text)
         found = given._type if isinstance(given, Message) else type(given).__name__
         text = f"expected [{self.type}] but got [{found}]"
+        if not isinstance(given, Message):
+            text += f"; write a dict of its fields: {', '.join(self._fields()) or 'it has none'}"
         if found == self.type:
             text += f": {_full_name(type(given))} is not {_full_name(self.message_class)}"
         return TypeError(text)
@@ -321,7 +327,8 @@ class NodeTypes:
             TypeError: it is neither.
         """
         if isinstance(type_, str):
-            return cast(type[M], message_class(self._interfaces.message(type_).type))
+            name = _with_package(type_, "a message")
+            return cast(type[M], message_class(self._interfaces.message(name).type))
         found = cast(type[M], _checked(type_, "a message"))
         if found._type != ANY_TYPE:
             self._interfaces.message(found._type)
@@ -353,6 +360,8 @@ class NodeTypes:
 
         The definition of a standard type is left out: every hub has it.
         """
+        if not isinstance(type_, str):
+            raise TypeError(f"expected the name of a type, such as std_msgs/Int32, got {type_!r}")
         try:
             if self.definition(type_) is None and md5sum in (None, self._interfaces.md5(type_)):
                 definition = None
@@ -368,7 +377,9 @@ class NodeTypes:
 
     def service_class(self, type_: type[Service[Req, Res]] | str) -> type[Service[Any, Any]]:
         """Return the class itself, or that of the service type of this name."""
-        return service_class(type_) if isinstance(type_, str) else _checked(type_, "a service")
+        if isinstance(type_, str):
+            return service_class(_with_package(type_, "a service"))
+        return _checked(type_, "a service")
 
     def service(self, type_: type[Service[Req, Res]]) -> NodeServiceType[Req, Res]:
         """Return how messages of a service type become JSON values.
@@ -396,7 +407,9 @@ class NodeTypes:
 
     def action_class(self, type_: type[Action[G, R, F]] | str) -> type[Action[Any, Any, Any]]:
         """Return the class itself, or that of the action type of this name."""
-        return action_class(type_) if isinstance(type_, str) else _checked(type_, "an action")
+        if isinstance(type_, str):
+            return action_class(_with_package(type_, "an action"))
+        return _checked(type_, "an action")
 
     def action_md5(self, type_: str) -> str:
         """Return the md5s of an action's goal, feedback and result, with commas between them."""
@@ -411,13 +424,28 @@ class NodeTypes:
         return None
 
 
+_EXAMPLES = {
+    "a message": "std_msgs/Int32",
+    "a service": "std_srvs/Trigger",
+    "an action": "actionlib_tutorials/Fibonacci",
+}
+
+
+def _with_package(type_: str, kind: str) -> str:
+    """Return the name of a type; raise `InvalidTypeName` if it has no package."""
+    if "/" not in type_:
+        raise InvalidTypeName(type_, f"; write its package, too, as in {_EXAMPLES[kind]}")
+    return type_
+
+
 _Class = TypeVar("_Class")
 
 
 def _checked(given: _Class, kind: str) -> _Class:
     """Return a class of messages, services or actions; raise TypeError if it is something else."""
     if not isinstance(given, type) or not isinstance(getattr(given, "_type", None), str):
-        raise TypeError(f"expected {kind} class or the name of a type, got {given!r}")
+        example = f"such as {_EXAMPLES[kind]}"
+        raise TypeError(f"expected {kind} class or the name of a type, {example}, got {given!r}")
     return given
 
 

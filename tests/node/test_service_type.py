@@ -43,10 +43,16 @@ def test_request_may_be_a_message_or_a_dict(types: NodeTypes, given: Any) -> Non
 
 @pytest.mark.parametrize(
     ("given", "name"),
-    [(Int32(1), "std_msgs/Int32"), (5, "int"), ((1, 2), "tuple"), (AddTwoInts, "type")],
+    [
+        (Int32(1), r"\[std_msgs/Int32\]"),
+        (5, r"\[int\]; write a dict of its fields: a, b"),
+        ((1, 2), r"\[tuple\]; write a dict of its fields: a, b"),
+        (AddTwoInts, "the class AddTwoInts"),
+        (AddTwoInts.Request, r"the class AddTwoIntsRequest: write AddTwoIntsRequest\(\)"),
+    ],
 )
 def test_other_requests_are_refused(types: NodeTypes, given: Any, name: str) -> None:
-    fault = rf"expected \[rospy_tutorials/AddTwoIntsRequest\] but got \[{name}\]"
+    fault = rf"expected \[rospy_tutorials/AddTwoIntsRequest\] but got {name}$"
     with pytest.raises(TypeError, match=fault):
         request(types, given)
 

@@ -114,5 +114,5 @@ async def test_definition_is_sent_with_the_advertisement(
 def test_other_things_than_classes_and_names_are_refused(given: Any) -> None:
     types = NodeTypes(lambda: 0)
     for find in (types.message_class, types.service_class, types.action_class):
-        with pytest.raises(TypeError, match="class or the name of a type, got"):
+        with pytest.raises(TypeError, match="class or the name of a type, such as"):
             find(given)

@@ -6,7 +6,7 @@ import asyncio
 from abc import abstractmethod
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Mapping
-from typing import Any, Generic, Self
+from typing import Any, ClassVar, Generic, Self
 
 from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
 from fibws.interfaces.message import F, G, R
@@ -22,6 +22,12 @@ HUB_LOST = "the connection to the hub was lost"
 @made_by("ActionClient.send")
 class ClientGoal(Public, Generic[R, F]):
     """A goal that was sent: its status, its feedback and its result."""
+
+    _other_names: ClassVar = {
+        "get_result": "await goal.result()",
+        "get_state": "goal.status",
+        "wait_for_result": "await goal.result()",
+    }
 
     # id_: its id.
     # queue_size: how much feedback is kept for a slow reader; then the oldest is dropped.
@@ -131,6 +137,14 @@ class ActionClient(OperationHandler, AsyncContext, Generic[G, R, F]):
 
     To stop before the node ends, call `close` or use ``async with``.
     """
+
+    _hints: ClassVar = {"send": 'a goal is one value, such as a dict: client.send({"order": 5})'}
+    _other_names: ClassVar = {
+        "get_result": "goal = await client.send(goal), await goal.result()",
+        "send_goal": "await client.send(goal)",
+        "send_goal_async": "await client.send(goal)",
+        "wait_for_result": "goal = await client.send(goal), await goal.result()",
+    }
 
     # session: the node's session.
     # name: the action's global name.
