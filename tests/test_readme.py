@@ -311,11 +311,25 @@ def commands(page: str) -> Iterator[list[str]]:
 
 def installed(first: str) -> list[str]:
     """Return the command that the README has behind an installation with pip."""
-    found = re.search(rf"^python -m pip install {re.escape(first)} && (.*)$", PAGES[README], re.M)
+    found = re.search(rf"^python -m pip install {re.escape(first)}\n(.*)$", PAGES[README], re.M)
     assert found is not None
     words = shlex.split(found[1])
     assert words.pop(0) == "python"
     return words
+
+
+@pytest.mark.parametrize(
+    ("page", "heading"), [(README, "Try it"), (DOCS / "tutorial.md", "Without bash")]
+)
+def test_first_commands_are_also_those_of_powershell(page: Path, heading: str) -> None:
+    """Windows PowerShell has no ``&&``, no ``source``, and no variables in front of a command."""
+    section = re.search(rf"\n## {heading}\n(.*?)(?=\n## |\Z)", PAGES[page], re.DOTALL)
+    assert section is not None
+    blocks = re.findall(r"^```console.*?\n(.*?)^```$", section[1], re.M | re.DOTALL)
+    lines = "".join(blocks).splitlines()
+    assert len(lines) > 4
+    for line in lines:
+        assert not re.search(r"&&|\bsource\b|<\(|^\w+=|\bexport\b| &$", line), line
 
 
 async def test_demo_runs() -> None:
@@ -330,7 +344,7 @@ async def test_demo_runs() -> None:
 
 
 def test_pytest_finds_tests() -> None:
-    words = [*installed("-e '.[test]'"), "--collect-only", "--quiet", "-n", "0"]
+    words = [*installed('-e ".[test]"'), "--collect-only", "--quiet", "-n", "0"]
     run = subprocess.run(
         [sys.executable, *words, "tests/test_names.py"], cwd=ROOT, capture_output=True, text=True
     )
