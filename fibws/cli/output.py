@@ -115,8 +115,31 @@ def names(found: Iterable[str], *, json_: bool = False) -> None:
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print aligned columns without borders, which ``awk`` can read."""
+    """Print aligned columns without borders, which ``awk`` can read.
+
+    A terminal that is too narrow for them gets a block of lines for each row instead.
+    """
     cells = [[visible(cell, keep="") for cell in row] for row in (heads, *rows)]
     widths = [max(len(row[column]) for row in cells) for column in range(len(heads))]
+    if is_terminal() and sum(widths) + 2 * len(widths) - 2 > _columns():
+        _blocks(cells)
+        return
     for row in cells:
         line("  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+def _columns() -> int:
+    import shutil  # Few tools need it.
+
+    return shutil.get_terminal_size().columns
+
+
+def _blocks(cells: Sequence[Sequence[str]]) -> None:
+    """Print rows as blocks of lines, with the first row's cell in front of each value."""
+    heads, *rows = cells
+    width = max(map(len, heads))
+    for number, row in enumerate(rows):
+        if number:
+            line("")
+        for head, cell in zip(heads, row, strict=True):
+            line(f"{head:{width}}  {cell}".rstrip())

@@ -155,6 +155,27 @@ def test_names_are_sorted(stdout: Stdout) -> None:
     assert pipe.text() == '/a\n/b\n"/a"\n"/b"\n'
 
 
+@pytest.mark.parametrize(
+    ("columns", "is_terminal", "lines"),
+    [
+        (12, True, ["NAME    N", "/robot  1"]),
+        (8, True, ["NAME  /robot", "N     1", "", "NAME  /b", "N     22"]),
+        (8, False, ["NAME    N", "/robot  1"]),
+    ],
+)
+def test_narrow_terminal_gets_a_block_per_row(
+    columns: int,
+    is_terminal: bool,
+    lines: list[str],
+    stdout: Stdout,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stream = stdout(is_terminal=is_terminal)
+    monkeypatch.setenv("COLUMNS", str(columns))
+    output.table(("NAME", "N"), [("/robot", "1"), ("/b", "22")])
+    assert stream.text().splitlines()[: len(lines)] == lines
+
+
 def test_table_has_one_line_per_row(stdout: Stdout) -> None:
     pipe = stdout()
     output.table(("NAME", "N"), [("/a\n/forged", "1"), ("/b", "22")])
