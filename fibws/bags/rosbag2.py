@@ -37,7 +37,7 @@ def open_folder(path: str, *, allow_unindexed: bool = False) -> Reader:
     metadata = _read_metadata(path)
     names = metadata.files or listed(path)
     if not names:
-        bags = sorted(each for each in os.listdir(path) if each.endswith(".bag"))
+        bags = _bags(path)
         hint = f"; name a file in it, such as {os.path.join(path, bags[0])}" if bags else ""
         raise BagFormatError(f"{path}: a folder without .mcap or .db3 files{hint}")
     with ExitStack() as stack:
@@ -48,6 +48,12 @@ def open_folder(path: str, *, allow_unindexed: bool = False) -> Reader:
             readers.append(stack.enter_context(reader))
         stack.pop_all()
     found = readers[0] if len(readers) == 1 else CombinedReader(path, readers)
+    if left := [] if metadata.files else _bags(path):
+        first = os.path.join(path, left[0])
+        notice = (
+            f"{path}: a folder is read as a recording of ROS 2, without .bag files such as {first}"
+        )
+        found.notices = (*found.notices, notice)
     return UnpackingReader(found) if metadata.has_compressed_messages else found
 
 
@@ -174,6 +180,11 @@ def _information(place: str) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise BagFormatError(f"{place}: rosbag2_bagfile_information is missing")
     return found
+
+
+def _bags(path: str) -> list[str]:
+    """Return the names of the .bag files in a folder."""
+    return sorted(each for each in os.listdir(path) if each.endswith(".bag"))
 
 
 def listed(path: str) -> list[str]:

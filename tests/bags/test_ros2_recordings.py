@@ -51,6 +51,18 @@ def test_files_of_a_folder_are_read_as_one_bag(tmp_path: Path, kind: Kind) -> No
         assert rows(folder) == found
 
 
+def test_bags_in_a_folder_of_other_files_are_said_to_be_left_out(tmp_path: Path) -> None:
+    folder = tmp_path / "walk"
+    ros2_recordings.write(folder, ros2_recordings.MCAP)
+    (folder / "other.bag").touch()
+    with open_reader(folder) as reader:
+        assert reader.notices == ()  # metadata.yaml says what belongs to it.
+    (folder / "metadata.yaml").unlink()
+    with open_reader(folder) as reader:
+        [notice] = reader.notices
+        assert str(folder / "other.bag") in notice
+
+
 @each_kind
 def test_file_of_a_folder_is_read_alone(tmp_path: Path, kind: Kind) -> None:
     folder = tmp_path / "walk"

@@ -77,7 +77,7 @@ def command(
     """Print the messages of TOPIC, or a FIELD of them: /pose/position/x, /scan/ranges[0].
 
     Messages are printed as YAML, separated by ---. If the topic is not published yet, the command
-    waits for it.
+    waits for it. With --all --json each line has the topic, the time and the message.
     """
     if as_json and (plot or any(style.values())):
         raise click.UsageError("--json excludes -p, -w, --noarr, --nostr and --offset.")
@@ -88,7 +88,8 @@ def command(
     if topic is None and not all_topics:
         raise click.UsageError("Missing argument 'TOPIC[/FIELD]'.")
     in_bag = bag is not None
-    show = _json if as_json else _csv(in_bag, **style) if plot else _yaml(clear=clear, **style)
+    as_text = _json_of_all if all_topics else _json
+    show = as_text if as_json else _csv(in_bag, **style) if plot else _yaml(clear=clear, **style)
     if bag is None:
         _echo_topic(hub=hub, topic=topic, count=count, wanted=wanted, show=show)
         return
@@ -190,6 +191,12 @@ def _up_to_date(client: HubClient, found: FoundTopic, message: dict[str, Any]) -
 
 def _json(value: Any, found: FoundTopic, now: int) -> None:
     output.as_json(value)
+
+
+def _json_of_all(value: Any, found: FoundTopic, now: int) -> None:
+    seconds, rest = divmod(now, 10**9)
+    time_ = {"secs": seconds, "nsecs": rest}
+    output.as_json({"topic": found.topic, "time": time_, "message": value})
 
 
 def _yaml(*, clear: bool, noarr: bool, nostr: bool, width: int | None, offset: bool) -> Show:

@@ -169,6 +169,10 @@ def test_bags_need_no_hub(bag: str, run: Run, monkeypatch: pytest.MonkeyPatch) -
     result = run("topic", "echo", "-b", bag, "number")
     assert (result.exit_code, result.output) == (0, "data: 0\n---\ndata: 1\n---\ndata: 2\n---\n")
     assert run("topic", "echo", "-b", bag, "-a").output.count("---") == 6
+    lines = run("topic", "echo", "-b", bag, "-a", "--json").output.splitlines()
+    assert len(lines) == 6
+    time = {"secs": 1_700_000_000, "nsecs": 0}
+    assert json.loads(lines[0]) == {"topic": "/number", "time": time, "message": {"data": 0}}
     assert (
         run("topic", "echo", "-b", bag, "-n", "2", "/point/point/x").output
         == "nan\n---\n1.0\n---\n"
