@@ -13,6 +13,7 @@ import {
   makeEdge,
   makeElement,
   rateLabel,
+  shortened,
 } from "./shapes";
 
 /** How many new marks are drawn in one frame. */
@@ -204,6 +205,8 @@ export class Drawing {
       setAttribute(frame, "height", String(height));
       setAttribute(title, "x", String(left + 10));
       setAttribute(title, "y", String(top + CAPTION_ROW));
+      // In the smallest font.
+      setText(title, shortened(name, Math.floor((width - 20) / (LETTER * MIN_CAPTION))));
       title.style.setProperty("--largest", `${captionSize(name, width)}px`);
       this.#groups.append(frame);
       this.#titles.append(title);
@@ -268,10 +271,13 @@ export class Drawing {
   }
 }
 
+/** The smallest font for a namespace's name, in pixels, and how wide its letters are: a part of that. */
+const MIN_CAPTION = 12;
+const LETTER = 0.7;
+
 /** The largest font for a namespace's name, in pixels, with which it covers no member. */
 function captionSize(name: string, width: number): number {
-  const letter = 0.65;
-  return Math.max(12, Math.min(CAPTION_ROW, (width - 20) / (letter * name.length)));
+  return Math.max(MIN_CAPTION, Math.min(CAPTION_ROW, (width - 20) / (LETTER * name.length)));
 }
 
 /** All that are drawn already, and some of the others. */

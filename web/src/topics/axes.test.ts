@@ -92,6 +92,7 @@ test("labels of the time axis have room", () => {
   expect(timeStep(600, 4)).toBe(300);
   expect([timeStep(0.01, 5), timeStep(7200, 3)]).toEqual([0.002, 3600]);
   expect([0, 5, 90, 120].map(agoText)).toEqual(["now", "−5 s", "−90 s", "−2 min"]);
+  expect([0.5, 0.1 + 0.2, -1e-12].map(agoText)).toEqual(["−0.5 s", "−0.3 s", "now"]);
 });
 
 test("any part of an axis has round ticks", () => {

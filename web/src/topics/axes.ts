@@ -117,7 +117,9 @@ export function multiples([low, high]: Extent, step: number): number[] {
 }
 
 /** A label for a time some seconds ago: `now`, `−5 s`, `−2 min`. */
-export function agoText(seconds: number): string {
+export function agoText(ago: number): string {
+  // Sums of steps are not exact.
+  const seconds = Number(ago.toFixed(6));
   if (seconds === 0) return "now";
   return seconds % 60 === 0 ? `−${seconds / 60} min` : `−${seconds} s`;
 }

@@ -353,8 +353,7 @@ export class Chart {
     const step = timeStep(xs[1] - xs[0], limit);
     const values = multiples(xs, step);
     const digits = step >= 1 ? 1 : Math.ceil(-Math.log10(step) - 1e-9);
-    const label = (time: number): string =>
-      isStill ? clock(time, digits) : agoText(Math.round(-time));
+    const label = (time: number): string => (isStill ? clock(time, digits) : agoText(-time));
     return { values, labels: values.map(label) };
   }
 

@@ -368,7 +368,7 @@ export class Transitions {
     context.textBaseline = "middle";
     context.fillStyle = this.#ink;
     for (const time of multiples([from, to], step)) {
-      const label = isStill ? clock(time, digits) : agoText(Math.round(-time));
+      const label = isStill ? clock(time, digits) : agoText(-time);
       const half = context.measureText(label).width / 2;
       const x = ((time - from) / (to - from)) * width;
       context.fillText(label, Math.min(width - half, Math.max(half, x)), height / 2);
