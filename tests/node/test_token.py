@@ -16,6 +16,7 @@ from unsigned_token import unsigned
 from websockets.asyncio.server import ServerConnection, serve
 
 import fibws
+from fibws import credentials
 from fibws.access.rights import RIGHTS, Principal, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Settings
@@ -300,7 +301,9 @@ async def test_web_token_is_renewed_at_a_real_hub(
         return web_tokens.encode(claims, key.read_bytes(), "HS256")
 
     settings = Settings(port=0, close_timeout=0.1, jwt_key=key, jwt_leeway=0)
-    file.write_text(token(1.5))
+    file.write_text(token(100))
+    for name in ("SHORTEST_CHECK", "LONGEST_CHECK"):  # It is renewed long before it expires.
+        monkeypatch.setattr(credentials, name, 0.01)
     renewed: asyncio.Queue[float | None] = asyncio.Queue()
     async with HubServer(settings) as hub:
         authorize = hub.graph.authorize
@@ -313,5 +316,5 @@ async def test_web_token_is_renewed_at_a_real_hub(
         async with fibws.Node("talker", hub=hub.url, token_file=file) as node:
             file.write_text(token(1000))
             expires = await asyncio.wait_for(renewed.get(), 60)
-            assert expires is not None and expires > time.time() + 100
+            assert expires is not None and expires > time.time() + 500
             await node.flush()
