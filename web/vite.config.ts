@@ -108,7 +108,12 @@ export default defineConfig({
     outDir: "../fibws/hub/page",
     emptyOutDir: true,
     assetsInlineLimit: 0,
-    modulePreload: { polyfill: false },
+    modulePreload: {
+      polyfill: false,
+      // What is loaded later is a list of names in each file otherwise, to save a round trip.
+      resolveDependencies: (_file, names, { hostId }) =>
+        /\bindex\b/.test(hostId) ? names : names.filter((name) => name.endsWith(".css")),
+    },
   },
   worker: { format: "es", plugins: () => [withoutParser] },
 });

@@ -209,20 +209,6 @@ async def test_panels_are_split_chosen_moved_closed_and_brought_back(
     await expect_panes(page, five)
 
 
-async def test_a_panel_is_dragged_by_its_head_beside_another_one(
-    robot: Robot, open_page: OpenPage
-) -> None:
-    page = await open_robot(robot, open_page)
-    head = pane(page, "Diagnostics /diagnostics").locator(".pane-head")
-    width, height = (await box(pane(page, "Image /camera")))[2:]
-    target = {"x": 5, "y": height / 2}
-    await head.drag_to(pane(page, "Image /camera"), target_position=target)  # type: ignore[arg-type]
-    await expect_panes(page, [FOUR[3], *FOUR[:3]])
-    assert (await box(pane(page, "Diagnostics")))[2] < width
-    await page.get_by_role("button", name="Undo").click()
-    await expect_panes(page, FOUR)
-
-
 async def test_bars_are_moved_by_mouse_and_keys_and_stay_there(
     robot: Robot, open_page: OpenPage
 ) -> None:

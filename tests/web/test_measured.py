@@ -155,7 +155,6 @@ TOPICS = {
     "graph": ("", ""),
     "topics": ("", ""),
     "services": ("", ""),
-    "actions": ("", ""),
     "parameters": ("", ""),
 }
 """What each view of the dashboard shows, and the type of its topic."""

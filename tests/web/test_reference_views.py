@@ -50,7 +50,7 @@ VIEWS = {
     "services": ("#/services", ".browse-list"),
     "console": ("#/console", ".console"),
     "parameters": ("#/parameters", ".parameters-tree li"),
-    "dashboard": ("#/dashboard", ".parameters-tree li"),
+    "dashboard": ("#/dashboard", ".pane-image .image-facts"),
 }
 """The address of each view, and what it has once it is complete."""
 PARTS = """() => new Promise((resolve) => {

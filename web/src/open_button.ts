@@ -5,7 +5,7 @@ import type { Files } from "./dropped_files";
 export function openButton(open: (files: Files) => void): HTMLElement {
   const input = h("input", {
     type: "file",
-    accept: ".mcap,.bag,.zstd,.yaml",
+    accept: ".mcap,.bag,.yaml",
     multiple: true,
     hidden: true,
     "aria-label": "Recording",

@@ -3,6 +3,7 @@ import { h, setText } from "../dom";
 import { FilterInput } from "../filter";
 import { KeyedRows } from "../keyed_rows";
 import type { Graph } from "../model";
+import type { Side } from "./layout";
 import { earlierNames } from "./view_names";
 import { VIEWS, type ViewKind } from "./views";
 
@@ -105,4 +106,35 @@ export class Chooser {
       name === "" ? label : name,
     );
   }
+}
+
+const SIDES: readonly Side[] = ["left", "right", "above", "below"];
+
+/** A form that moves a pane to a side of another one; null if there is none. */
+export function moveForm(
+  others: readonly { readonly id: number; readonly title: string }[],
+  move: (at: number, side: Side) => void,
+): HTMLElement | null {
+  if (others.length === 0) return null;
+  const side = h(
+    "select",
+    { "aria-label": "Side" },
+    ...SIDES.map((each) => h("option", { value: each }, each.replace(/t$/, "t of"))),
+  );
+  const at = h(
+    "select",
+    { "aria-label": "Panel", class: "grow" },
+    ...others.map(({ id, title }) => h("option", { value: id }, title)),
+  );
+  const onsubmit = (event: Event): void => {
+    event.preventDefault();
+    move(Number(at.value), side.value as Side);
+  };
+  return h(
+    "form",
+    { class: "toolbar pane-move", onsubmit },
+    side,
+    at,
+    h("button", { type: "submit" }, "Move"),
+  );
 }

@@ -2,10 +2,9 @@
 import { cutName, h, replace, setText, svg } from "../dom";
 import type { Graph } from "../model";
 import { type Config, closePanel, type Panel } from "../panels/panel";
-import { type Choice, Chooser } from "./chooser";
+import type { Choice, Chooser } from "./chooser";
 import type { Context } from "./context";
 import type { Pane, Side } from "./layout";
-import { dragPane, dropPanes } from "./pane_drag";
 import { type ViewKind, viewNamed } from "./views";
 
 /** What the pane's buttons do to the layout. */
@@ -24,8 +23,6 @@ const SPLITS: readonly { label: string; path: string; side: Side }[] = [
   { label: "Split right", path: "M2 3h12v10H2z M9 3v10 M11.5 6.5v3 M10 8h3", side: "right" },
   { label: "Split below", path: "M2 3h12v10H2z M2 8.5h12 M8 9.8v2.4 M6.8 11h2.4", side: "below" },
 ];
-
-const SIDES: readonly Side[] = ["left", "right", "above", "below"];
 
 export class PaneView {
   readonly element: HTMLElement;
@@ -59,7 +56,7 @@ export class PaneView {
     this.#kind = viewNamed(view);
     const label = view === "" ? "New panel" : (this.#kind?.label ?? view);
     this.title = `${label} ${name}`.trim();
-    const toggle = (): void => this.#toggleChooser(context.model.graph.value);
+    const toggle = (): void => this.#toggleChooser();
     this.#title = h(
       "button",
       {
@@ -121,8 +118,6 @@ export class PaneView {
       this.#chooser,
       this.#body,
     );
-    dragPane(head, id);
-    dropPanes(this.element, (dropped, side) => changes.move(dropped, id, side));
   }
 
   /** The settings of its panel, or those that the panel will get. */
@@ -153,7 +148,7 @@ export class PaneView {
   update(graph: Graph | null): void {
     if (!this.#chooser.hidden) this.#offers?.show(graph);
     if (this.view === "") {
-      if (this.#chooser.hidden) this.#toggleChooser(graph);
+      if (this.#chooser.hidden) this.#toggleChooser();
       return;
     }
     const type = graph === null ? undefined : this.#kind?.typeOf(graph, this.name);
@@ -208,33 +203,38 @@ export class PaneView {
 
   // The choice of another view.
 
-  #toggleChooser(graph: Graph | null): void {
+  #toggleChooser(): void {
     // A pane without a view has nothing else to show.
     this.#chooser.hidden = this.view !== "" && !this.#chooser.hidden;
     const isOpen = !this.#chooser.hidden;
     this.#body.hidden = isOpen;
     this.#title.setAttribute("aria-expanded", String(isOpen));
-    if (isOpen) this.#offer(graph);
+    if (isOpen) void this.#offer();
     this.#showPanel();
   }
 
   /** Show the panel again, if there is one; returns whether it was hidden by the choice. */
   #closeChooser(): boolean {
     if (this.view === "" || this.#chooser.hidden) return false;
-    this.#toggleChooser(null);
+    this.#toggleChooser();
     this.#title.focus();
     return true;
   }
 
-  #offer(graph: Graph | null): void {
+  async #offer(): Promise<void> {
+    const { Chooser, moveForm } = await import("./chooser");
+    if (this.#chooser.hidden) return;
     const { id } = this;
     const choose = ({ view, name }: Choice): void => this.#changes.choose(id, view, name);
     this.#offers = new Chooser(this, this.#context.hub.canPublish, choose);
-    this.#offers.show(graph);
+    this.#offers.show(this.#context.model.graph.value);
     replace(
       this.#chooser,
       this.#offers.element,
-      this.#moveForm(),
+      moveForm(this.#changes.others(id), (at, side) => {
+        this.#changes.move(id, at, side);
+        this.#closeChooser();
+      }),
       h(
         "div",
         { class: "pane-splits offered" },
@@ -242,33 +242,6 @@ export class PaneView {
           h("button", { type: "button", onclick: () => this.#changes.split(this.id, side) }, label),
         ),
       ),
-    );
-  }
-
-  #moveForm(): HTMLElement | null {
-    const others = this.#changes.others(this.id);
-    if (others.length === 0) return null;
-    const side = h(
-      "select",
-      { "aria-label": "Side" },
-      ...SIDES.map((each) => h("option", { value: each }, each.replace(/t$/, "t of"))),
-    );
-    const at = h(
-      "select",
-      { "aria-label": "Panel", class: "grow" },
-      ...others.map(({ id, title }) => h("option", { value: id }, title)),
-    );
-    const onsubmit = (event: Event): void => {
-      event.preventDefault();
-      this.#changes.move(this.id, Number(at.value), side.value as Side);
-      this.#closeChooser();
-    };
-    return h(
-      "form",
-      { class: "toolbar pane-move", onsubmit },
-      side,
-      at,
-      h("button", { type: "submit" }, "Move"),
     );
   }
 }

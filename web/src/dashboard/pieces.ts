@@ -242,3 +242,5 @@ export async function publishPanel(
   const element = h("div", { class: "form-pane" }, form.element);
   return { element, show: () => undefined, hide: () => form.close() };
 }
+
+export { tabPanel } from "./tab_panel";

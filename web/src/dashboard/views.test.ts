@@ -12,7 +12,7 @@ it("views have the ids of layouts that are saved somewhere", () => {
   expect(VIEWS.map(({ name }) => name)).toEqual([
     ...["image", "map", "diagnostics", "transforms", "playback", "teleop", "joints", "attitude"],
     ...["battery", "position", "3d", "plot", "transitions", "raw", "publish", "action", "service"],
-    ...["console", "graph", "topics", "services", "actions", "parameters", "reconfigure"],
+    ...["console", "graph", "topics", "services", "parameters", "reconfigure"],
   ]);
 });
 

@@ -3,10 +3,12 @@ import { isHidden } from "../hidden_names";
 import type { Graph } from "../model";
 import { KINDS } from "../panels/kinds";
 import type { Config, Panel } from "../panels/panel";
-import { TYPE as RECONFIGURE } from "../reconfigure/configuration";
 import type { MakeView } from "../view";
 import type { Context } from "./context";
 import { currentName } from "./view_names";
+
+/** The type of the service of a server of dynamic_reconfigure. */
+const RECONFIGURE = "dynamic_reconfigure/Reconfigure";
 
 export interface ViewKind {
   /** Its name in layouts, which stays. */
@@ -43,13 +45,16 @@ const PANELS: readonly ViewKind[] = KINDS.map(({ id, label, types, publishes, lo
   };
 });
 
+function typeOfTopic({ topics }: Graph, name: string): string | undefined {
+  return topics.find((topic) => topic.name === name)?.type || undefined;
+}
+
 const PIECES: readonly ViewKind[] = [
   {
     name: "plot",
     label: "Plot",
     offers: ({ topics }) => ["", ...shown(topics)],
-    typeOf: ({ topics }, name) =>
-      name === "" ? "" : topics.find((topic) => topic.name === name)?.type || undefined,
+    typeOf: (graph, name) => (name === "" ? "" : typeOfTopic(graph, name)),
     make: async (context, name, type, config) =>
       (await import("./pieces")).plotPanel(context, name, type, config),
   },
@@ -57,8 +62,7 @@ const PIECES: readonly ViewKind[] = [
     name: "transitions",
     label: "State transitions",
     offers: ({ topics }) => ["", ...shown(topics)],
-    typeOf: ({ topics }, name) =>
-      name === "" ? "" : topics.find((topic) => topic.name === name)?.type || undefined,
+    typeOf: (graph, name) => (name === "" ? "" : typeOfTopic(graph, name)),
     make: async (context, name, type, config) =>
       (await import("./pieces")).transitionsPanel(context, name, type, config),
   },
@@ -66,7 +70,7 @@ const PIECES: readonly ViewKind[] = [
     name: "raw",
     label: "Raw messages",
     offers: ({ topics }) => shown(topics),
-    typeOf: ({ topics }, name) => topics.find((topic) => topic.name === name)?.type || undefined,
+    typeOf: typeOfTopic,
     make: async (context, name, type) => (await import("./pieces")).echoPanel(context, name, type),
   },
   {
@@ -74,7 +78,7 @@ const PIECES: readonly ViewKind[] = [
     label: "Publish",
     publishes: true,
     offers: ({ topics }) => shown(topics.filter(({ type }) => type !== "")),
-    typeOf: ({ topics }, name) => topics.find((topic) => topic.name === name)?.type || undefined,
+    typeOf: typeOfTopic,
     make: async (context, name, type) =>
       (await import("./pieces")).publishPanel(context, name, type),
   },
@@ -129,13 +133,6 @@ const TABS: readonly ViewKind[] = [
     () => import("../services/view"),
   ),
   tab(
-    "actions",
-    "Actions",
-    true,
-    ({ actions }) => actions.length > 0,
-    () => import("../actions/view"),
-  ),
-  tab(
     "parameters",
     "Parameters",
     true,
@@ -165,7 +162,7 @@ function tab(
     offers: (graph) => (isThere(graph) ? [""] : []),
     typeOf: () => "",
     make: async (context, _name, _type, config) => {
-      const [{ makeView }, { tabPanel }] = await Promise.all([load(), import("./tab_panel")]);
+      const [{ makeView }, { tabPanel }] = await Promise.all([load(), import("./pieces")]);
       return tabPanel(makeView, name, context, config);
     },
   };

@@ -10,11 +10,9 @@ import type { Recording } from "./recording";
 
 const BAG = "#ROSBAG V2.0\n";
 const MCAP = "\x89MCAP0\r\n";
-/** In a folder of rosbag2: what is said of its files, and these, which may be compressed as a whole. */
+/** In a folder of rosbag2: what is said of its files, and these. */
 const METADATA = "metadata.yaml";
-const RECORDING = /\.(bag|mcap)(\.zstd)?$/;
-const ZSTD = ".zstd";
-const MAX_COMPRESSED = 512 * 2 ** 20;
+const RECORDING = /\.(bag|mcap)$/;
 
 export class RecordedMessages implements Messages {
   readonly player: Player;
@@ -89,18 +87,9 @@ async function filesOf(origin: Origin): Promise<{ files: Ranges[]; warnings: str
   const found = recordings.length > 0 ? recordings : files;
   if (found.length === 0) throw new Error(`${origin.name} has no recording: expected MCAP files`);
   return {
-    files: await Promise.all(found.map(rangesOf)),
+    files: found.map((file) => new FileRanges(file, file.name)),
     warnings: others.map((name) => `${name} is missing, or no MCAP file`),
   };
-}
-
-async function rangesOf(file: File): Promise<Ranges> {
-  if (!file.name.endsWith(ZSTD)) return new FileRanges(file, file.name);
-  if (file.size > MAX_COMPRESSED)
-    throw new Error(`${file.name} is compressed as a whole, and larger than 512 MiB`);
-  const { decompress } = await import("fzstd");
-  const bytes = decompress(new Uint8Array(await file.arrayBuffer()));
-  return new FileRanges(new Blob([bytes as Uint8Array<ArrayBuffer>]), file.name);
 }
 
 async function recordingOf(ranges: CountedRanges, warn: () => void): Promise<Recording> {

@@ -1,7 +1,7 @@
 /** Take what is plotted out of messages, in the worker. */
 import { resolve, valueAt } from "../element_names";
 import { numberText, secondsOf } from "../messages/values";
-import { type Constant, kindOf, parsePath, pathText, type Step, Types } from "../types";
+import { parsePath, pathText, type Step } from "../types";
 import { ABSENT, Expression, WAITING } from "./expression";
 import { exactParts, GAP } from "./ring_buffer";
 import type { Change, Piece, Wanted } from "./sample_messages";
@@ -97,10 +97,9 @@ class StateReader implements FieldReader {
   #isEmpty = true;
   #isNew = false;
 
-  constructor({ path, typedefs }: Wanted & { kind: "states" }) {
+  constructor({ path, names }: Wanted & { kind: "states" }) {
     this.#steps = parsePath(path) ?? [];
-    this.#nameOf =
-      typedefs.length === 0 ? () => undefined : namesOf(new Types(typedefs), this.#steps);
+    this.#nameOf = (value) => names.get(value);
   }
 
   get path(): string {
@@ -148,26 +147,4 @@ class StateReader implements FieldReader {
     const seconds = secondsOf(value);
     return seconds === undefined ? undefined : `${seconds} s`;
   }
-}
-
-/** The names of the values of a field, by the constants of its message. */
-function namesOf(types: Types, steps: readonly Step[]): (value: bigint) => string | undefined {
-  const fields = steps.filter((step) => typeof step === "string");
-  let owner = "";
-  let type = types.root;
-  for (const name of fields) {
-    owner = type;
-    type = types.field(owner, name)?.type ?? "";
-  }
-  if (kindOf(type) !== "integer") return () => undefined;
-  const all = types.constants(owner, type);
-  // Some messages have constants of several fields, which begin with the field's name then.
-  const prefix = `${fields.at(-1)?.toUpperCase()}_`;
-  const own = all.filter(({ name }) => name.startsWith(prefix));
-  const known = new Map<bigint, string>();
-  for (const { name, value } of (own.length > 0 ? own : all) as Constant[]) {
-    const key = BigInt(value);
-    if (!known.has(key)) known.set(key, own.length > 0 ? name.slice(prefix.length) : name);
-  }
-  return (value) => known.get(value);
 }

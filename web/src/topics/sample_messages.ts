@@ -1,12 +1,10 @@
 /** What the page and the worker say to each other about the fields that are plotted. */
-import type { TypeDef } from "../types";
-
 /** What is taken of each message. */
 export type Wanted =
   /** A number or an array, as an expression. */
   | { readonly kind: "curve"; readonly text: string }
-  /** A state: a boolean, a text, or an integer, which has the name of its constant if types are given. */
-  | { readonly kind: "states"; readonly path: string; readonly typedefs: readonly TypeDef[] };
+  /** A state: a boolean, a text, or an integer, some of which have names. */
+  | { readonly kind: "states"; readonly path: string; readonly names: ReadonlyMap<bigint, string> };
 
 /** From a time on, in seconds, the field had this state; `undefined` is a time without messages. */
 export interface Change {

@@ -1,5 +1,13 @@
 /** The states that a field has had: booleans, texts, and integers by the names of their constants. */
-import { parsePath, pathText, type TypeDef } from "../types";
+import {
+  type Constant,
+  kindOf,
+  parsePath,
+  pathText,
+  type Step,
+  type TypeDef,
+  Types,
+} from "../types";
 import type { Change, Piece, Wanted } from "./sample_messages";
 import type { Recorder } from "./sampler";
 
@@ -14,16 +22,17 @@ export class StateTrack implements Recorder {
   /** The states, in the order in which they first came; those of a text may be many. */
   readonly states = new Map<string, number>();
   path: string;
-  readonly #typedefs: readonly TypeDef[];
+  readonly #names: ReadonlyMap<bigint, string>;
 
   /** With types, integers are called by the names of their constants. */
   constructor(path: string, typedefs: readonly TypeDef[] = []) {
-    this.path = pathText(parsePath(path) ?? []);
-    this.#typedefs = typedefs;
+    const steps = parsePath(path) ?? [];
+    this.path = pathText(steps);
+    this.#names = typedefs.length === 0 ? new Map() : namesOf(new Types(typedefs), steps);
   }
 
   get wanted(): Wanted {
-    return { kind: "states", path: this.path, typedefs: this.#typedefs };
+    return { kind: "states", path: this.path, names: this.#names };
   }
 
   take({ path, changes = [] }: Piece): void {
@@ -69,4 +78,26 @@ export class StateTrack implements Recorder {
     this.changes.push({ time: Math.max(time, last?.time ?? -Infinity), state });
     if (this.changes.length > MAX_CHANGES) this.changes.splice(0, DISCARDED);
   }
+}
+
+/** The names of the values of a field, by the constants of its message. */
+function namesOf(types: Types, steps: readonly Step[]): ReadonlyMap<bigint, string> {
+  const fields = steps.filter((step) => typeof step === "string");
+  let owner = "";
+  let type = types.root;
+  for (const name of fields) {
+    owner = type;
+    type = types.field(owner, name)?.type ?? "";
+  }
+  if (kindOf(type) !== "integer") return new Map();
+  const all = types.constants(owner, type);
+  // Some messages have constants of several fields, which begin with the field's name then.
+  const prefix = `${fields.at(-1)?.toUpperCase()}_`;
+  const own = all.filter(({ name }) => name.startsWith(prefix));
+  const known = new Map<bigint, string>();
+  for (const { name, value } of (own.length > 0 ? own : all) as Constant[]) {
+    const key = BigInt(value);
+    if (!known.has(key)) known.set(key, own.length > 0 ? name.slice(prefix.length) : name);
+  }
+  return known;
 }
