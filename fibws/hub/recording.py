@@ -336,7 +336,7 @@ class Recording:
             done()
 
     def _ended(self) -> None:
-        """Take note that the recording is complete, or has failed."""
+        """Called when the recording is complete, or has failed."""
         self._past = self.totals()
         self._is_recording = False
         self._begun()

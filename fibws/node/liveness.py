@@ -24,7 +24,7 @@ class HubLiveness:
         self._looks = self._silent = 0
 
     def alive(self) -> None:
-        """Take note of a sign of life: the hub has sent something, or reads again."""
+        """Called at a sign of life: the hub has sent something, or reads again."""
         self._silent = 0
 
     def look(self) -> Literal["ping", "lost"] | None:

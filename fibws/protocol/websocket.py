@@ -313,7 +313,7 @@ class FrameParser:
         return self._view[self._filled :]
 
     def filled(self, size: int) -> None:
-        """Take note that ``size`` bytes were read into `buffer`."""
+        """Called when ``size`` bytes were read into `buffer`."""
         self._filled += size
         if self._filled == self._length:
             self.in_large = False
