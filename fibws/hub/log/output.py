@@ -33,7 +33,7 @@ class TextFormatter(logging.Formatter):
     def formatMessage(self, record: logging.LogRecord) -> str:
         """Return the line; other libraries' messages may have several."""
         if record.name.startswith("fibws"):
-            record.message = printable(record.message)
+            record.message = printable(_ended(record.message))
         level = "WARN" if record.levelno == logging.WARNING else record.levelname  # as in ROS
         return TEXT_FORMAT.format(level, record.created, record.message)
 
@@ -55,7 +55,7 @@ class JsonFormatter(logging.Formatter):
             "level": LEVELS.get(record.levelno, record.levelname.lower()),
             "logger": record.name,
             "event": getattr(record, "event", None),
-            "message": shortened(record.getMessage()),
+            "message": shortened(_ended(record.getMessage())),
         }
         for name, value in getattr(record, "fields", {}).items():
             line.setdefault(name, shortened(value) if isinstance(value, str) else value)
@@ -64,6 +64,11 @@ class JsonFormatter(logging.Formatter):
         if record.stack_info:
             line["stack"] = record.stack_info
         return json.dumps({name: value for name, value in line.items() if value not in ("", None)})
+
+
+def _ended(text: str) -> str:
+    """Return a text without the full stop behind an error that ends with a question."""
+    return text[:-1] if text.endswith("?.") else text
 
 
 def configure(log_format: str) -> None:

@@ -77,6 +77,12 @@ def test_any_text_stays_in_its_line_of_the_text_format(text: str, line: str) -> 
     assert TextFormatter().format(record).endswith(f"]: {line}")
 
 
+def test_question_ends_a_line_without_a_full_stop() -> None:
+    record = logging.LogRecord("fibws.hub", 30, "", 0, "%s.", ("did you mean allow?",), None)
+    assert TextFormatter().format(record).endswith(": did you mean allow?")
+    assert json.loads(JsonFormatter().format(record))["message"] == "did you mean allow?"
+
+
 def test_traceback_follows_the_line_of_the_text_format() -> None:
     try:
         raise ValueError("broken")
