@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import os
 import sys
 from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack
@@ -18,7 +19,7 @@ from fibws.errors import HubError, SettingError
 from fibws.hub import Hub, Settings
 from fibws.hub.__main__ import environment_settings
 from fibws.hub.listening import local_url
-from fibws.hub_address import page_url
+from fibws.hub_address import ENVIRONMENT, page_url
 from fibws.programs.broadcaster import broadcast
 from fibws.programs.demo_robot import robot_node
 from fibws.programs.listener import listen
@@ -55,6 +56,8 @@ async def demo(
                     raise HubError(error.named(str)) from None  # by its flags
                 raise
             click.echo(f"Using the hub that is running at {url}.")
+        if os.environ.get(ENVIRONMENT):
+            click.echo(f"The demo does not use {ENVIRONMENT}; --port chooses its hub.", err=True)
         click.echo(f"To see {page.format(page_url(url))} in a browser.")
         click.echo(introduction)
         await run(url)

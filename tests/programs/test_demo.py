@@ -59,6 +59,13 @@ async def test_invalid_setting_of_the_environment_is_an_error(start: Start) -> N
     assert "FIBWS_PORT must be between 0 and 65535, got 70000" in err
 
 
+async def test_address_of_another_hub_is_said_to_have_no_effect(
+    hub: HubServer, start: Start
+) -> None:
+    program = await start(*DEMO, "--port", str(hub.port), FIBWS_HUB="ws://robot:9090")
+    assert "does not use FIBWS_HUB" in await program.error_line()
+
+
 async def test_demo_uses_a_running_hub(hub: HubServer, start: Start) -> None:
     program = await start(*DEMO, "--port", str(hub.port))
     assert hub.url in await program.line()
