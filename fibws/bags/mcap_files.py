@@ -452,6 +452,8 @@ class McapReader(Reader):
             elif kind == _CHUNK_INDEX:
                 self.chunks.append(self._chunk_info(content))
         self.chunks = in_file_order(self.chunks)
+        if statistics is not None:
+            self.others = statistics.attachment_count + statistics.metadata_count
         if statistics is not None and self.chunks:
             self._counts = {
                 id_: count

@@ -68,6 +68,8 @@ class Reader(ABC):
     """Why connections are not in the encoding that was asked for, by their ids."""
     differences: Sequence[str] = ()
     """How types that were converted differ from those of the same names in ROS 1."""
+    others: int = 0
+    """How many attachments and records of metadata the file has, which are no messages."""
     notices: Sequence[str] = ()
     """Warnings for users: the file is being written, or was not closed."""
 

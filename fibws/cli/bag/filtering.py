@@ -101,6 +101,9 @@ def command(
                 if each.id not in reader.not_converted and (not topics or each.topic in topics)
             ]
             _report_conversion(reader, topics)
+            if original.others:
+                others = output.counted(original.others, "other record")
+                warn(f"{source} has {others} (attachments, metadata); only messages are copied")
             with (
                 open_writer(
                     new, _compression(reader, target), profile=_profile(copied), name=target

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import pytest
 import yaml
+from bags.test_mcap_files import write as write_with_attachment
 from click.testing import CliRunner, Result
 
 from fibws.bags import open_reader, open_writer
@@ -243,6 +244,14 @@ def test_filter_says_how_many_messages_passed(bag: Tool, path: Path) -> None:
     result = bag("filter", path, target, "topic == '/number' and m.data < 3")
     assert f"{target}: 3 of 102 messages" in result.stderr
     assert str(target) not in bag("filter", path, target, "True", "-q").stderr
+
+
+def test_filter_says_that_attachments_are_not_copied(bag: Tool, tmp_path: Path) -> None:
+    source, target = tmp_path / "it.mcap", tmp_path / "part.mcap"
+    write_with_attachment(source)
+    result = bag("filter", source, target, "True")
+    assert result.exit_code == 0
+    assert "has 2 other records (attachments, metadata)" in result.stderr
 
 
 def test_filter_changes_the_format(bag: Tool, path: Path) -> None:
