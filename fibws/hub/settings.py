@@ -40,6 +40,13 @@ _NEEDED = {
     "zenoh_config": ("zenoh", "zenoh_listen"),
     "domain": ("zenoh", "zenoh_listen"),
     "ros2_domain": ("ros2", "ros2_connect"),
+    **dict.fromkeys(
+        (
+            *("record_at_start", "record_mcap", "record_compression", "record_size"),
+            *("record_duration", "record_files", "record_min_space", "record_buffer"),
+        ),
+        ("record",),
+    ),
 }
 """Settings that have no effect unless one of others is there."""
 

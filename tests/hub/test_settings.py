@@ -130,27 +130,44 @@ def test_error_has_the_name_of_the_argument(setting: Field[Any]) -> None:
     assert str(error) == f"Settings({setting.name}=...) must be small"
 
 
+OTHERS: dict[str, Any] = {
+    "tokens": Path("tokens.toml"),
+    "join": ("ws://lab",),
+    "zenoh": ("auto",),
+    "ros1": 0,
+    "ros2": ("tcp/robot:7447",),
+    "record": Path("recordings"),
+}
+"""Settings without which some have no effect."""
+VALUES: dict[str, Any] = {
+    "auth_timeout": 1.0,
+    "ros1_allow": ("10.0.0.0/8",),
+    "ros1_state": Path("file"),
+    "join_prefix": "/robot",
+    "join_export": ("/a",),
+    "join_import": ("/a",),
+    "zenoh_config": Path("file"),
+    "domain": "lab",
+    "ros2_domain": 7,
+    "record_at_start": False,
+    "record_mcap": True,
+    "record_compression": "lz4",
+    "record_size": 5,
+    "record_duration": 60.0,
+    "record_files": 3,
+    "record_min_space": 5,
+    "record_buffer": 5,
+}
+
+
 @pytest.mark.parametrize("name", _NEEDED)
 def test_setting_that_needs_another_is_told_from_one_that_has_an_effect(name: str) -> None:
-    others: dict[str, Any] = {
-        "tokens": Path("tokens.toml"),
-        "join": ("ws://lab",),
-        "zenoh": ("auto",),
-        "ros1": 0,
-        "ros2": ("tcp/robot:7447",),
-    }
-    value = {"auth_timeout": 1.0, "ros2_domain": 7, "domain": "lab"}.get(name, "/robot")
-    values: dict[str, Any] = {name: value}
-    if name in ("ros1_allow", "join_export", "join_import"):
-        values = {name: ("10.0.0.0/8",) if name == "ros1_allow" else ("/a",)}
-    if name in ("ros1_state", "zenoh_config"):
-        values = {name: Path("file")}
+    values = {name: VALUES[name]}
     assert Settings().without_effect() == []
     [error] = Settings(**values).without_effect()
-    flags = str(error)
-    needed = next(each for each in others if each in _NEEDED[name])
-    assert f"{name}=" in flags and f"{needed}=" in flags
-    assert Settings(**values, **{needed: others[needed]}).without_effect() == []
+    needed = next(each for each in OTHERS if each in _NEEDED[name])
+    assert f"{name}=" in str(error) and f"{needed}=" in str(error)
+    assert Settings(**values, **{needed: OTHERS[needed]}).without_effect() == []
 
 
 @pytest.mark.parametrize(
