@@ -584,8 +584,10 @@ def command(
     if not all(map(math.isfinite, (start, duration or 0.0, others["rate"]))):
         raise click.UsageError("--start, --duration and --rate must be finite numbers")
     with ExitStack() as stack:
-        readers = []
+        readers = list[Reader]()
         for path in paths:
+            if not os.path.lexists(path) and path.lstrip("/") in _topics_of(readers):
+                raise click.UsageError(f"no file is named {path}; write --topics before topics")
             reader = stack.enter_context(open_bag(path))
             node.log.info("Opening %s", path)
             readers.append(with_encoding(reader, ROS1))
@@ -626,11 +628,16 @@ def _without_slashes(topics: Iterable[str]) -> frozenset[str]:
     return frozenset(topic.lstrip("/") for topic in topics)
 
 
+def _topics_of(readers: Iterable[Reader]) -> frozenset[str]:
+    """Return the names of all topics of bags, as `PlayOptions` has them."""
+    return _without_slashes(each.topic for reader in readers for each in reader.connections)
+
+
 def _check_known(option: str, topics: Iterable[str], readers: Sequence[Reader]) -> None:
     """Raise a UsageError for a topic that none of the bags has."""
     known = {each.topic for reader in readers for each in reader.connections}
     for topic in topics:
-        if topic.lstrip("/") not in _without_slashes(known):
+        if topic.lstrip("/") not in _topics_of(readers):
             wanted = f"/{topic.lstrip('/')}"
             fault = f"the bags have no topic {wanted}{suggestion(wanted, known)}"
             raise click.UsageError(f"{option}: {fault}; they have {', '.join(sorted(known))}")

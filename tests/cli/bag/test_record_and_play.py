@@ -622,6 +622,7 @@ def test_topics_of_the_hub_itself_are_left_out(run: Run, tmp_path: Path) -> None
         (("{bag}", "--topics", "/none"), 2, "no topic /none; they have /n"),
         (("{bag}", "--topics", "/n", "/none"), 2, "--topics: the bags have no topic /none"),
         (("{bag}", "--pause-topics", "/none"), 2, "--pause-topics: the bags have no topic /none"),
+        (("{bag}", "/n"), 2, "no file is named /n; write --topics before topics"),
         (("--topics", "/n", "{bag}"), 2, "name it before the options"),
     ],
 )
