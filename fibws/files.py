@@ -103,7 +103,7 @@ def replacing(path: Path, *, backup: Path | None = None) -> Iterator[Path]:
         BlockingIOError: a program writes the old file; see `open_to_write`.
         OSError: it cannot be written, or its owner cannot be kept.
     """
-    path = Path(os.path.realpath(path))
+    given, path = path, Path(os.path.realpath(path))
     check_not_written(path)
     new = path.with_name(f".{path.stem}.{os.getpid()}.{os.urandom(4).hex()}{path.suffix}")
     try:
@@ -116,7 +116,7 @@ def replacing(path: Path, *, backup: Path | None = None) -> Iterator[Path]:
         os.replace(new, path)
     except BaseException as error:
         if isinstance(error, OSError) and error.filename == os.fspath(new):
-            error.filename = os.fspath(path)  # The new file's name means nothing to anybody.
+            error.filename = os.fspath(given)  # The new file's name means nothing to anybody.
         with suppress(OSError):
             new.unlink(missing_ok=True)
         raise

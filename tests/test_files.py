@@ -151,6 +151,13 @@ def test_block_that_fails_leaves_the_old_file(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_error_has_the_name_that_was_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FileNotFoundError) as found, replacing(Path("none/it.bag")) as new:
+        new.write_bytes(b"new")
+    assert found.value.filename == str(Path("none/it.bag"))
+
+
 def test_backup_where_files_have_no_second_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
