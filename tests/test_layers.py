@@ -74,7 +74,7 @@ BELOW = {
     "examples": {*NODE, *CLASSES, "cli"},
     "cli": {*NODE, *LOWEST, "bags", "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"}
-    | {"bag_recorder", "srv"},
+    | {"bag_recorder", "exit_signals", "srv"},
 }
 """The parts of fibws that each part may import, besides itself."""
 

@@ -1,8 +1,9 @@
-"""Exit codes and one-line errors: Ctrl-C, a closed pipe (``| head``), errors of fibws."""
+"""Exit codes and one-line errors: signals, a closed pipe (``| head``), errors of fibws."""
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ import click
 
 from fibws.cli.output import visible
 from fibws.errors import AccessDenied, FibwsError, HubLimitReached, InvalidValue
+from fibws.exit_signals import exit_signals
 
 INTERRUPTED = 130
 """The exit code after Ctrl-C, as in shells: 128 + SIGINT."""
@@ -57,6 +59,21 @@ def clean_exit(*, endless: bool = False) -> Iterator[None]:
             _discard_output()
         where = f"{error.filename}: " if error.filename is not None else ""
         raise click.ClickException(visible(f"{where}{error.strerror or error}")) from None
+
+
+@contextmanager
+def exit_on_signals() -> Iterator[None]:
+    """Raise SystemExit at SIGTERM and SIGHUP, so that what the block has begun is undone."""
+
+    def exit_(number: int, frame: object) -> None:
+        raise SystemExit(128 + number)  # As shells report it.
+
+    earlier = {each: signal.signal(each, exit_) for each in exit_signals() if each != signal.SIGINT}
+    try:
+        yield
+    finally:
+        for number, handler in earlier.items():
+            signal.signal(number, handler)
 
 
 def end_line() -> None:

@@ -17,7 +17,7 @@ from fibws.cli import output
 from fibws.cli.bag.bag_messages import BagMessage, BagType, check_new_name, open_bag, warn
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
-from fibws.cli.exit_handling import clean_exit
+from fibws.cli.exit_handling import clean_exit, exit_on_signals
 from fibws.errors import BagError, InvalidValue
 from fibws.files import replacing
 from fibws.suggestions import suggestion
@@ -91,7 +91,7 @@ def command(
             if encoding == CDR:
                 raise click.UsageError("--encoding cdr needs an OUTBAG that ends in .mcap.")
             encoding = ROS1
-        with open_bag(source) as original, replacing(target) as new:
+        with exit_on_signals(), open_bag(source) as original, replacing(target) as new:
             _check_topics(topics, original)
             _check_times(start, end, original)
             reader = original if encoding is None else with_encoding(original, encoding)

@@ -20,7 +20,7 @@ from fibws.cli import output
 from fibws.cli.bag.filtering import Copy
 from fibws.cli.bag.progress import Progress
 from fibws.cli.common_options import examples
-from fibws.cli.exit_handling import clean_exit
+from fibws.cli.exit_handling import clean_exit, exit_on_signals
 from fibws.command_names import command_name
 from fibws.errors import BagError
 from fibws.files import replacing
@@ -155,7 +155,11 @@ def _rewrite(
                     f"Skipping {path}. Backup path {backup} already exists; --force overwrites it."
                 )
             backup = None  # The new file has the same messages.
-    with replacing(target, backup=backup) as new, Progress(target, quiet=quiet) as progress:
+    with (
+        exit_on_signals(),
+        replacing(target, backup=backup) as new,
+        Progress(target, quiet=quiet) as progress,
+    ):
         rewrite(path, new, progress)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
@@ -15,6 +16,7 @@ from click.testing import CliRunner, Result
 
 from fibws.bags import open_reader, open_writer
 from fibws.cli.commands import command
+from fibws.exit_signals import exit_signals
 from fibws.interfaces import Interfaces
 from fibws.interfaces.serialization import Serializers
 
@@ -252,6 +254,30 @@ def test_filter_says_that_attachments_are_not_copied(bag: Tool, tmp_path: Path) 
     result = bag("filter", source, target, "True")
     assert result.exit_code == 0
     assert "has 2 other records (attachments, metadata)" in result.stderr
+
+
+@pytest.mark.parametrize("number", [each for each in exit_signals() if each != signal.SIGINT])
+@pytest.mark.parametrize("words", [("filter", "{bag}", "{new}", "True"), ("compress", "{bag}")])
+def test_signal_leaves_the_folder_as_it_was(
+    bag: Tool,
+    path: Path,
+    words: tuple[str, ...],
+    number: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before = {each: each.read_bytes() for each in path.parent.iterdir()}
+
+    def run(*arguments: object, **others: object) -> None:
+        signal.raise_signal(number)
+        raise AssertionError("it went on")
+
+    monkeypatch.setattr("fibws.cli.bag.filtering.Copy.run", run)
+    monkeypatch.setattr("fibws.cli.bag.rewriting.rewrite_mcap", run)
+    new = path.with_name(f"new{path.suffix}")
+    result = bag(*(each.format(bag=path, new=new) for each in words))
+    assert result.exit_code == 128 + number
+    assert {each: each.read_bytes() for each in path.parent.iterdir()} == before
+    assert signal.getsignal(number) == signal.SIG_DFL
 
 
 def test_filter_changes_the_format(bag: Tool, path: Path) -> None:
