@@ -359,10 +359,8 @@ export class Player {
 
   #report(): void {
     clearTimeout(this.#timer);
-    const { bytes } = this.#store;
+    const { start, bytes } = this.#store;
     const [isLive, speed, end] = [this.#isLive, this.#speed, this.#end];
-    // Nothing was kept so far.
-    const start = this.#store.end === 0 ? end : this.#store.start;
     const time = isLive ? end : this.#now();
     const playback = { isLive, speed, start, end, bytes, time, search: this.#search };
     this.#post({ kind: "clock", playback });
