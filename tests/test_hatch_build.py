@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[1]
 WEB = ROOT / hatch_build.SOURCES
 MANIFEST = json.loads((WEB / "package.json").read_text())
 PACKAGES = json.loads((WEB / "package-lock.json").read_text())["packages"]
-LIMIT = 360 * 1024
+LIMIT = 364 * 1024
 """Of all files but `FOR_OTHERS`; most are fetched when what they show is first opened."""
 FOR_OTHERS = {"roslib.mjs", LICENSES}
 """The files that the page itself does not fetch."""

@@ -6,11 +6,6 @@ export interface Files {
   readonly files: readonly File[];
 }
 
-/** What was dropped; it must be asked for at once, and is read afterwards. */
-export function entriesOf(data: DataTransfer): (FileSystemEntry | File)[] {
-  return [...data.items].flatMap((item) => item.webkitGetAsEntry() ?? item.getAsFile() ?? []);
-}
-
 export async function filesOf(entries: readonly (FileSystemEntry | File)[]): Promise<Files> {
   const files: File[] = [];
   for (const entry of entries) {

@@ -2,10 +2,9 @@
 import { loadRoslib, offerConsole } from "./browser_console";
 import { connectionProblem } from "./connection_problem";
 import { h, replace } from "./dom";
-import { entriesOf, filesOf } from "./dropped_files";
 import { isHidden } from "./hidden_names";
 import { Hub, hubUrl, splitToken } from "./hub";
-import { Login, loginForm } from "./login";
+import { Login } from "./login";
 import type { Origin } from "./messages/recording_messages";
 import { HubModel } from "./model";
 import { Navigation, staticView } from "./navigation";
@@ -30,8 +29,13 @@ document.addEventListener("dragover", (event) => {
 document.addEventListener("drop", (event) => {
   if (!event.dataTransfer?.types.includes("Files")) return;
   event.preventDefault();
-  const entries = entriesOf(event.dataTransfer);
-  void filesOf(entries).then(open, (error) => console.error(error));
+  // They must be asked for at once, and are read afterwards.
+  const entries = [...event.dataTransfer.items].flatMap(
+    (item) => item.webkitGetAsEntry() ?? item.getAsFile() ?? [],
+  );
+  void import("./dropped_files")
+    .then(({ filesOf }) => filesOf(entries))
+    .then(open, (error) => console.error(error));
 });
 
 /** Show a recording. */
@@ -48,7 +52,13 @@ function start(address: string): void {
   const login = new Login(hub);
   const model = new HubModel(hub);
   const shell = new Shell(hub, model, login, open);
-  shell.stage.before(connectionProblem(hub), loginForm(hub, login));
+  shell.stage.before(connectionProblem(hub));
+  let isAsked = false;
+  hub.denied.watch((why) => {
+    if (why === "" || isAsked) return;
+    isAsked = true;
+    void import("./login_form").then(({ loginForm }) => shell.stage.before(loginForm(hub, login)));
+  });
   void login.identify();
   const steps = h(
     "section",

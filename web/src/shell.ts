@@ -9,7 +9,7 @@ import { hertz } from "./format";
 import { applicationLink, FOXGLOVE } from "./foxglove";
 import { isHidden } from "./hidden_names";
 import type { Hub, State } from "./hub";
-import { account, type Login } from "./login";
+import type { Login } from "./login";
 import type { Graph, Model, Rates } from "./model";
 import { openButton } from "./open_button";
 import { route } from "./view";
@@ -102,7 +102,7 @@ export class Shell {
         "div",
         { id: "tools" },
         this.#bags,
-        account(hub, login),
+        accountPlace(hub, login),
         openButton(open),
         applicationLink(FOXGLOVE, hub.url, "Foxglove"),
         h(
@@ -246,4 +246,16 @@ function logo(): SVGElement {
     svg("circle", { cx: 16, cy: 16, r: 6, stroke: "none" }),
     ...ends.map(([cx, cy]) => svg("circle", { cx, cy, r: 4, stroke: "none" })),
   );
+}
+
+/** Who the page is, once the hub has said it. */
+function accountPlace(hub: Hub, login: Login): HTMLElement {
+  const place = h("div", {});
+  let isNamed = false;
+  login.who.watch((who) => {
+    if (isNamed || !who?.name) return;
+    isNamed = true;
+    void import("./login_form").then(({ account }) => place.replaceWith(account(hub, login)));
+  });
+  return place;
 }
