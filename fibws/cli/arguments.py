@@ -45,6 +45,8 @@ def spread(words: Iterable[str], options: Collection[str]) -> list[str]:
         if word in options:
             option = word
             without_value[option] = None
+        elif ":=" in word:  # roslaunch ends a program's arguments with remappings.
+            plain.append(word)
         elif option and not word.startswith("-"):
             plain += [option, word]
             without_value.pop(option, None)

@@ -45,6 +45,7 @@ def test_unknown_option_is_an_error(word: str) -> None:
     ("typed", "plain"),
     [
         ("x -s a b -v y", "x -s a -s b -v y"),
+        ("-s a __name:=n b", "-s a __name:=n -s b"),
         ("-s a -b c d", "-s a -b c -b d"),
         ("-s a -s b", "-s a -s b"),
         ("-s -v", "-v -s"),
