@@ -361,7 +361,7 @@ class NoHub(HubUnreachable):
 
     @property
     def remedy(self) -> str:
-        """What to do about it."""
+        """Advice for the user."""
         return advice(self.url)
 
 
@@ -387,7 +387,7 @@ class AccessDenied(HubUnreachable):
     """The hub refuses a client: the token, its rights or the hub's limits must change first."""
 
     remedy = ""
-    """What to do about it."""
+    """Advice for the user."""
 
     def __init__(self, url: str, cause: str, remedy: str = "") -> None:
         super().__init__(url, cause)

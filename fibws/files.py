@@ -230,7 +230,7 @@ def wait_for_write_lock(path: str | os.PathLike[str], byte: int) -> bool:
 
 
 def _locks(path: str | os.PathLike[str]) -> Iterator[list[str]]:
-    """Yield the lines of /proc/locks on a file, as words; nothing where there are none."""
+    """Yield the words of each line of /proc/locks about a file; nothing without /proc."""
     try:
         inode = str(os.stat(path).st_ino)
         lines = Path("/proc/locks").read_text(encoding="ascii").splitlines()

@@ -87,7 +87,7 @@ def _with_type_of(connection: Connection, other: Connection) -> Connection:
 
 
 class Restored(NamedTuple):
-    """What was found in a damaged bag."""
+    """The damage that was found in a bag."""
 
     messages: int
     lost: int

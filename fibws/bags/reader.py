@@ -69,7 +69,7 @@ class Reader(ABC):
     differences: Sequence[str] = ()
     """How types that were converted differ from those of the same names in ROS 1."""
     others: int = 0
-    """How many attachments and records of metadata the file has, which are no messages."""
+    """The number of attachments and metadata records in the file."""
     notices: Sequence[str] = ()
     """Warnings for users: the file is being written, or was not closed."""
 

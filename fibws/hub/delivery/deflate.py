@@ -80,7 +80,7 @@ class Deflater:
         return _shorter(made, frame)
 
     def admit(self, frame: bytes) -> bool:
-        """Count a frame that is to wait; return False if there is no room for it."""
+        """Count a frame that will wait; return False if it does not fit."""
         if self._ahead >= MOST_AHEAD or self.held + len(frame) > self._most_held:
             return False
         self.held += len(frame)
